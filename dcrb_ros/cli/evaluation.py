@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from dcrb_ros.diagnosis.parameters import DetectorParameters
     from dcrb_ros.exam.evaluation import Candidate
     from dcrb_ros.exam.exam_file import Exam
+    from dcrb_ros.exam.limits import Limits
     from dcrb_ros.exam.report import Report
     from dcrb_ros.recordings.reader import Recording
 
@@ -34,6 +35,8 @@ class DetectorOptions(NamedTuple):
     """Recorded over wall time; 0 for as fast as the node answers [-]."""
     patience: float
     """Wall time that the node may take to start [s]."""
+    limits: Limits
+    """Limits of a Python class in one scenario."""
     given_name: str
     """Name in the report; empty for its command, its class or its parameters."""
 
@@ -59,9 +62,9 @@ class DetectorOptions(NamedTuple):
 
             return ExternalDetector(self.node, name=self.name, rate=self.rate, patience=self.patience)
         if self.python is not None:
-            from dcrb_ros.exam.plugin import plugin_detector
+            from dcrb_ros.exam.plugin_process import ProcessDetector
 
-            return plugin_detector(self.python, self.name)
+            return ProcessDetector(self.name, self.python, self.limits)
         from dcrb_ros.exam.detector_run import shipped_detector
 
         return shipped_detector(self.parameters, self.name)
@@ -71,11 +74,12 @@ def evaluate_measured_folder(folder: Path, options: DetectorOptions, speed: str,
     """Return the report of measured recordings."""
     from dcrb_ros.exam.evaluation import evaluate
     from dcrb_ros.exam.measured import ShippedOnce, led_scenarios, whole_scenarios
-    from dcrb_ros.exam.plugin import plugin_detector
+    from dcrb_ros.exam.plugin_process import ProcessDetector
 
     progress = partial(progress_of, quiet=quiet)
     if options.python is not None:
-        return evaluate(plugin_detector(options.python, options.name), led_scenarios(folder, speed), workers=workers, progress=progress)
+        candidate = ProcessDetector(options.name, options.python, options.limits)
+        return evaluate(candidate, led_scenarios(folder, speed), workers=workers, progress=progress)
     return evaluate(ShippedOnce(options.name, options.parameters), whole_scenarios(folder, speed), workers=workers, progress=progress)
 
 

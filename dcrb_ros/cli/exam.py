@@ -90,22 +90,25 @@ def verify(
     from dcrb_ros.exam.case import scenarios_hash
     from dcrb_ros.exam.entry import read_entry
     from dcrb_ros.exam.sealing import commitment, open_exam, read_sealed, read_secret
+    from dcrb_ros.exam.verification import differences
     from dcrb_ros.runtime.version import __version__
+    from dcrb_ros.schema.printable import printable
 
     exam, seed = read_sealed(sealed), read_secret(secret)
     if commitment(exam.template, seed) != exam.sealed:
         print(f"{sealed}: DOES NOT AGREE, it was not sealed with this secret or has been changed since")
         raise typer.Exit(1)
     print(f"{sealed}: agrees with the secret")
-    digest = scenarios_hash(open_exam(exam, seed, str(sealed)).exam.cases)
+    drawn = open_exam(exam, seed, str(sealed)).exam
+    digest = scenarios_hash(drawn.cases)
     agree = digest == exam.scenarios_sha256
     reason = "" if agree else f", the scenarios of dcrb_ros {__version__} are not those of dcrb_ros {exam.dcrb_ros}, which sealed it"
     print(f"scenarios: {'agree' if agree else 'DO NOT AGREE'}{reason}")
     for path in entries or ():
-        entry = read_entry(path)
-        same = entry.sealed_sha256 == exam.sealed and entry.scenarios_sha256 == exam.scenarios_sha256
-        agree = agree and same
-        print(f"{path}: {'agrees' if same else 'DOES NOT AGREE, it was made with other scenarios'}")
+        flaws = list(differences(read_entry(path), drawn))
+        agree = agree and not flaws
+        more = f" (and {len(flaws) - 1} more)" if len(flaws) > 1 else ""
+        print(f"{path}: {f'DOES NOT AGREE, {printable(flaws[0])}{more}' if flaws else 'agrees'}")
     if not agree:
         raise typer.Exit(1)
 

@@ -19,6 +19,7 @@ from dcrb_ros.schema.refusal import Refusal
 
 if TYPE_CHECKING:
     from dcrb_ros.exam.exam_file import Exam
+    from dcrb_ros.exam.limits import Limits
 
 
 def score(
@@ -49,6 +50,13 @@ def score(
         float, typer.Option(help="Recorded over wall time with --node [-], 0 to 1000; 0 sends the signal as fast as the node answers.")
     ] = 0.0,
     patience: Annotated[float, typer.Option(help="Wall time that the node may take to start [s], above 0 and up to 3600.")] = 30.0,
+    block_limit: Annotated[
+        float, typer.Option(help="Wall time that the class of --python may take for a block [s], above 0 and up to 3600.")
+    ] = 60.0,
+    scenario_limit: Annotated[
+        float, typer.Option(help="Wall time that it may take for a scenario beyond the recorded time [s], above 0 and up to 1e6.")
+    ] = 600.0,
+    memory_limit: Annotated[int, typer.Option(help="Memory that it may use [MiB], 256 to 1048576.")] = 4096,
     only: Annotated[str, typer.Option(help="Pattern of scenario names, such as 'outer/*'; their twins are included. Default: all.")] = "",
     recordings: Annotated[
         Path | None, typer.Option(help="Folder that keeps the exam's recordings. Default: a folder in the user's cache.")
@@ -73,10 +81,11 @@ def score(
         _check_measured(given, node, speed, other=bool(only or show or recordings or reference))
     else:
         _check(given, rate, patience, node, detector, reference)
-    _check_python(python, node, detector, reference)
+    limits = _limits(block_limit, scenario_limit, memory_limit)
+    _check_python(python, node, detector, reference, limits)
     count = worker_count(workers)
     check_files(junit, figure, entry)
-    options = DetectorOptions(node, python, detector, rate, patience, name)
+    options = DetectorOptions(node, python, detector, rate, patience, limits, name)
     bags = [source for source in given if _is_recording(Path(source))]
     if bags and len(bags) < len(given):
         exam_given = next(source for source in given if source not in bags)
@@ -130,16 +139,27 @@ def _check_measured(given: Sequence[str], node: str | None, speed: str, *, other
         raise Refusal(f"--speed {speed} is unknown: give {' or '.join(SPEEDS)}")
 
 
-def _check_python(python: str | None, node: str | None, detector: Path | None, reference: bool) -> None:
+def _limits(block: float, scenario: float, memory: int) -> Limits:
+    from dcrb_ros.exam.limits import Limits
+
+    for option, seconds, most in (("--block-limit", block, 3600.0), ("--scenario-limit", scenario, 1e6)):
+        if not (math.isfinite(seconds) and 0.0 < seconds <= most):
+            raise Refusal(f"{option} {seconds} s is outside 0 .. {most:g} s: give the wall time that the detector may take")
+    if not 256 <= memory <= 1 << 20:
+        raise Refusal(f"--memory-limit {memory} MiB is outside 256 .. {1 << 20} MiB: give the memory that the detector may use")
+    return Limits(block, scenario, memory)
+
+
+def _check_python(python: str | None, node: str | None, detector: Path | None, reference: bool, limits: Limits) -> None:
     """Refuse a second detector beside a Python class, and a class that cannot be loaded."""
     if python is None:
         return
     other = "--node" if node is not None else "--detector" if detector is not None else "--reference" if reference else ""
     if other:
         raise Refusal(f"--python and {other} name two detectors: evaluate them one at a time")
-    from dcrb_ros.exam.plugin import load_plugin
+    from dcrb_ros.exam.plugin_process import check_plugin
 
-    load_plugin(python)
+    check_plugin(python, limits)
 
 
 def _is_recording(path: Path) -> bool:

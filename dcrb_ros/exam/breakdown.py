@@ -46,20 +46,25 @@ class Stratum:
 
 
 def family_areas(results: Sequence[ScenarioResult]) -> list[FamilyArea]:
-    """Return the areas of every bearing fault; none if the detector publishes no score.
+    """Return the areas of every bearing fault; see `areas_of`."""
+    return areas_of([(result.expectation.verdict, result.score) for result in results])
+
+
+def areas_of(scores: Sequence[tuple[str, float | None]]) -> list[FamilyArea]:
+    """Return the areas of every bearing fault from correct verdicts and scores; none if the detector publishes no score.
 
     A scenario without a score counts as the least convincing one: the lowest with a fault, the highest without. Silence gains nothing.
     """
-    bearing = [result for result in results if result.expectation.verdict in ("healthy", *BEARING_FAULTS)]
-    if all(result.score is None for result in bearing):
+    bearing = [(verdict, score) for verdict, score in scores if verdict in ("healthy", *BEARING_FAULTS)]
+    if all(score is None for _, score in bearing):
         return []
-    healthy = [math.inf if result.score is None else result.score for result in bearing if not result.expectation.faulty]
+    healthy = [math.inf if score is None else score for verdict, score in bearing if verdict == "healthy"]
     areas = []
-    for verdict in BEARING_FAULTS:
-        faulty = [-math.inf if result.score is None else result.score for result in bearing if result.expectation.verdict == verdict]
+    for family in BEARING_FAULTS:
+        faulty = [-math.inf if score is None else score for verdict, score in bearing if verdict == family]
         curve = characteristic(faulty, healthy)
         if curve is not None:
-            areas.append(FamilyArea(verdict, len(faulty), len(healthy), curve.area, partial_area(faulty, healthy, PARTIAL)))
+            areas.append(FamilyArea(family, len(faulty), len(healthy), curve.area, partial_area(faulty, healthy, PARTIAL)))
     return areas
 
 

@@ -4,28 +4,88 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
+from itertools import groupby
 from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import Field, ValidationError
 
-from dcrb_ros.exam.breakdown import difficulty, family_areas, overall_area
+from dcrb_ros.exam.breakdown import areas_of, difficulty, family_areas, overall_area
 from dcrb_ros.exam.credit import Credit
 from dcrb_ros.exam.exam_score import Contribution, ExamScore, exam_scores
 from dcrb_ros.exam.profile import PROFILES
 from dcrb_ros.exam.report import Report
+from dcrb_ros.exam.scoring import NO_ANSWER
+from dcrb_ros.messages.received_diagnosis import LATEST, ReceivedDiagnosis
 from dcrb_ros.recordings.manifest import model_fingerprint, software
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.parameter_field import first_problem
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.schema.verdicts import FaultClass
+from dcrb_ros.schema.verdicts import VERDICTS, FaultClass, is_alarm
 from dcrb_ros.text.files import checked_path, read_text
 from dcrb_ros.text.json import LARGEST, parsed_json
+from dcrb_ros.text.writing import write_whole
 
-FORMAT: Literal["dcrb exam entry 1"] = "dcrb exam entry 1"
+FORMAT: Literal["dcrb exam entry 2"] = "dcrb exam entry 2"
+"""Format that is written; the first had no diagnoses."""
 AGREEMENT = 1e-4
 """Largest difference between the exam scores stated in an entry and those computed again from its scenarios [-]."""
+EXACT = 1e-6
+"""Largest such difference of the area [-]."""
+LONGEST_FAILURE = 4000
+"""Longest reason of a failure that is kept [characters]."""
+
+
+class StoredDiagnoses(Group):
+    """The diagnoses of a scenario, in columns; see `ReceivedDiagnosis`."""
+
+    time: list[float]
+    """[s]"""
+    verdicts: list[str]
+    """The verdicts, without repetitions of the previous one."""
+    counts: list[int]
+    """How many times in a row each was published [-]."""
+    score: list[float | None] | None = None
+    """None if no diagnosis has one."""
+    issued: list[float | None] | None = None
+    """Signal time received [s]; None if every diagnosis arrived at once."""
+
+    @staticmethod
+    def of(received: Sequence[ReceivedDiagnosis]) -> StoredDiagnoses:
+        """Return the columns of diagnoses."""
+        runs = [(verdict, len(list(same))) for verdict, same in groupby(diagnosis.verdict for diagnosis in received)]
+        scores, issued = [diagnosis.score for diagnosis in received], [diagnosis.signal_received for diagnosis in received]
+        return StoredDiagnoses(
+            time=[diagnosis.time for diagnosis in received],
+            verdicts=[verdict for verdict, _ in runs],
+            counts=[count for _, count in runs],
+            score=_column(scores),
+            issued=_column(issued),
+        )
+
+    def received(self) -> list[ReceivedDiagnosis]:
+        """Return the diagnoses; the columns have one length."""
+        verdicts = [verdict for verdict, count in zip(self.verdicts, self.counts, strict=True) for _ in range(count)]
+        none: list[float | None] = [None] * len(self.time)
+        rows = zip(self.time, verdicts, self.score or none, self.issued or none, strict=True)
+        return [ReceivedDiagnosis(time, verdict, score, "", issued) for time, verdict, score, issued in rows]
+
+    @property
+    def flaw(self) -> str:
+        """What is wrong with the columns; the empty string if nothing is."""
+        lengths = {len(column) for column in (self.time, self.score, self.issued) if column is not None}
+        if min(self.counts, default=1) < 1 or lengths != {sum(self.counts)} or len(self.counts) != len(self.verdicts):
+            return "the columns of its diagnoses have different lengths"
+        if not all(0.0 <= time <= LATEST for time in self.time):
+            return f"the time of a diagnosis is outside 0 .. {LATEST:g} s"
+        unknown = sorted(set(self.verdicts) - set(VERDICTS))
+        return f"'{unknown[0]}' is not a verdict" if unknown else ""
+
+
+def _column(values: list[float | None]) -> list[float | None] | None:
+    return None if all(value is None for value in values) else values
 
 
 class EntryScenario(Group):
@@ -51,12 +111,16 @@ class EntryScenario(Group):
     """Healthy periods with a false alarm or without a verdict [-]."""
     silent: float = Field(ge=0.0)
     """Time without a verdict [s]."""
+    failure: str = Field("", max_length=LONGEST_FAILURE)
+    """Why the detector stopped early; empty if it did not."""
+    diagnoses: StoredDiagnoses | None = None
+    """The diagnoses, from which everything else follows; None in the first format."""
 
 
 class Entry(Group):
     """The results of one detector in one exam."""
 
-    format: Literal["dcrb exam entry 1"]
+    format: Literal["dcrb exam entry 1", "dcrb exam entry 2"]
     detector: str = Field(min_length=1, max_length=200)
     exam: str
     scenarios_sha256: str
@@ -119,6 +183,8 @@ def entry_of(report: Report, name: str = "") -> Entry:
                 periods=result.credit.periods,
                 spoiled=result.credit.failed,
                 silent=result.credit.silent,
+                failure=result.failure[:LONGEST_FAILURE],
+                diagnoses=StoredDiagnoses.of(result.received),
             )
             for result in report.results
         ],
@@ -129,19 +195,19 @@ def write_entry(entry: Entry, file: Path) -> None:
     """Write an entry as one line of JSON.
 
     Raises:
-        Refusal: the file cannot be written.
+        Refusal: the file cannot be written, or is larger than `read_entry` reads.
     """
-    try:
-        file.write_text(json.dumps(entry.model_dump(), separators=(",", ":"), allow_nan=False) + "\n", encoding="utf-8")
-    except OSError as error:
-        raise Refusal(f"{file} cannot be written: {error.strerror}; give another file to --entry") from None
+    text = json.dumps(entry.model_dump(exclude_unset=True), separators=(",", ":"), allow_nan=False) + "\n"
+    parsed_json(text, f"the entry {file}, with {sum(len(s.diagnoses.time) for s in entry.scenarios if s.diagnoses)} diagnoses,")
+    write_whole(file, text)
 
 
 def read_entry(path: Path) -> Entry:
     """Return the entry in a file.
 
     Raises:
-        Refusal: the file cannot be read or is not an entry, or its exam scores do not follow from its scenarios.
+        Refusal: the file cannot be read or is not an entry, or its scores or area do not follow from its scenarios, or a scenario
+            contradicts itself.
     """
     tree: Any = parsed_json(read_text(checked_path(path), LARGEST), str(path))
     try:
@@ -166,6 +232,43 @@ def _check(entry: Entry, path: Path) -> None:
         )
         if invalid or scenario.spoiled > scenario.periods:
             raise Refusal(f"{path} has an impossible credit in the scenario '{scenario.name}': make it again with dcrb score --entry")
+        contradiction = _contradiction(scenario)
+        if contradiction:
+            raise Refusal(
+                f"{path} contradicts itself in the scenario '{scenario.name}': {contradiction}; make it again with dcrb score --entry"
+            )
     computed = {score.profile: score.score.value for score in entry.scores()}
     if set(computed) != set(entry.exam_score) or any(abs(entry.exam_score[key] - value) > AGREEMENT for key, value in computed.items()):
         raise Refusal(f"{path} states exam scores that do not follow from its scenarios: make it again with dcrb score --entry")
+    area = overall_area(areas_of([(scenario.family, scenario.evidence) for scenario in entry.scenarios]))
+    follows = area if math.isfinite(area) else None
+    if (entry.area is None) != (follows is None) or abs((entry.area or 0.0) - (follows or 0.0)) > EXACT:
+        raise Refusal(
+            f"{path} states the area {entry.area}, but {follows} follows from its scenarios: make it again with dcrb score --entry"
+        )
+
+
+def _contradiction(scenario: EntryScenario) -> str:
+    """Return what in a scenario does not follow from the rest of it; the empty string if everything does."""
+    faulty, delay = scenario.family != "healthy", scenario.delay_turns
+    if scenario.diagnoses is not None and scenario.diagnoses.flaw:
+        return scenario.diagnoses.flaw
+    if scenario.answer not in (*VERDICTS, NO_ANSWER):
+        return f"'{scenario.answer}' is not a verdict"
+    if not faulty and (delay is not None or scenario.stratum is not None):
+        return "it has no fault, but the delay or the stratum of one"
+    if scenario.found != (faulty and delay is not None and scenario.answer == scenario.family):
+        return f"found is {scenario.found}, with the answer {scenario.answer} and the delay {delay}"
+    for profile in PROFILES if faulty else ():
+        credit, most = scenario.credit[profile.name], _most_credit(scenario, profile.naming)
+        if credit > most + EXACT or (delay is None and profile.naming > 0.0 and credit > 1.0 - EXACT):
+            return f"a credit of {credit:g} ({profile.name}) for a fault that was not detected in time"
+    return ""
+
+
+def _most_credit(scenario: EntryScenario, naming: float) -> float:
+    """Return the largest credit that the verdicts of a scenario allow; 1 without its diagnoses."""
+    if scenario.diagnoses is None:
+        return 1.0
+    verdicts = set(scenario.diagnoses.verdicts)
+    return (1.0 - naming) * any(map(is_alarm, verdicts)) + naming * (scenario.family in verdicts)

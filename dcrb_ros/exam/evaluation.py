@@ -109,7 +109,7 @@ def evaluate(
 
     Raises:
         Refusal: a signal cannot be read, or the candidate cannot be evaluated.
-        NoDiagnosis: the candidate failed in the first scenario and gave no diagnosis.
+        NoDiagnosis: a node failed in the first scenario and published no diagnosis.
         RuntimeError: a detector in Python raised an exception.
     """
     if not candidate.parallel:
@@ -118,7 +118,7 @@ def evaluate(
     outcomes: dict[str, Outcome] = {}
     with progress("evaluated", len(calls)) as on_done:
         for name, outcome in _results(calls, workers, apart=candidate.parallel):
-            if outcome.failure and not outcome.received and not outcomes:
+            if outcome.failure and not (candidate.parallel or outcome.received or outcomes):
                 raise NoDiagnosis(f"the detector '{candidate.name}' failed on the first scenario ({name}): {outcome.failure}")
             outcomes[name] = outcome
             on_done(name)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from dcrb_ros.exam.detector_run import DetectorFactory, PythonDetector
+from dcrb_ros.exam.detector_run import PythonDetector
 from dcrb_ros.exam.evaluation import evaluate
 from dcrb_ros.exam.exam_file import read_exam
 from dcrb_ros.exam.recording_cache import checked_folder, default_folder, simulated_scenarios
 from dcrb_ros.exam.report import Report
+from dcrb_ros.exam.running_detector import DetectorFactory
 from dcrb_ros.schema.refusal import Refusal
 
 MOST_WORKERS = 256
@@ -42,7 +43,7 @@ def score(detector: DetectorFactory, exam: str | Path = "smoke", *, recordings: 
         The exam is unknown, workers is outside 1 .. 256, the folder cannot be written, the detector cannot be called,
         has no ``update`` or returns an unknown verdict.
     RuntimeError
-        The detector raised an exception; the message names it, the scenario and the sample.
+        The detector raised an exception or called ``sys.exit``; the message names it, the scenario and the sample.
 
     Examples
     --------

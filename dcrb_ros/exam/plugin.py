@@ -6,12 +6,10 @@ import importlib
 import importlib.metadata
 import importlib.util
 import sys
-from functools import partial
 from pathlib import Path
 from typing import Any
 
-from dcrb_ros.bearing.kinematics import Orders
-from dcrb_ros.exam.detector_run import Detector, DetectorFactory, PythonDetector
+from dcrb_ros.exam.running_detector import DetectorFactory
 from dcrb_ros.schema.refusal import Refusal, nearest
 
 GROUP = "dcrb_ros.detectors"
@@ -53,7 +51,7 @@ def _module(given: str, name: str) -> Any:
         return importlib.import_module(path.stem) if path.stem.isidentifier() else _from_file(path)
     except Refusal:
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise Refusal(f"--python {given} cannot be imported: {type(error).__name__}: {error}") from None
 
 
@@ -65,12 +63,3 @@ def _from_file(path: Path) -> Any:
     module = importlib.util.module_from_spec(description)
     description.loader.exec_module(module)
     return module
-
-
-def plugin_detector(given: str, name: str) -> PythonDetector:
-    """Return a detector in the form of `load_plugin` as a candidate; every process loads it anew."""
-    return PythonDetector(name, partial(_made, given))
-
-
-def _made(given: str, orders: Orders, rate: int) -> Detector:
-    return load_plugin(given)(orders, rate)

@@ -1,8 +1,13 @@
-"""The recordings of an exam, simulated once and kept for later evaluations."""
+"""The recordings of an exam, simulated once and kept for later evaluations.
+
+Each is kept with the hash of its scenario and the hashes of its files, which are compared before every use.
+"""
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
+import json
 import os
 import re
 import shutil
@@ -25,11 +30,18 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.scenario import scheduled_changes
+from dcrb_ros.text.files import open_regular, read_text
+from dcrb_ros.text.json import parsed_json
+from dcrb_ros.text.writing import write_whole
 
 ABANDONED = 86400.0
 """Age at which an unfinished recording is deleted [s]."""
 RECORDED: tuple[SimulatedTopic, ...] = (VIBRATION, GROUND_TRUTH)
 """Topics of every recording."""
+CONTENT = "content.json"
+"""File in the folder of a recording with the hash of its scenario and the hashes of its files."""
+LARGEST_CONTENT = 1_000_000
+"""Longest text of that file that is read [characters]."""
 
 
 def default_folder() -> Path:
@@ -55,26 +67,38 @@ def checked_folder(folder: Path) -> Path:
         raise Refusal(f"{folder} cannot hold the exam's recordings: {error.strerror}; give another folder with --recordings") from None
 
 
-def cache_path(case: Case, folder: Path) -> Path:
-    """Return the path of a case's recording; its name contains a hash of the run, the model and the software versions."""
+def case_hash(case: Case) -> str:
+    """Return the SHA-256 of everything on which the recording of a case depends: the run, the model and the software versions."""
     about = [case.simulation.described(), model_fingerprint(), software()]
     topics = _recorded(case.simulation.configuration)
     everything = canonical(about if topics == RECORDED else [*about, [topic.name for topic in topics]])
+    return hashlib.sha256(everything.encode()).hexdigest()
+
+
+def cache_path(case: Case, folder: Path) -> Path:
+    """Return the path of a case's recording; its name contains the beginning of `case_hash`."""
     words = re.sub(r"[^a-z0-9.=_-]+", "-", case.expectation.name.lower())[:60].strip("-.")
-    return folder / f"{words}-{hashlib.sha256(everything.encode()).hexdigest()[:16]}"
+    return folder / f"{words}-{case_hash(case)[:16]}"
 
 
 def cached_recording(case: Case, folder: Path) -> Path:
-    """Return the recording of a case; simulate it if it does not exist.
+    """Return the recording of a case; simulate it if it does not exist or is damaged, which is reported on the standard error output.
 
     The recording is written to a temporary folder and renamed once it is complete, so an interrupted run is never used.
     """
     path = cache_path(case, folder)
     if path.is_dir():
-        return path
+        flaw = recording_flaw(case, path)
+        if not flaw:
+            return path
+        _report(f"scenario '{case.expectation.name}': {path} {flaw}; it is simulated again")
     making = Path(tempfile.mkdtemp(prefix=".making-", dir=folder))
     try:
         _simulate(case, making / path.name)
+        _write_content(case, making / path.name)
+        if path.is_dir() and recording_flaw(case, path):
+            with contextlib.suppress(FileNotFoundError):  # another process may have moved it
+                os.rename(path, making / "damaged")
         try:
             os.rename(making / path.name, path)
         except OSError:
@@ -85,10 +109,54 @@ def cached_recording(case: Case, folder: Path) -> Path:
     return path
 
 
+def recording_flaw(case: Case, path: Path) -> str:
+    """Return why a folder is not the recording of a case as it was written, as the end of a sentence; the empty string if it is."""
+    try:
+        content = parsed_json(read_text(path / CONTENT, LARGEST_CONTENT), CONTENT)
+        files = _file_hashes(path)
+    except (OSError, Refusal) as error:
+        return f"cannot be checked ({error})"
+    if not isinstance(content, dict) or content.get("case") != case_hash(case):
+        return "is the recording of another scenario"
+    stated = content.get("files")
+    if not isinstance(stated, dict) or set(stated) != set(files):
+        return "has other files than were recorded"
+    return next((f"is damaged: {name} has been changed since it was recorded" for name in files if files[name] != stated[name]), "")
+
+
+def _write_content(case: Case, path: Path) -> None:
+    write_whole(path / CONTENT, json.dumps({"case": case_hash(case), "files": _file_hashes(path)}, indent=1) + "\n")
+
+
+def _file_hashes(path: Path) -> dict[str, str]:
+    """Return the SHA-256 of every file in a folder by its name, without that of `CONTENT`."""
+    return {file.name: _file_hash(file) for file in sorted(path.iterdir()) if file.name != CONTENT}
+
+
+def _file_hash(file: Path) -> str:
+    digest = hashlib.sha256()
+    with open_regular(file) as stream:
+        while chunk := stream.read(1 << 20):
+            digest.update(chunk)
+    return digest.hexdigest()
+
+
+def _report(sentence: str) -> None:
+    from dcrb_ros.runtime.exit_status import print_error
+
+    print_error("dcrb", sentence)
+
+
+def is_recorded(case: Case, folder: Path) -> bool:
+    """Return whether the recording of a case exists and is sound."""
+    path = cache_path(case, folder)
+    return path.is_dir() and not recording_flaw(case, path)
+
+
 def simulated_scenarios(exam: Exam, folder: Path) -> ScenarioSet[Recording]:
     """Return the scenarios of an exam, whose recordings are kept in a folder."""
     scenarios = [
-        Scenario(case.expectation, partial(_recording, case, folder), recorded=cache_path(case, folder).is_dir) for case in exam.cases
+        Scenario(case.expectation, partial(_recording, case, folder), recorded=partial(is_recorded, case, folder)) for case in exam.cases
     ]
     return ScenarioSet(exam.name, exam.criteria, scenarios, scenarios_hash(exam.cases), exam.seal, simulation_seeds(exam.cases))
 

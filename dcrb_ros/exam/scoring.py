@@ -57,6 +57,10 @@ class ScenarioResult:
     """Detection delay in shaft revolutions [-]; None if `delay` is."""
     healthy_revolutions: float = 0.0
     """Shaft revolutions during `healthy_time` [-]."""
+    received: tuple[ReceivedDiagnosis, ...] = ()
+    """The diagnoses, from which all of this follows."""
+    failure: str = ""
+    """Why the detector stopped early; empty if it did not."""
 
     @property
     def passed(self) -> bool:
@@ -104,6 +108,8 @@ def score_scenario(
         credit(expectation, ordered, criteria),
         None if delay is None else expectation.revolutions(onset, onset + delay),
         expectation.revolutions(*expectation.healthy_span),
+        tuple(ordered),
+        failure,
     )
 
 

@@ -6,24 +6,26 @@ import os
 import shlex
 import signal
 import subprocess
-import tempfile
 import time
 from bisect import bisect_left
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from typing import IO, Any
+from typing import Any
 
 from dcrb_ros.exam.evaluation import CandidateRefusal, Outcome
 from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.received_diagnosis import decode_diagnosis
 from dcrb_ros.messages.topics import DIAGNOSIS, NAMESPACE, SENSOR, TEMPERATURES, VIBRATION, Topic
+from dcrb_ros.nodes.other_publishers import OtherPublishers
 from dcrb_ros.nodes.pacing import Pacer
 from dcrb_ros.nodes.publisher import Publisher, message_class, qos
+from dcrb_ros.nodes.reserved_domain import ReservedDomain
 from dcrb_ros.nodes.ros import check_ros, limit_discovery
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.replay import Replay, ReplayParameters
+from dcrb_ros.runtime.child_output import ChildOutput
 from dcrb_ros.runtime.children import group_guard
 from dcrb_ros.schema.refusal import Refusal
 
@@ -39,12 +41,12 @@ SETTLING_TIME = 0.3
 """Wall time between the discovery of the detector and the first block [s]."""
 EXIT_TIMEOUT = 5.0
 """Wall time in which the detector must end after SIGINT [s]."""
-MOST_OUTPUT = 20_000
-"""Bytes at the end of its output in which these lines are looked for."""
-SHOWN_LINES = 6
-"""Lines of its output that are shown when it fails."""
-FIRST_DOMAIN, DOMAINS = 110, 120
-"""ROS domains for exams; low ones are left to users, and 232 is the highest that is valid on all systems."""
+MOST_OUTPUT = 64 << 20
+"""Longest output in one scenario [bytes]."""
+LISTENING_TIME = 0.5
+"""Wall time in which other nodes in the domain are discovered before the detector starts [s]."""
+LOOK_EVERY = 50
+"""Bundles between two looks for other publishers on the topics of the exam [-]."""
 
 
 @dataclass
@@ -121,30 +123,41 @@ class ExternalDetector:
             patience: wall time in which it must subscribe and advertise its topic [s].
 
         Raises:
-            Refusal: ROS is not installed, or the command is empty or malformed.
+            Refusal: ROS is not installed, the command is empty or malformed, or every domain is reserved.
         """
         check_ros()
         self.name = name or command
         self._command, self._rate, self._patience = _split(command), rate, patience
-        self._domain = FIRST_DOMAIN + os.getpid() % DOMAINS
+        self._reservation = ReservedDomain()
+
+    @property
+    def domain(self) -> int:
+        """ROS domain, reserved until this object is deleted."""
+        return self._reservation.number
 
     def diagnose(self, recording: Recording) -> Diagnoses:
         """Return the diagnoses for a recording.
 
         Raises:
             CandidateRefusal: the program does not exist.
+            RuntimeError: another node in the domain publishes on the topics of the exam.
         """
         diagnoses = Diagnoses()
         given: tuple[Topic, ...] = (VIBRATION, *(TEMPERATURES if len(recording.temperatures()) else ()))
         replay = Replay(ReplayParameters(bag=str(recording.path), topics=", ".join(topic.name for topic in given)))
-        with _node(self._domain) as (node, spin), _process(self._command, self._domain) as (process, log):
+        with _node(self.domain) as (node, spin), ExitStack() as stack:
             # Only the output of sensors is published, not the ground truth.
             publisher = Publisher(node, [*given, SENSOR])
+            watch = _DomainWatch(node, [*given, SENSOR], self.domain)
+            watch.listen(spin)
+            process, output = stack.enter_context(_process(self._command, self.domain))
             node.create_subscription(
                 message_class(DIAGNOSIS), DIAGNOSIS.name, lambda data: diagnoses.receive(bytes(data)), qos(DIAGNOSIS), raw=True
             )
             publisher.write_messages(replay.start())
-            diagnoses.failure = self._connect(publisher, node, spin, process) or self._send(replay, publisher, diagnoses, spin, process)
+            diagnoses.failure = self._connect(publisher, node, spin, process) or self._send(
+                replay, publisher, diagnoses, spin, process, watch
+            )
             if not diagnoses.failure and diagnoses.refused:
                 diagnoses.failure = f"{len(diagnoses.refused)} messages on diagnosis are invalid, the first because {diagnoses.refused[0]}"
             elif not diagnoses.failure and not diagnoses.received:
@@ -153,8 +166,10 @@ class ExternalDetector:
                     "a few seconds of signal, with the value 'verdict' and the stamp of the samples judged; a container receives "
                     "samples only with --network host --ipc host"
                 )
+            watch.check()
             if diagnoses.failure:
-                diagnoses.failure += _last_lines(log)
+                excess = f"; it printed more than {MOST_OUTPUT >> 20} MiB" if output.excessive else ""
+                diagnoses.failure += excess + (output.last_lines() or "; it printed nothing")
         return diagnoses
 
     def _connect(self, publisher: Publisher, node: Any, spin: Any, process: subprocess.Popen[bytes]) -> str:
@@ -172,7 +187,15 @@ class ExternalDetector:
             spin(0.05)
         return ""
 
-    def _send(self, replay: Replay, publisher: Publisher, diagnoses: Diagnoses, spin: Any, process: subprocess.Popen[bytes]) -> str:
+    def _send(
+        self,
+        replay: Replay,
+        publisher: Publisher,
+        diagnoses: Diagnoses,
+        spin: Any,
+        process: subprocess.Popen[bytes],
+        watch: _DomainWatch,
+    ) -> str:
         """Publish the recording and wait for the last diagnosis; return why the detector failed."""
         pacer, end = Pacer(self._rate, time.monotonic), 0.0
         for number, bundle in enumerate(replay.bundles()):
@@ -184,6 +207,8 @@ class ExternalDetector:
                 return f"it ended with status {process.returncode} at {end:.1f} s of the signal"
             publisher.write_messages(bundle.messages)
             diagnoses.signal_sent(end)
+            if number % LOOK_EVERY == 0:
+                watch.check()
         diagnoses.received_at = time.monotonic()
         while diagnoses.latest < end - diagnoses.period and time.monotonic() < diagnoses.received_at + DIAGNOSIS_TIMEOUT:
             spin(0.05)
@@ -199,6 +224,37 @@ class ExternalDetector:
         spin(0.0)
         while time.monotonic() < deadline and (self._rate or end > diagnoses.latest + diagnoses.period + LEAD):
             spin(min(0.005, max(0.0, deadline - time.monotonic())))
+
+
+class _DomainWatch:
+    """Looks for other publishers on the topics of an exam: a second exam, or a bench, in the same ROS domain."""
+
+    def __init__(self, node: Any, topics: Sequence[Topic], domain: int) -> None:
+        self._node, self._domain, self._others = node, domain, list[str]()
+        self._publishers = OtherPublishers(node, topics, self._others.append)
+
+    def listen(self, spin: Any) -> None:
+        """Look for `LISTENING_TIME`, also on `diagnosis`; the detector has not started yet.
+
+        Raises:
+            RuntimeError: there is another publisher.
+        """
+        detectors = OtherPublishers(self._node, [DIAGNOSIS], self._others.append)
+        deadline = time.monotonic() + LISTENING_TIME
+        while time.monotonic() < deadline:
+            spin(0.05)
+            detectors.look()
+            self.check()
+
+    def check(self) -> None:
+        """Look once.
+
+        Raises:
+            RuntimeError: there is another publisher.
+        """
+        self._publishers.look()
+        if self._others:
+            raise RuntimeError(f"ROS domain {self._domain} of the exam is used by another program: {self._others[0]}")
 
 
 def _split(command: str) -> list[str]:
@@ -234,21 +290,30 @@ def _node(domain: int) -> Iterator[tuple[Any, Any]]:
 
 
 @contextmanager
-def _process(command: Sequence[str], domain: int) -> Iterator[tuple[subprocess.Popen[bytes], IO[bytes]]]:
-    """Run the detector with its output in a file; the process and its children are ended in any case, even if this process is killed."""
+def _process(command: Sequence[str], domain: int) -> Iterator[tuple[subprocess.Popen[bytes], ChildOutput]]:
+    """Run the detector and keep the end of its output; its process group is ended in any case, even if this process is killed."""
     environment = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
-    with tempfile.TemporaryFile() as log, group_guard(EXIT_TIMEOUT) as guard:
+    groups: list[int] = []
+    output = ChildOutput(MOST_OUTPUT, lambda: os.killpg(groups[0], signal.SIGKILL))
+    with group_guard(EXIT_TIMEOUT) as guard:
         try:
             process = subprocess.Popen(
-                command, env=environment, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, start_new_session=True
+                command,
+                env=environment,
+                stdin=subprocess.DEVNULL,
+                stdout=output.writing,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
             )
         except OSError as error:
             raise CandidateRefusal(
                 f"--node: '{command[0]}' cannot be started: {error.strerror}; give the command as you would type it"
             ) from None
+        groups.append(process.pid)
         try:
             guard(process.pid)
-            yield process, log
+            output.begin()
+            yield process, output
         finally:
             _end(process)
 
@@ -263,11 +328,3 @@ def _end(process: subprocess.Popen[bytes]) -> None:
         with suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)
         process.wait()
-
-
-def _last_lines(log: IO[bytes]) -> str:
-    """Return the end of the detector's output."""
-    log.flush()
-    log.seek(max(0, log.seek(0, os.SEEK_END) - MOST_OUTPUT))
-    lines = [line for line in log.read(MOST_OUTPUT).decode(errors="replace").splitlines() if line.strip()]
-    return "; its last output:\n" + "\n".join(f"    {line}" for line in lines[-SHOWN_LINES:]) if lines else "; it printed nothing"

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import shutil
 import time
+from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
@@ -22,7 +24,15 @@ from dcrb_ros.exam.evaluation import NoDiagnosis, Outcome, Scenario, ScenarioSet
 from dcrb_ros.exam.exam_file import Exam, exam_of
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.recorded_case import RecordedCase, RecordedDiagnoses, diagnosed_scenarios, read_recorded_case
-from dcrb_ros.exam.recording_cache import ABANDONED, cache_path, cached_recording, checked_folder, simulated_scenarios
+from dcrb_ros.exam.recording_cache import (
+    ABANDONED,
+    CONTENT,
+    cache_path,
+    cached_recording,
+    checked_folder,
+    is_recorded,
+    simulated_scenarios,
+)
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.messages.statuses import Status, encode_diagnostics, encode_truth
 from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH, Message
@@ -98,11 +108,77 @@ def test_a_recording_that_another_process_finished_first_is_used(tmp_path: Path,
         target.mkdir()
         path.mkdir(exist_ok=True)
         (path / "theirs").touch()
+        recording_cache._write_content(case, path)
 
     monkeypatch.setattr(recording_cache, "_simulate", simulate)
     assert cached_recording(CASES[0], tmp_path) == path
     assert [file.name for file in tmp_path.iterdir()] == [path.name]
-    assert [file.name for file in path.iterdir()] == ["theirs"]
+    assert sorted(file.name for file in path.iterdir()) == [CONTENT, "theirs"]
+
+
+def cut(path: Path, other: Path) -> None:
+    file = next(path.glob("*.mcap"))
+    file.write_bytes(file.read_bytes()[: file.stat().st_size * 6 // 10])
+
+
+def flip(path: Path, other: Path) -> None:
+    file = next(path.glob("*.mcap"))
+    data = bytearray(file.read_bytes())
+    data[len(data) // 2] ^= 1
+    file.write_bytes(data)
+
+
+def swap_files(path: Path, other: Path) -> None:
+    next(path.glob("*.mcap")).write_bytes(next(other.glob("*.mcap")).read_bytes())
+
+
+def swap_folders(path: Path, other: Path) -> None:
+    shutil.rmtree(path)
+    shutil.copytree(other, path)
+
+
+def remove_content(path: Path, other: Path) -> None:
+    (path / CONTENT).unlink()
+
+
+def add_a_file(path: Path, other: Path) -> None:
+    shutil.copy(next(other.glob("*.mcap")), path / "another_1.mcap")
+
+
+@pytest.mark.parametrize(
+    ("damage", "sentence"),
+    [
+        (cut, "has been changed since it was recorded"),
+        (flip, "has been changed since it was recorded"),
+        (swap_files, "has been changed since it was recorded"),
+        (swap_folders, "is the recording of another scenario"),
+        (remove_content, "cannot be checked"),
+        (add_a_file, "has other files than were recorded"),
+    ],
+)
+def test_a_damaged_or_swapped_recording_is_reported_and_simulated_again(
+    damage: Callable[[Path, Path], None], sentence: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    settings = {"cage.joint": "revolute"}
+    scenarios = [
+        {"name": name, "verdict": "healthy", "set": settings, "duration": 0.1, "seeds": [k]} for k, name in enumerate(("mine", "other"), 1)
+    ]
+    mine, other = exam_of({"exam": "t", "scenarios": scenarios}, "t").cases
+    path = cached_recording(mine, tmp_path)
+    files = {file.name for file in path.iterdir()}
+    samples = Recording(path).waveform().acceleration
+    damage(path, cached_recording(other, tmp_path))
+    assert not is_recorded(mine, tmp_path)
+    assert capsys.readouterr().err == ""
+    assert cached_recording(mine, tmp_path) == path
+    err = capsys.readouterr().err
+    assert "scenario 'mine'" in err
+    assert sentence in err
+    assert is_recorded(mine, tmp_path)
+    assert {file.name for file in path.iterdir()} == files
+    assert np.array_equal(Recording(path).waveform().acceleration, samples)
+    assert cached_recording(mine, tmp_path) == path
+    assert capsys.readouterr().err == ""
 
 
 @pytest.mark.parametrize(("law", "temperatures"), [("none", []), ("network", [0.0])])
@@ -159,6 +235,7 @@ def test_only_missing_recordings_are_simulated_and_all_are_reported(tmp_path: Pa
         cache_path(case, folder).mkdir(exist_ok=True)
         return cache_path(case, folder)
 
+    monkeypatch.setattr(recording_cache, "recording_flaw", lambda case, path: "")
     monkeypatch.setattr(recording_cache, "cached_recording", recording)
     monkeypatch.setattr(recording_cache, "Recording", Path)
     cache_path(CASES[1], tmp_path).mkdir()

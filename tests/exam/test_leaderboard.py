@@ -11,7 +11,7 @@ import pytest
 from same_process import dcrb
 
 from dcrb_ros.exam.criteria import Criteria
-from dcrb_ros.exam.entry import Entry, entry_of, read_entry, write_entry
+from dcrb_ros.exam.entry import Entry, StoredDiagnoses, entry_of, read_entry, write_entry
 from dcrb_ros.exam.exam_score import compare
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.leaderboard import boards, markdown, page, rows
@@ -53,6 +53,35 @@ def test_an_entry_survives_its_file(tmp_path: Path) -> None:
     assert (entry.detector, len(entry.scenarios), entry.false_alarms) == ("detector 1", 2 * COUNT, 0)
 
 
+MISSED, FOUND = (next(k for k, s in enumerate(detector(1, 0.5).scenarios) if s.found is found) for found in (False, True))
+"""Scenarios whose fault the first detector did not detect, and did."""
+FULL = {profile.name: 1.0 for profile in PROFILES}
+"""Credit of an ideal detector [-]."""
+
+
+def test_an_entry_of_the_first_format_has_no_credit_for_a_fault_that_was_never_detected(tmp_path: Path) -> None:
+    tree = detector(1, 0.5).model_dump()
+    tree["format"] = "dcrb exam entry 1"
+    for scenario in tree["scenarios"]:
+        del scenario["diagnoses"], scenario["failure"]
+    file = tmp_path / "e.json"
+    file.write_text(json.dumps(tree), encoding="utf-8")
+    write_entry(read_entry(file), file)
+    assert json.loads(file.read_text(encoding="utf-8")) == tree
+    file.write_text(json.dumps(edited(tree, ("scenarios", MISSED, "credit"), FULL)), encoding="utf-8")
+    with pytest.raises(Refusal, match="a credit of 1"):
+        read_entry(file)
+
+
+def test_diagnoses_survive_their_columns() -> None:
+    given = [ReceivedDiagnosis(0.5, "healthy"), ReceivedDiagnosis(1.0, "healthy", 2.5), ReceivedDiagnosis(1.5, "cage", None, "", 3.0)]
+    assert StoredDiagnoses.of(given).received() == given
+    assert StoredDiagnoses.of(given).verdicts == ["healthy", "cage"]
+    assert StoredDiagnoses.of(given).counts == [2, 1]
+    assert StoredDiagnoses.of([]).received() == []
+    assert (StoredDiagnoses.of(given[:1]).score, StoredDiagnoses.of(given).flaw, StoredDiagnoses.of([]).flaw) == (None, "", "")
+
+
 def edited(tree: dict[str, Any], path: tuple[Any, ...], value: Any) -> dict[str, Any]:
     copy = json.loads(json.dumps(tree))
     at = copy
@@ -74,6 +103,22 @@ def edited(tree: dict[str, Any], path: tuple[Any, ...], value: Any) -> dict[str,
         (("scenarios",), [], r"is not an entry \(scenarios"),
         (("format",), "2", r"is not an entry \(format"),
         (("surprise",), 1, r"is not an entry \(surprise"),
+        (("area",), 17.5, r"states the area 17.5, but 0\.\d+ follows from its scenarios"),
+        (("area",), None, "states the area None, but"),
+        (
+            ("scenarios", MISSED, "credit"),
+            dict.fromkeys(("safety", "cost", "research"), 1.0),
+            r"a credit of 1 \(safety\) for a fault that was",
+        ),
+        (("scenarios", MISSED, "found"), True, "found is True, with the answer healthy and the delay None"),
+        (("scenarios", FOUND, "found"), False, "found is False, with the answer outer_ring and the delay"),
+        (("scenarios", FOUND, "delay_turns"), None, "found is True, with the answer outer_ring and the delay None"),
+        (("scenarios", FOUND, "answer"), "banana", "'banana' is not a verdict"),
+        (("scenarios", 30, "delay_turns"), 3.0, "it has no fault, but the delay"),
+        (("scenarios", 30, "evidence"), 5.0, "states the area"),
+        (("scenarios", FOUND, "diagnoses", "counts"), [10**12, 1], "the columns of its diagnoses have different lengths"),
+        (("scenarios", FOUND, "diagnoses", "verdicts", 0), "banana", "'banana' is not a verdict"),
+        (("scenarios", FOUND, "diagnoses", "time", 0), -1.0, "the time of a diagnosis is outside"),
     ],
 )
 def test_an_edited_entry_is_refused(path: tuple[Any, ...], value: Any, sentence: str, tmp_path: Path) -> None:

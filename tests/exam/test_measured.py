@@ -28,7 +28,7 @@ from dcrb_ros.exam.measured import (
     read_measured,
     whole_scenarios,
 )
-from dcrb_ros.exam.plugin import plugin_detector
+from dcrb_ros.exam.plugin_process import ProcessDetector
 from dcrb_ros.schema.refusal import Refusal
 
 pytestmark = pytest.mark.slow
@@ -177,7 +177,7 @@ def test_detectors_in_python_hear_the_healthy_bearing_first(tmp_path: Path) -> N
         "        loud, self.most = index > 12000 and level > 1.5 * self.most, max(level, self.most) if index < 24000 else self.most\n"
         "        return 'outer_ring' if loud else 'healthy'\n"
     )
-    report = evaluate(plugin_detector(f"{tmp_path / 'louder.py'}:Louder", "louder"), led_scenarios(at, "lines"))
+    report = evaluate(ProcessDetector("louder", f"{tmp_path / 'louder.py'}:Louder"), led_scenarios(at, "lines"))
     answers = {result.expectation.name: (result.answer, result.expectation.onset) for result in report.results}
     assert answers["calm"] == ("healthy", 0.0)
     assert answers["struck"][1] == pytest.approx(2.0)

@@ -13,7 +13,8 @@ from same_process import dcrb
 from dcrb_ros import FaultDetector
 from dcrb_ros.exam import plugin
 from dcrb_ros.exam.entry import read_entry
-from dcrb_ros.exam.plugin import load_plugin, plugin_detector
+from dcrb_ros.exam.plugin import load_plugin
+from dcrb_ros.exam.plugin_process import ProcessDetector
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.schema.refusal import Refusal
@@ -31,7 +32,7 @@ class Steady:
 @pytest.mark.parametrize("name", ["steady_detector.py", "with-dash.py"])
 def test_a_class_in_a_file_runs_on_a_recording(name: str, tmp_path: Path) -> None:
     (tmp_path / name).write_text(SOURCE, encoding="utf-8")
-    detector = pickle.loads(pickle.dumps(plugin_detector(f"{tmp_path / name}:Steady", "steady")))  # as in another process
+    detector = pickle.loads(pickle.dumps(ProcessDetector("steady", f"{tmp_path / name}:Steady")))  # as in another process
     assert detector.diagnose(Recording(recorded(tmp_path / "bag", 2))).received == [
         ReceivedDiagnosis(1023 / 51200, "roller"),
         ReceivedDiagnosis(2047 / 51200, "roller"),

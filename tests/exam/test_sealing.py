@@ -13,8 +13,13 @@ from hypothesis import strategies as st
 from same_process import dcrb
 
 from dcrb_ros.exam.case import scenarios_hash, simulation_seeds
+from dcrb_ros.exam.entry import Entry, entry_of
 from dcrb_ros.exam.exam_file import exam_of
+from dcrb_ros.exam.expectation import Expectation
+from dcrb_ros.exam.report import Report
+from dcrb_ros.exam.scoring import score_scenario
 from dcrb_ros.exam.sealing import SealedExam, _value, commitment, drawn_exam, new_secret, open_exam, seal
+from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.schema.refusal import Refusal
 
 SECRET = "0" * 63 + "1"
@@ -143,6 +148,102 @@ def test_seal_open_and_verify_on_the_command_line(tmp_path: Path, capsys: pytest
     (tmp_path / "none.secret").write_text("secret", encoding="utf-8")
     assert dcrb("exam", "open", str(sealed), str(tmp_path / "none.secret"), "--force") == 2
     assert dcrb("exam", "open", str(template), str(secret)) == 2
+
+
+class Sealed:
+    """A sealed exam on the disk and the entry of a detector that finds each fault half a second after its onset."""
+
+    def __init__(self, folder: Path, secret: str = SECRET) -> None:
+        sealed = seal(TEMPLATE, secret, "t")
+        self.sealed, self.secret, self.file = folder / "a.sealed.yaml", folder / "a.secret", folder / "entry.json"
+        self.sealed.write_text(yaml.safe_dump(sealed.model_dump()), encoding="utf-8")
+        self.secret.write_text(secret, encoding="utf-8")
+        exam = open_exam(sealed, secret, "t").exam
+        results = tuple(score_scenario(case.expectation, self.diagnoses(case.expectation), exam.criteria) for case in exam.cases)
+        report = Report(exam.name, "mine", exam.criteria, scenarios_hash(exam.cases), results, exam.seal, simulation_seeds(exam.cases))
+        self.tree: dict[str, Any] = entry_of(report).model_dump()
+
+    @staticmethod
+    def diagnoses(expectation: Expectation) -> list[ReceivedDiagnosis]:
+        times = [0.5 * k for k in range(1, round(2.0 * expectation.duration) + 1)]
+        faulty = [expectation.faulty and time >= expectation.onset + 0.5 for time in times]
+        return [
+            ReceivedDiagnosis(t, expectation.verdict if fault else "healthy", 2.0 + t if fault else -t)
+            for t, fault in zip(times, faulty, strict=True)
+        ]
+
+    def verify(self, tree: dict[str, Any]) -> int:
+        self.file.write_text(json.dumps(tree), encoding="utf-8")
+        return dcrb("exam", "verify", str(self.sealed), str(self.secret), str(self.file))
+
+
+def test_an_entry_is_computed_again_from_its_diagnoses(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    exam = Sealed(tmp_path)
+    assert exam.verify(exam.tree) == 0
+    assert "entry.json: agrees" in capsys.readouterr().out
+    assert exam.tree["scenarios"][0]["found"]
+    assert 0.0 < exam.tree["scenarios"][0]["credit"]["research"] <= 1.0
+
+
+def test_an_entry_of_another_exam_with_copied_hashes_does_not_agree(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "other").mkdir()
+    exam, other = Sealed(tmp_path), Sealed(tmp_path / "other", "f" * 64)
+    hashes = {key: exam.tree[key] for key in ("sealed_sha256", "scenarios_sha256")}
+    assert exam.verify({**other.tree, **hashes}) == 1
+    assert "DOES NOT AGREE, seeds is stated as" in capsys.readouterr().out
+    assert exam.verify({**other.tree, **hashes, "seeds": exam.tree["seeds"]}) == 1
+    renamed = {**exam.tree, "scenarios": [{**scenario, "name": f"x{k}"} for k, scenario in enumerate(exam.tree["scenarios"])]}
+    assert exam.verify(renamed) == 1
+    assert "it lacks the scenario 'outer/1' of the exam" in capsys.readouterr().out
+    assert exam.verify({**exam.tree, "scenarios": [*exam.tree["scenarios"], {**exam.tree["scenarios"][-1], "name": "more"}]}) != 0
+
+
+@pytest.mark.parametrize("key", ["exam", "scenarios_sha256", "sealed_sha256", "seeds", "passed", "false_alarms", "healthy_hours"])
+def test_whatever_follows_from_an_exam_and_is_changed_does_not_agree(key: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    exam = Sealed(tmp_path)
+    stated = exam.tree[key]
+    value = not stated if isinstance(stated, bool) else [7] if isinstance(stated, list) else f"{stated}f" if isinstance(stated, str) else 5
+    assert exam.verify({**exam.tree, key: value}) == 1
+    assert f"DOES NOT AGREE, {key} is stated as {value}" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"delay_turns": 0.0}, "delay_turns is stated as 0.0"),
+        ({"stratum": "easy"}, "stratum is stated as easy"),
+        ({"required": False}, "required is stated as False"),
+        ({"silent": 0.25}, "silent is stated as 0.25"),
+        ({"periods": 7}, "periods is stated as 7"),
+        ({"failure": "it ended"}, "passed is stated as"),
+    ],
+)
+def test_a_changed_scenario_does_not_agree(
+    changes: dict[str, Any], sentence: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    exam = Sealed(tmp_path)
+    first, *others = exam.tree["scenarios"]
+    tree = {**exam.tree, "scenarios": [{**first, **changes}, *others]}
+    entry = Entry.model_validate(tree)
+    tree["exam_score"] = {score.profile: score.score.value for score in entry.scores()}
+    assert exam.verify(tree) == 1
+    assert sentence in capsys.readouterr().out
+
+
+def test_more_credit_than_the_diagnoses_give_does_not_agree(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    exam = Sealed(tmp_path)
+    first, *others = exam.tree["scenarios"]
+    late = {"verdicts": ["healthy", "outer_ring"], "counts": [14, 4]}
+    tree = {**exam.tree, "scenarios": [{**first, "diagnoses": {**first["diagnoses"], **late}}, *others]}
+    assert exam.verify(tree) == 1
+    assert "DOES NOT AGREE, exam_score is stated as" in capsys.readouterr().out
+
+
+def test_an_entry_without_diagnoses_cannot_be_verified(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    exam = Sealed(tmp_path)
+    scenarios = [{key: value for key, value in scenario.items() if key != "diagnoses"} for scenario in exam.tree["scenarios"]]
+    assert exam.verify({**exam.tree, "format": "dcrb exam entry 1", "scenarios": scenarios}) == 1
+    assert "it has no diagnoses from which it could be computed again" in capsys.readouterr().out
 
 
 FIRST_DRAWN = (

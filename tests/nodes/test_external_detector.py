@@ -16,10 +16,12 @@ import yaml
 
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
+from ros_bench import environment
 from same_process import dcrb
 from waiting import runs, wait_for
 
 from dcrb_ros.messages.statuses import Status, encode_diagnostics
+from dcrb_ros.nodes import external_detector
 from dcrb_ros.nodes.external_detector import Diagnoses, ExternalDetector
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
@@ -256,6 +258,47 @@ def test_a_detector_reads_the_thermometers_of_a_bench_that_has_them_and_not_the_
         *read, seen = ast.literal_eval(found.received[-1].reason)
         assert read == expected
         assert sorted(seen) == sorted(f"/dcrb/{topic}" for topic in topics)
+
+
+PUBLISHER = """
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
+from sensor_msgs.msg import PointCloud2
+rclpy.init()
+node = rclpy.create_node("examiner", namespace="dcrb")
+node.create_publisher({}, "{}", 10)
+print("publishes", flush=True)
+rclpy.spin(node)
+"""
+
+
+@pytest.mark.parametrize(("kind", "topic"), [("PointCloud2", "outer_ring/vibration"), ("DiagnosticArray", "diagnosis")])
+def test_another_publisher_in_the_domain_ends_the_run(kind: str, topic: str) -> None:
+    detector = ExternalDetector(python("-m", "dcrb_ros.nodes.fault_detector"))
+    command = [sys.executable, "-c", PUBLISHER.format(kind, topic)]
+    with subprocess.Popen(command, env=environment(detector.domain), stdout=subprocess.PIPE) as other:
+        assert other.stdout is not None
+        assert other.stdout.readline() == b"publishes\n"
+        try:
+            with pytest.raises(RuntimeError, match=rf"ROS domain {detector.domain} of the exam is used by .*publishes on /dcrb/{topic}"):
+                detector.diagnose(Recording(ROOT / "bags/outer_ring_defect"))
+        finally:
+            other.kill()
+
+
+def test_a_publisher_that_appears_during_the_run_ends_it(tmp_path: Path) -> None:
+    """The detector starts it, as a second exam would appear."""
+    intruder = SUBSCRIBER.replace("rclpy.spin(node)", "node.create_publisher(PointCloud2, 'outer_ring/vibration', 10)\nrclpy.spin(node)")
+    detector = ExternalDetector(python("-c", intruder.format("pass")), patience=60.0)
+    with pytest.raises(RuntimeError, match="/dcrb/candidate also publishes on /dcrb/outer_ring/vibration"):
+        detector.diagnose(Recording(ROOT / "bags/outer_ring_defect"))
+
+
+def test_a_node_that_prints_without_end_fails_its_scenario(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(external_detector, "MOST_OUTPUT", 1 << 20)
+    detector = ExternalDetector(python("-c", "while True: print('x' * 1000)"), patience=60.0)
+    failure = detector.diagnose(Recording(ROOT / "bags/outer_ring_defect")).failure
+    assert "it ended with status -9 before it subscribed; it printed more than 1 MiB; its last output:" in failure
 
 
 def test_a_rate_is_kept(capsys: pytest.CaptureFixture[str]) -> None:

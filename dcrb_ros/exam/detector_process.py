@@ -1,0 +1,125 @@
+"""The program that runs a detector written in Python for the exam, in a process of its own.
+
+The exam sends what a detector may know: characteristic orders, sampling rate, description of the bearing, blocks and temperatures. Neither
+the scenario nor the expected verdict enters this process, and its standard output is not that of the exam.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import pickle
+import signal
+import socket
+import sys
+import threading
+import time
+from functools import partial
+from typing import NamedTuple
+
+from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.exam.packets import receive_packet, send_packet
+from dcrb_ros.exam.plugin import load_plugin
+from dcrb_ros.exam.running_detector import DetectorBlock, DetectorFactory, RunningDetector, checked_output
+from dcrb_ros.runtime.memory import keep_freed_memory
+from dcrb_ros.schema.refusal import Refusal
+
+READY, NOTHING, MESSAGE, VERDICT, REFUSED, FAILED, LEFTOVER = b"+", b"-", b"m", b"v", b"r", b"f", b"l"
+"""First bytes of the answers: done, no diagnosis, a message on `diagnosis`, a verdict, a refusal, a failure, done with threads left."""
+THREAD_PATIENCE = 2.0
+"""Time in which the threads of a detector must end after its last block [s]."""
+
+
+class Begin(NamedTuple):
+    """Request for a new detector."""
+
+    orders: Orders
+    rate: int
+    """Sampling rate [Hz]."""
+    bearing: bytes
+    """The bearing, pickled apart, since most detectors do not need it; None if it is unknown."""
+
+
+def main() -> None:
+    """Serve the socket, the class and the memory [bytes] in the arguments until the exam closes the socket or the detector fails."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    channel, given = socket.socket(fileno=int(sys.argv[1])), sys.argv[2]
+    channel.set_inheritable(False)
+    keep_freed_memory()
+    _limit_memory(int(sys.argv[3]))
+    try:
+        factory = load_plugin(given)
+    except Refusal as refusal:
+        send_packet(channel, REFUSED + str(refusal).encode(errors="replace"))
+        return
+    send_packet(channel, READY)
+    with contextlib.suppress(OSError):  # the exam has ended
+        while _scenario(channel, factory):
+            pass
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(0)  # whatever threads are left
+
+
+def _scenario(channel: socket.socket, factory: DetectorFactory) -> bool:
+    """Run a detector on the blocks of a scenario; return whether this process can run another one."""
+    detector: RunningDetector | None = None
+    before = set(threading.enumerate())
+    while (packet := receive_packet(channel)) is not None:
+        request: Begin | DetectorBlock | None = pickle.loads(packet)
+        if request is None:
+            del detector
+            answer = _threads_left(before)
+            send_packet(channel, answer)
+            return answer == READY
+        try:
+            if isinstance(request, Begin):
+                detector, answer = _made(factory, request), READY
+            else:
+                assert detector is not None
+                answer = _answer(detector, request)
+        except Refusal as refusal:
+            answer = REFUSED + str(refusal).encode(errors="replace")
+        except BaseException as error:  # whatever the detector raises
+            answer = FAILED + (str(error) or type(error).__name__).encode(errors="replace")
+        send_packet(channel, answer)
+        if answer[:1] in (REFUSED, FAILED):
+            return False
+    return False
+
+
+def _made(factory: DetectorFactory, begin: Begin) -> RunningDetector:
+    return RunningDetector(factory, begin.orders, begin.rate, partial(pickle.loads, begin.bearing))
+
+
+def _answer(detector: RunningDetector, block: DetectorBlock) -> bytes:
+    output = checked_output(detector.take(block))
+    if output is None:
+        return NOTHING
+    if isinstance(output, str):
+        return VERDICT + output.encode()
+    from dcrb_ros.messages.topics.diagnosis import encode_diagnosis  # a second, which most detectors do not need
+
+    return MESSAGE + encode_diagnosis(output)
+
+
+def _threads_left(before: set[threading.Thread]) -> bytes:
+    """Return the answer to the end of a scenario: threads that keep a program from ending are a failure."""
+    deadline = time.monotonic() + THREAD_PATIENCE
+    started = [thread for thread in threading.enumerate() if thread not in before]
+    for thread in started:
+        if not thread.daemon:
+            thread.join(max(0.0, deadline - time.monotonic()))
+    endless = [thread.name for thread in started if thread.is_alive() and not thread.daemon]
+    if endless:
+        return FAILED + f"{len(endless)} threads still run {THREAD_PATIENCE:g} s after the last block ({', '.join(endless)})".encode()
+    return LEFTOVER if any(thread.is_alive() for thread in started) else READY
+
+
+def _limit_memory(size: int) -> None:
+    """Limit the memory that this process can write to [bytes], where the system has such a limit."""
+    with contextlib.suppress(ImportError, OSError, ValueError):
+        import resource
+
+        _, most = resource.getrlimit(resource.RLIMIT_DATA)
+        resource.setrlimit(resource.RLIMIT_DATA, (size if most == resource.RLIM_INFINITY else min(size, most), most))

@@ -1,0 +1,215 @@
+"""A detector written in Python as a candidate that runs in a process of its own, within limits of time, memory and output."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, suppress
+from dataclasses import dataclass
+from typing import Any
+
+from dcrb_ros.exam.detector_process import FAILED, LEFTOVER, MESSAGE, NOTHING, READY, REFUSED, VERDICT, Begin
+from dcrb_ros.exam.detector_run import Signal, detector_blocks
+from dcrb_ros.exam.evaluation import CandidateRefusal, Outcome
+from dcrb_ros.exam.limits import Limits
+from dcrb_ros.exam.packets import receive_packet, send_packet
+from dcrb_ros.exam.running_detector import DetectorBlock, checked_output
+from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis, decode_diagnosis
+from dcrb_ros.runtime.child_output import ChildOutput
+from dcrb_ros.runtime.children import group_guard
+from dcrb_ros.schema.printable import printable
+from dcrb_ros.schema.refusal import Refusal
+
+MOST_OUTPUT = 16 << 20
+"""Longest output of a detector in one scenario [bytes]."""
+MIB = 1 << 20
+"""[bytes]"""
+EXIT_PATIENCE = 2.0
+"""Time in which a process must end after it has closed its socket [s]."""
+PROGRAM = "import sys; sys.path[:] = {path!r}; from dcrb_ros.exam.detector_process import main; main()"
+"""What the interpreter runs; the modules that can be imported are those of this process."""
+
+
+class DetectorFailure(RuntimeError):
+    """The detector failed in a scenario."""
+
+
+class DetectorProcess:
+    """A process in which new detectors of one class run, one scenario after another."""
+
+    def __init__(self, given: str, limits: Limits) -> None:
+        """Start the process and import the detector ``given`` as `load_plugin` takes it.
+
+        Raises:
+            CandidateRefusal: it cannot be imported within the limits.
+        """
+        self._limits, self._resources, self.closed = limits, ExitStack(), False
+        self._channel, theirs = socket.socketpair()
+        self._output = ChildOutput(MOST_OUTPUT, self._kill)
+        number = str(theirs.fileno())
+        guard = self._resources.enter_context(group_guard(0.0))
+        self._process = subprocess.Popen(
+            [sys.executable, "-u", "-c", PROGRAM.format(path=sys.path), number, given, str(limits.memory * MIB)],
+            stdin=subprocess.DEVNULL,
+            stdout=self._output.writing,
+            stderr=subprocess.STDOUT,
+            pass_fds=[theirs.fileno()],
+            start_new_session=True,
+        )
+        guard(self._process.pid)
+        theirs.close()
+        self._output.begin()
+        try:
+            self._answered(limits.scenario, "its import took longer than {limit:g} s (--scenario-limit)", "while it was imported")
+        except DetectorFailure as failure:
+            self.close()
+            raise CandidateRefusal(f"--python {given} cannot be used: {failure}{self._output.last_lines()}") from None
+        except Refusal as refusal:
+            self.close()
+            raise CandidateRefusal(str(refusal)) from None
+
+    def diagnose(self, signal: Signal) -> Outcome:
+        """Return the outcome of a new detector for a signal; after a failure the process is closed.
+
+        Raises:
+            Refusal: the signal cannot be read, or the detector has no ``update`` or returns an unknown verdict.
+        """
+        outcome = Outcome()
+        self._output.restart()
+        try:
+            for diagnosis in self._diagnoses(signal):
+                outcome.received.append(diagnosis)
+        except DetectorFailure as failure:
+            self.close()
+            outcome.failure = f"{failure}{self._output.last_lines()}"
+        except BaseException:
+            self.close()
+            raise
+        return outcome
+
+    def _diagnoses(self, signal: Signal) -> Iterator[ReceivedDiagnosis]:
+        rate, start = signal.sampling_rate, time.monotonic()
+        self._asked(Begin(signal.orders, rate, pickle.dumps(signal.bearing)), start, 0.0, "at the beginning")
+        seconds = 0.0
+        for block in detector_blocks(signal):
+            seconds = block.end / rate
+            kind, content = self._asked(block, start, seconds, f"at {block.first_index / rate:.2f} s of the signal")
+            if kind == MESSAGE:
+                yield decode_diagnosis(content)
+            elif kind == VERDICT:
+                yield ReceivedDiagnosis((block.end - 1) / rate, str(checked_output(content.decode(errors="replace"))))
+            elif kind != NOTHING:
+                raise DetectorFailure("its process sent an invalid answer")
+        kind, _ = self._asked(None, start, seconds, "after the last block")
+        if kind == LEFTOVER:
+            self.close()
+
+    def _asked(self, request: Begin | DetectorBlock | None, start: float, recorded: float, where: str) -> tuple[bytes, bytes]:
+        """Send a request and return kind and content of the answer."""
+        limits = self._limits
+        rest = start + recorded + limits.scenario - time.monotonic()
+        if rest < limits.block:
+            slow = f"the scenario took {limits.scenario:g} s longer than its recorded time (--scenario-limit)"
+        else:
+            slow = f"a block took longer than {limits.block:g} s {where} (--block-limit)"
+        seconds = max(0.0, min(rest, limits.block))
+        try:
+            send_packet(self._channel, pickle.dumps(request, pickle.HIGHEST_PROTOCOL), max(seconds, 1e-3))
+        except TimeoutError:
+            raise DetectorFailure(slow) from None
+        except OSError:
+            pass  # it has ended, which the missing answer shows
+        return self._answered(seconds, slow, where)
+
+    def _answered(self, seconds: float, slow: str, where: str) -> tuple[bytes, bytes]:
+        try:
+            packet = receive_packet(self._channel, seconds)
+        except TimeoutError:
+            raise DetectorFailure(slow.format(limit=seconds)) from None
+        if self._output.excessive:
+            raise DetectorFailure(f"it printed more than {MOST_OUTPUT // MIB} MiB {where}")
+        if not packet:
+            raise DetectorFailure(f"{self._end()} {where}")
+        kind, content = packet[:1], packet[1:]
+        if kind in (REFUSED, FAILED):
+            sentence = printable(content.decode(errors="replace"))
+            if kind == REFUSED:
+                raise Refusal(sentence)
+            memory = f"; it may use {self._limits.memory} MiB (--memory-limit)" if "MemoryError" in sentence else ""
+            raise DetectorFailure(f"{sentence}{memory}")
+        if kind not in (READY, NOTHING, MESSAGE, VERDICT, LEFTOVER):
+            raise DetectorFailure(f"its process sent an invalid answer {where}")
+        return kind, content
+
+    def _end(self) -> str:
+        """Return how the process ended."""
+        try:
+            status = self._process.wait(EXIT_PATIENCE)
+        except subprocess.TimeoutExpired:
+            return "its process closed its connection"
+        return f"its process ended with exit status {status}" if status >= 0 else f"its process was ended by {_signal_name(-status)}"
+
+    def _kill(self) -> None:
+        with suppress(ProcessLookupError):
+            os.killpg(self._process.pid, signal.SIGKILL)
+
+    def close(self) -> None:
+        """End the process and its children."""
+        if not self.closed:
+            self.closed = True
+            self._kill()
+            self._process.wait()
+            self._channel.close()
+            self._resources.close()
+
+
+DEFAULT_LIMITS = Limits()
+_PROCESSES: dict[tuple[str, Limits], DetectorProcess] = {}
+"""The process of each detector, reused for the next scenario; it ends with this one."""
+
+
+@dataclass(frozen=True)
+class ProcessDetector:
+    """A detector written in Python as a candidate; every scenario has a new detector, and none has the exam's process."""
+
+    name: str
+    given: str
+    """``module:Class``, ``file.py:Class`` or the name of an entry point."""
+    limits: Limits = DEFAULT_LIMITS
+    parallel: bool = True
+
+    def diagnose(self, signal: Signal) -> Outcome:
+        """Return the outcome for a signal; see `DetectorProcess.diagnose`."""
+        key = self.given, self.limits
+        process = _PROCESSES.pop(key, None)
+        if process is None or process.closed:
+            try:
+                process = DetectorProcess(*key)
+            except CandidateRefusal as refusal:  # it could be imported before
+                return Outcome(failure=str(refusal))
+        outcome = process.diagnose(signal)
+        if not process.closed:
+            _PROCESSES[key] = process
+        return outcome
+
+
+def check_plugin(given: str, limits: Limits) -> None:
+    """Import a detector in a process of its own.
+
+    Raises:
+        CandidateRefusal: it cannot be imported.
+    """
+    DetectorProcess(given, limits).close()
+
+
+def _signal_name(number: int) -> Any:
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return f"signal {number}"

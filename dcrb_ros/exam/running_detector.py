@@ -1,0 +1,104 @@
+"""A detector written in Python during one scenario. This module does not import the exam: it runs in the process of the detector, too."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple, Protocol, TypeVar
+
+import numpy.typing as npt
+
+from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.schema.refusal import Refusal, nearest
+from dcrb_ros.schema.verdicts import VERDICTS
+from dcrb_ros.stream.diagnosis import Diagnosis
+
+Result = TypeVar("Result")
+
+
+class Detector(Protocol):
+    """A fault detector that processes a signal block by block, as `dcrb_ros.FaultDetector` does."""
+
+    def update(self, index: int, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any], /) -> Diagnosis | str | None:
+        """Process a block; return a diagnosis or a verdict (``"healthy"``, ``"outer_ring"`` ...), or None if there is none yet."""
+
+
+DetectorFactory = Callable[[Orders, int], Detector]
+"""Called with the characteristic orders of the bearing and the sampling rate [Hz]; returns a new detector."""
+
+
+class DetectorBlock(NamedTuple):
+    """A block and the temperatures up to its end: everything that a detector receives at once."""
+
+    first_index: int
+    """Index of the first sample."""
+    acceleration: npt.NDArray[Any]
+    """Shape (samples, 2) [m/s^2]."""
+    shaft_angle: npt.NDArray[Any]
+    """Shape (samples,) [rad]."""
+    sensor_range: float
+    """Range of the sensor [m/s^2]; 0 if unknown."""
+    temperatures: tuple[tuple[float, float, float], ...]
+    """Time [s], temperature of the bearing and of the air [deg C] of each new reading."""
+
+    @property
+    def end(self) -> int:
+        """Index after the last sample."""
+        return self.first_index + len(self.shaft_angle)
+
+
+class RunningDetector:
+    """A detector during one scenario.
+
+    A detector with a method ``take_temperature`` receives the readings of outer ring and air, too, one with ``take_bearing`` the bearing.
+    """
+
+    def __init__(self, factory: DetectorFactory, orders: Orders, rate: int, bearing: Callable[[], object]) -> None:
+        """Make the detector; ``bearing`` returns the bearing, or None if it is unknown.
+
+        Raises:
+            Refusal: it has no ``update``.
+            RuntimeError: it raised an exception.
+        """
+        self._detector: Any = _called("its class", "", lambda: factory(orders, rate))
+        if not callable(getattr(self._detector, "update", None)):
+            raise Refusal(f"the detector {self._detector!r} has no method update(index, acceleration, shaft_angle): give it one")
+        if hasattr(self._detector, "take_bearing"):
+            self._detector.take_bearing(bearing())
+
+    def take(self, block: DetectorBlock) -> Any:
+        """Give it a block and return its output, which may be anything.
+
+        Raises:
+            RuntimeError: it raised an exception.
+        """
+        detector, where = self._detector, f" at sample {block.first_index}"
+        if hasattr(detector, "sensor_range"):
+            detector.sensor_range = block.sensor_range
+        output = _called("update", where, lambda: detector.update(block.first_index, block.acceleration, block.shaft_angle))
+        if hasattr(detector, "take_temperature"):
+            for reading in block.temperatures:
+                _called("take_temperature", where, lambda: detector.take_temperature(*reading))  # noqa: B023
+        return output
+
+
+def _called(what: str, where: str, call: Callable[[], Result]) -> Result:
+    """Return the result of a detector's method; an exception, also that of `sys.exit`, becomes a sentence."""
+    try:
+        return call()
+    except (Exception, SystemExit) as error:
+        text = f": {error}" if str(error) else ""
+        raise RuntimeError(f"{what} failed{where}: {type(error).__name__}{text}") from error
+
+
+def checked_output(output: Any) -> Diagnosis | str | None:
+    """Return the output of a detector.
+
+    Raises:
+        Refusal: it is neither a diagnosis nor a verdict nor None.
+    """
+    if output is None or isinstance(output, Diagnosis):
+        return output
+    if not isinstance(output, str) or output not in VERDICTS:
+        known = f"{', '.join(VERDICTS)}{nearest(str(output), VERDICTS)}"
+        raise Refusal(f"update returned {output!r}, which is not a verdict: return one of {known}")
+    return str(output)

@@ -1,0 +1,58 @@
+"""The verification of an entry: everything in it is computed again from its diagnoses and the exam with which it was made."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from dcrb_ros.exam.case import scenarios_hash, simulation_seeds
+from dcrb_ros.exam.entry import FORMAT, Entry, entry_of
+from dcrb_ros.exam.exam_file import Exam
+from dcrb_ros.exam.report import Report
+from dcrb_ros.exam.scoring import score_scenario
+
+STATED = ("format", "detector", "dcrb_ros", "model", "software", "scenarios")
+"""Fields that do not follow from the diagnoses, and the scenarios, which are compared one by one."""
+CLOSE = 1e-6
+"""Largest relative and absolute difference of two numbers; powers differ between machines in the last digits."""
+
+
+def differences(entry: Entry, exam: Exam) -> Iterator[str]:
+    """Yield a sentence for everything in an entry that does not follow from its diagnoses in an exam."""
+    if entry.format != FORMAT or any(scenario.diagnoses is None for scenario in entry.scenarios):
+        yield f"it has no diagnoses from which it could be computed again: make it again with dcrb score --entry, which writes '{FORMAT}'"
+        return
+    stated = {scenario.name: scenario for scenario in entry.scenarios}
+    names = [case.expectation.name for case in exam.cases]
+    lacking, foreign = [name for name in names if name not in stated], sorted(set(stated) - set(names))
+    if lacking or foreign:
+        yield f"it lacks the scenario '{lacking[0]}' of the exam" if lacking else f"the exam has no scenario '{foreign[0]}'"
+        return
+    results = tuple(
+        score_scenario(case.expectation, scenario.diagnoses.received(), exam.criteria, failure=scenario.failure)
+        for case in exam.cases
+        if (scenario := stated[case.expectation.name]).diagnoses is not None
+    )
+    digest, seeds = scenarios_hash(exam.cases), simulation_seeds(exam.cases)
+    follows = entry_of(Report(exam.name, entry.detector, exam.criteria, digest, results, exam.seal, seeds))
+    yield from _unequal("", entry.model_dump(exclude=set(STATED)), follows.model_dump(exclude=set(STATED)))
+    for computed in follows.scenarios:
+        yield from _unequal(f"scenario '{computed.name}': ", stated[computed.name].model_dump(), computed.model_dump())
+
+
+def _unequal(where: str, stated: Mapping[str, Any], follows: Mapping[str, Any]) -> Iterator[str]:
+    for key, value in follows.items():
+        if not _close(stated[key], value):
+            yield f"{where}{key} is stated as {stated[key]}, but {value} follows"
+
+
+def _close(first: Any, second: Any) -> bool:
+    """Return whether two trees are equal except for the last digits of their numbers."""
+    if isinstance(first, Mapping) and isinstance(second, Mapping):
+        return first.keys() == second.keys() and all(_close(first[key], second[key]) for key in first)
+    if isinstance(first, Sequence) and isinstance(second, Sequence) and not isinstance(first, str):
+        return len(first) == len(second) and all(map(_close, first, second))
+    if isinstance(first, float) and isinstance(second, float):
+        return math.isclose(first, second, rel_tol=CLOSE, abs_tol=CLOSE)
+    return bool(first == second)

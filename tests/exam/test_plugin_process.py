@@ -1,0 +1,293 @@
+"""Detectors in a process of their own: whatever they do ends their scenario only, and the truth is not in reach."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from made_up_blocks import recorded
+from separate_process import dcrb
+
+from dcrb_ros.exam import plugin_process
+from dcrb_ros.exam.detector_run import PythonDetector, run_detector
+from dcrb_ros.exam.limits import Limits
+from dcrb_ros.exam.plugin import load_plugin
+from dcrb_ros.exam.plugin_process import MIB, MOST_OUTPUT, DetectorProcess, ProcessDetector
+from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
+from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.schema.refusal import Refusal
+
+SOURCE = """
+import gc, os, signal, sys, threading, time
+
+class Well:
+    calls = 0
+
+    def __init__(self, orders, rate):
+        self.blocks = 0
+
+    def update(self, index, acceleration, shaft_angle):
+        self.blocks += 1
+        print("block", self.blocks)
+        if self.blocks == 3:
+            self.misbehave()
+        return "healthy"
+
+    def misbehave(self):
+        pass
+
+class Exit(Well):
+    def misbehave(self):
+        sys.exit(0)
+
+class OsExit(Well):
+    def misbehave(self):
+        os._exit(0)
+
+class Killed(Well):
+    def misbehave(self):
+        os.kill(os.getpid(), signal.SIGSEGV)
+
+class Group(Well):
+    def misbehave(self):
+        os.killpg(0, signal.SIGKILL)
+
+class Asleep(Well):
+    def misbehave(self):
+        time.sleep(1e3)
+
+class Busy(Well):
+    def misbehave(self):
+        signal.pthread_sigmask(signal.SIG_BLOCK, signal.valid_signals())
+        while True:
+            pass
+
+class Stopped(Well):
+    def misbehave(self):
+        os.kill(os.getpid(), signal.SIGSTOP)
+
+class Endless(Well):
+    def misbehave(self):
+        threading.Thread(target=time.sleep, args=(1e3,), name="endless").start()
+
+class Loud(Well):
+    def misbehave(self):
+        while True:
+            print("x" * 100_000)
+
+class Large(Well):
+    def misbehave(self):
+        self.large = [bytearray(64 << 20) for _ in range(1000)]
+
+class Wrong(Well):
+    def misbehave(self):
+        raise ValueError("\\x1b[2Jwrong")
+
+class Made(Well):
+    def __init__(self, orders, rate):
+        sys.exit("not made")
+
+class Closing(Well):
+    def misbehave(self):
+        os.closerange(3, 100)
+
+class Background(Well):
+    def misbehave(self):
+        threading.Thread(target=time.sleep, args=(1e3,), daemon=True).start()
+
+class Spy(Well):
+    def misbehave(self):
+        kinds = {type(thing).__name__ for thing in gc.get_objects()}
+        kinds &= {"Expectation", "Case", "Scenario", "ScenarioSet", "Exam", "Recording", "RecordedCase", "Piece"}
+        frame, texts = sys._getframe(), []
+        while frame is not None:
+            texts += [f"{name} = {value!r:.200}" for name, value in frame.f_locals.items() if name != "texts"]
+            frame = frame.f_back
+        texts += sys.argv + list(os.environ.values()) + open("/proc/self/cmdline").read().split("\\0")
+        texts += [os.readlink(f"/proc/self/fd/{name}") for name in os.listdir("/proc/self/fd") if os.path.exists(f"/proc/self/fd/{name}")]
+        telling = [text for text in texts if "telling" in text]
+        raise ValueError(f"{sorted(kinds)} {telling}")
+"""
+BLOCKS = 5
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return recorded(tmp_path_factory.mktemp("bags") / "telling_name", BLOCKS)
+
+
+@pytest.fixture(scope="module")
+def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    file = tmp_path_factory.mktemp("detector") / "bad_detectors.py"
+    file.write_text(SOURCE, encoding="utf-8")
+    return file
+
+
+@pytest.fixture(autouse=True)
+def no_process_remains() -> Iterator[None]:
+    yield
+    for process in plugin_process._PROCESSES.values():
+        process.close()
+    plugin_process._PROCESSES.clear()
+
+
+@pytest.mark.parametrize(
+    ("name", "sentence"),
+    [
+        ("Exit", "update failed at sample 2048: SystemExit: 0"),
+        ("OsExit", "its process ended with exit status 0 at 0.04 s of the signal"),
+        ("Killed", "its process was ended by SIGSEGV at 0.04 s"),
+        ("Group", "its process was ended by SIGKILL at 0.04 s"),
+        ("Asleep", "a block took longer than 4 s at 0.04 s of the signal (--block-limit)"),
+        ("Busy", "a block took longer than 4 s at 0.04 s"),
+        ("Stopped", "a block took longer than 4 s at 0.04 s"),
+        ("Endless", "1 threads still run 2 s after the last block (endless)"),
+        ("Loud", "it printed more than 16 MiB at 0.04 s"),
+        ("Large", "update failed at sample 2048: MemoryError; it may use 1024 MiB (--memory-limit)"),
+        ("Wrong", "update failed at sample 2048: ValueError: \\x1b[2Jwrong"),
+        ("Made", "its class failed: SystemExit: not made"),
+        ("Closing", "at 0.04 s of the signal"),
+    ],
+)
+def test_whatever_a_detector_does_fails_its_scenario_with_the_cause(
+    name: str, sentence: str, source: Path, bag: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    limits = Limits(block=4.0 if "--block" in sentence or "a block" in sentence else 30.0, scenario=100.0, memory=1024)
+    candidate = ProcessDetector(name, f"{source}:{name}", limits)
+    outcome = candidate.diagnose(Recording(bag))
+    assert sentence in outcome.failure
+    assert len(outcome.received) == (0 if name == "Made" else BLOCKS if name == "Endless" else 2)
+    assert "\x1b" not in outcome.failure
+    if name not in ("Made", "Loud"):
+        assert "its last output:\n    block 1\n    block 2\n    block 3" in outcome.failure
+    assert len(outcome.failure) < 1000 or name == "Loud"
+    assert capfd.readouterr() == ("", "")
+    assert not plugin_process._PROCESSES
+
+
+def test_a_process_is_reused_with_a_new_detector_and_gives_the_same_diagnoses(source: Path, bag: Path) -> None:
+    candidate = ProcessDetector("well", f"{source}:Well")
+    wanted = [ReceivedDiagnosis((1024 * k - 1) / 51200, "healthy") for k in range(1, BLOCKS + 1)]
+    processes = []
+    for _ in range(2):
+        assert candidate.diagnose(Recording(bag)).received == wanted
+        (process,) = plugin_process._PROCESSES.values()
+        processes.append(process)
+    assert processes[0] is processes[1]
+    wrong = ProcessDetector("wrong", f"{source}:Wrong")
+    assert wrong.diagnose(Recording(bag)).failure
+    assert wrong.diagnose(Recording(bag)).failure  # in another process
+
+
+def test_a_process_with_a_thread_in_the_background_is_not_reused(source: Path, bag: Path) -> None:
+    outcome = ProcessDetector("background", f"{source}:Background").diagnose(Recording(bag))
+    assert (len(outcome.received), outcome.failure) == (BLOCKS, "")
+    assert all(process.closed for process in plugin_process._PROCESSES.values())
+
+
+def test_neither_the_truth_nor_the_name_of_the_scenario_is_in_the_process(source: Path, bag: Path) -> None:
+    assert "ValueError: [] []" in ProcessDetector("spy", f"{source}:Spy").diagnose(Recording(bag)).failure
+
+
+def test_the_shipped_detector_gives_the_same_diagnoses_in_both_processes(tmp_path: Path) -> None:
+    recording = Recording(recorded(tmp_path / "bag", 150))
+    here = PythonDetector("here", load_plugin("dcrb_ros:FaultDetector")).diagnose(recording)
+    there = ProcessDetector("there", "dcrb_ros:FaultDetector").diagnose(recording)
+    assert there.received == here.received != []
+    assert (there.failure, here.failure) == ("", "")
+
+
+def test_a_scenario_has_a_limit_beyond_its_recorded_time(source: Path, bag: Path) -> None:
+    process = DetectorProcess(f"{source}:Asleep", Limits())
+    process._limits = Limits(block=50.0, scenario=1.0)
+    assert "the scenario took 1 s longer than its recorded time (--scenario-limit)" in process.diagnose(Recording(bag)).failure
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("import sys; sys.exit(0)", "cannot be imported: SystemExit: 0"),
+        ("import os; os._exit(0)", "its process ended with exit status 0 while it was imported"),
+        ("while True: pass", "its import took longer than 4 s (--scenario-limit)"),
+    ],
+)
+def test_an_import_that_ends_or_hangs_is_refused(text: str, sentence: str, tmp_path: Path) -> None:
+    (tmp_path / "ends.py").write_text(text, encoding="utf-8")
+    limits = Limits(scenario=4.0 if "limit" in sentence else 100.0)
+    with pytest.raises(Refusal) as refused:
+        DetectorProcess(f"{tmp_path / 'ends.py'}:Detector", limits)
+    assert sentence in str(refused.value)
+    assert str(refused.value).startswith("--python ")
+
+
+def test_a_detector_that_ends_its_process_fails_one_scenario_and_the_others_are_scored(tmp_path: Path) -> None:
+    (tmp_path / "ends.py").write_text(
+        "import os, sys\n"
+        "class Ends:\n"
+        "    def __init__(self, orders, rate):\n"
+        "        print('{made}')\n"
+        "    def update(self, index, acceleration, shaft_angle):\n"
+        "        print('{', file=sys.stderr)\n"
+        "        return os._exit(0) if index >= 4 * 1024 else 'healthy'\n",
+        encoding="utf-8",
+    )
+    bags = [recorded(tmp_path / name, count) for name, count in (("long", 8), ("short", 4), ("longer", 9))]
+    done = dcrb("score", *map(str, bags), "--python", f"{tmp_path / 'ends.py'}:Ends", "--json", "--workers", "1", "--quiet")
+    assert done.returncode == 1, done.stderr
+    scenarios = {scenario["name"]: scenario for scenario in json.loads(done.stdout)["scenarios"]}
+    ended = "its process ended with exit status 0"
+    assert {name: scenario["flaw"].startswith(ended) for name, scenario in scenarios.items()} == {
+        "long": True,
+        "short": False,
+        "longer": True,
+    }
+    assert scenarios["short"]["passed"]
+
+
+def test_a_detector_that_ends_before_any_diagnosis_still_gives_a_report(tmp_path: Path, source: Path) -> None:
+    bag = recorded(tmp_path / "bag", 2)
+    done = dcrb("score", str(bag), "--python", f"{source}:Made", "--json", "--workers", "1", "--quiet")
+    assert done.returncode == 1
+    (scenario,) = json.loads(done.stdout)["scenarios"]
+    assert scenario["flaw"].startswith("its class failed: SystemExit")
+
+
+def test_a_detector_in_this_process_that_exits_is_an_error_with_its_sample(source: Path, bag: Path) -> None:
+    with pytest.raises(RuntimeError, match="update failed at sample 2048: SystemExit: 0"):
+        run_detector(load_plugin(f"{source}:Exit"), Recording(bag))
+
+
+def test_the_children_of_a_detector_end_with_it(source: Path, bag: Path, tmp_path: Path) -> None:
+    file, noted = tmp_path / "parents.py", tmp_path / "pid"
+    file.write_text(
+        f"import subprocess\nclass Parent:\n    def __init__(self, orders, rate):\n"
+        f"        open({str(noted)!r}, 'w').write(str(subprocess.Popen(['sleep', '1000']).pid))\n"
+        "    def update(self, *_):\n        raise ValueError\n",
+        encoding="utf-8",
+    )
+    assert ProcessDetector("parent", f"{file}:Parent").diagnose(Recording(bag)).failure
+    state = subprocess.run(["ps", "-o", "stat=", "-p", noted.read_text()], capture_output=True, text=True, check=False).stdout
+    assert state.strip()[:1] in ("", "Z")
+    assert int(noted.read_text()) != os.getpid()
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        (["--block-limit", "0"], "--block-limit 0.0 s is outside 0 .. 3600 s"),
+        (["--scenario-limit", "nan"], "--scenario-limit nan s is outside"),
+        (["--memory-limit", "1"], "--memory-limit 1 MiB is outside 256"),
+    ],
+)
+def test_limits_outside_their_range_are_refused(options: list[str], sentence: str) -> None:
+    done = dcrb("score", "smoke", "--python", "dcrb_ros:FaultDetector", *options)
+    assert done.returncode == 2
+    assert sentence in done.stderr
+
+
+def test_the_output_limit_is_said_in_whole_mebibytes() -> None:
+    assert MOST_OUTPUT % MIB == 0
