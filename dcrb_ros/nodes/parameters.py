@@ -40,7 +40,7 @@ class ParameterNode(Node):
         """Declared parameters of the schema by their keys."""
 
     def on_parameters(self, changes: dict[str, Any]) -> None:
-        """Apply a requested change of parameters; a node that overrides this method accepts those that it knows.
+        """Apply a requested change of parameters; a node that overrides this method accepts the declared ones.
 
         Raises:
             Refusal: it is invalid; nothing is changed.

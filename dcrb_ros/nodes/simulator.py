@@ -154,7 +154,7 @@ class SimulatorNode(BenchNode):
 
     @property
     def ended(self) -> bool:
-        """Whether the duration is over and the detector has answered, or the simulation has failed or was told to quit."""
+        """Whether the duration is over and the detector has answered, or the simulation has failed or was asked to quit."""
         stopped = self.engine.failure is not None or self.engine.gate.closed
         return self.engine.ended and (stopped or self._answers.complete(self.progress.time_ns))
 

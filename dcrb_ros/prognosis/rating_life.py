@@ -79,7 +79,7 @@ def dynamic_load_rating(bearing: RollerBearing) -> float:
 
 
 def roller_ratings(bearing: RollerBearing, rating: float) -> tuple[float, float]:
-    """Return the dynamic load ratings of a roller at the inner raceway, which rotates, and at the outer one, which stands still [N].
+    """Return the dynamic load ratings of a roller at the inner raceway, which rotates, and at the outer one, which is at rest [N].
 
     Q_ci = C / (0.378 Z i^(7/9)) {1 + x^(9/2)}^(2/9), Q_ce = C / (0.364 Z i^(7/9)) {1 + x^(-9/2)}^(2/9),
     x = 1.038 ((1 - g) / (1 + g))^(143/108)
