@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from dcrb_ros.cli.options import DetectorFile, Force, JsonOutput
+from dcrb_ros.cli.options import DetectorFile, Force, JsonOutput, warn_of_digest
 from dcrb_ros.cli.output_file import check_output, replacing
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.writing import write_whole
@@ -66,6 +66,7 @@ def detect(
     diagnosed = []
     for bag in bags:
         recording = Recording(bag)
+        warn_of_digest(recording, str(bag))
         # A program gets an answer in any case; a person gets the reason why there is none.
         result = (watch if as_json else detect_in)(recording, parameters=parameters, baseline=known)
         diagnosed.append((bag, recording, result))
@@ -150,7 +151,9 @@ def _learned(
         raise Refusal("--healthy and --baseline both give a baseline: leave out one of them")
     if save is not None:
         check_output("--save-baseline", save, (".yaml", ".yml"))
-    learned = learn_baseline(Recording(healthy), name=healthy.name, parameters=parameters)
+    recording = Recording(healthy)
+    warn_of_digest(recording, str(healthy))
+    learned = learn_baseline(recording, name=healthy.name, parameters=parameters)
     if save is not None:
         with replacing("--save-baseline", save, force=force):
             learned.save(save)

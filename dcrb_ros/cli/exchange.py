@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from dcrb_ros.cli.options import Bag, Force
+from dcrb_ros.cli.options import Bag, Force, warn_of_digest
 from dcrb_ros.cli.output_file import replacing
 from dcrb_ros.schema.refusal import Refusal
 
@@ -28,6 +28,7 @@ def export(
     recording = Recording(bag)
     with replacing("-o", output, force=force, source=bag), replacing("-o", description_of(output), force=force):
         described = exported(recording, output)
+    warn_of_digest(recording, str(bag))
     for damage in recording.damage:
         typer.echo(f"dcrb: {damage}", err=True)
     if output.suffix.lower() == ".wav" and (len(recording.temperatures()) or len(recording.tacho())):
