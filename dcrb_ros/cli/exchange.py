@@ -25,12 +25,12 @@ def export(
     from dcrb_ros.exchange.export import export as exported
     from dcrb_ros.recordings.reader import Recording
 
-    recording = Recording(bag)
+    recording, notes = Recording(bag), list[str]()
     with replacing("-o", output, force=force, source=bag), replacing("-o", description_of(output), force=force):
-        described = exported(recording, output)
+        described = exported(recording, output, notes=notes)
     warn_of_digest(recording, str(bag))
-    for damage in recording.damage:
-        typer.echo(f"dcrb: {damage}", err=True)
+    for sentence in [*recording.damage, *notes]:
+        typer.echo(f"dcrb: {sentence}", err=True)
     if output.suffix.lower() == ".wav" and (len(recording.temperatures()) or len(recording.tacho())):
         typer.echo("a WAV file has neither temperatures nor pulses of a tacho: export npz, mat, csv or parquet to keep them", err=True)
     print(f"{output}, described by {described}")

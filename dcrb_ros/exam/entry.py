@@ -22,6 +22,7 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.verdicts import FaultClass
 from dcrb_ros.text.files import checked_path, read_text
 from dcrb_ros.text.json import LARGEST, parsed_json
+from dcrb_ros.text.writing import write_whole
 
 FORMAT: Literal["dcrb exam entry 1"] = "dcrb exam entry 1"
 AGREEMENT = 1e-4
@@ -131,10 +132,7 @@ def write_entry(entry: Entry, file: Path) -> None:
     Raises:
         Refusal: the file cannot be written.
     """
-    try:
-        file.write_text(json.dumps(entry.model_dump(), separators=(",", ":"), allow_nan=False) + "\n", encoding="utf-8")
-    except OSError as error:
-        raise Refusal(f"{file} cannot be written: {error.strerror}; give another file to --entry") from None
+    write_whole(file, json.dumps(entry.model_dump(), separators=(",", ":"), allow_nan=False) + "\n")
 
 
 def read_entry(path: Path) -> Entry:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,7 +20,7 @@ from dcrb_ros.recordings.digest import SampleDigests, samples_in, stated_samples
 from dcrb_ros.recordings.manifest import OUTCOME, Outcome, now
 from dcrb_ros.recordings.mcap_writer import Channel, McapFile, described_channel
 from dcrb_ros.recordings.reader import Recording
-from dcrb_ros.recordings.splitting import SECOND, Bag, Splitting
+from dcrb_ros.recordings.splitting import SECOND, Bag, RecordingFailed, Splitting
 from dcrb_ros.recordings.storage import StoredMessage, valid_files
 from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
@@ -66,6 +68,7 @@ class Recovery:
 
         Raises:
             Refusal: no message can be read, or the target exists.
+            RecordingFailed: the bag could not be written whole, and was removed.
         """
         messages = self._messages()
         first = next(messages, None)
@@ -78,8 +81,12 @@ class Recovery:
             for message in messages:
                 bag.write([message])
             self._note(self._mismatch())
-        finally:
             bag.close()
+        except BaseException:
+            with suppress(RecordingFailed):
+                bag.close()
+            shutil.rmtree(bag.path, ignore_errors=True)
+            raise
         self._recovered.damage = tuple(map(printable, self._damage))
         return self._recovered
 

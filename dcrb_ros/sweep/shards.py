@@ -28,6 +28,7 @@ from dcrb_ros.sweep.schema import SPLITS
 from dcrb_ros.sweep.store import Store, file_record
 from dcrb_ros.sweep.verification import read_label
 from dcrb_ros.text.json import parsed_json
+from dcrb_ros.text.writing import write_whole
 from dcrb_ros.text.yaml import read_yaml
 
 INDEX = "index.json"
@@ -69,11 +70,11 @@ def write_shards(data_set: Path, folder: Path, runs: int) -> list[str]:
     entries = {}
     for shard in shards(plan, runs):
         data = packed(store, shard)
-        (folder / shard.name).write_bytes(data)
+        write_whole(folder / shard.name, data)
         entries[shard.name] = {**file_record(data), "runs": [run.name for task in shard.tasks for run in task]}
     recipe = {name: (data_set / name).read_text(encoding="utf-8") for name in RECIPE}
     about = {"dcrb_ros": __version__, "model": model_fingerprint(), "software": software(), "plan": plan.name, "runs_per_shard": runs}
-    (folder / INDEX).write_text(json.dumps({**about, "recipe": recipe, "shards": entries}, indent=1), encoding="utf-8")
+    write_whole(folder / INDEX, json.dumps({**about, "recipe": recipe, "shards": entries}, indent=1))
     return list(entries)
 
 
@@ -107,7 +108,7 @@ def remake_shard(index: Path, name: str, target: Path) -> str:
             f"{name} has the SHA-256 {sha256[:12]}..., not {str(known[name]['sha256'])[:12]}... as in the index: the last bits depend on "
             f"processor and libraries, which were {about['software']}"
         )
-    target.write_bytes(data)
+    write_whole(target, data)
     return sha256
 
 
