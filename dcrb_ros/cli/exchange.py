@@ -59,6 +59,7 @@ def import_(
     Example: dcrb import 97.mat --about cwru-48k -o cwru_97
     """
     from dcrb_ros.exchange.importing import WaveformImport
+    from dcrb_ros.exchange.plausibility import implausible, summary
     from dcrb_ros.exchange.public_sets import find_description, listed
 
     if list_ or show:
@@ -73,5 +74,8 @@ def import_(
     with replacing("-o", output, force=force):
         samples = waveform.write(output)
     print(f"{output}: {samples} samples, {samples / waveform.measured_rate:.3f} s at {waveform.measured_rate:g} Hz")
+    print(summary(waveform))
+    for sentence in implausible(waveform):
+        typer.echo(f"dcrb: warning: {sentence}", err=True)
     for remark in waveform.remarks():
         print(remark)

@@ -32,6 +32,8 @@ LONGEST_LINE = 100_000
 MAT_BYTES = {"int8": 1, "uint8": 1, "int16": 2, "uint16": 2, "int32": 4, "uint32": 4, "single": 4, "char": 2, "logical": 1}
 """Size of an element by its class in a MAT file [bytes], where it is not 8."""
 
+TWO_INTEGERS = re.compile(r"-?[0-9]+,[0-9]+")
+"""A line that is two integers, or a number with a decimal comma."""
 MAT_HEADER, MAT_COMPRESSED, MAT_PIECE = 128, 15, 1 << 20
 """Size of the header of a MAT file [bytes], type of a compressed variable, and size of a part that is unpacked at a time [bytes]."""
 LARGEST_ELEMENT = 8
@@ -109,17 +111,19 @@ def _read_csv(path: Path) -> ExternalFile:
         first = next((line for line in iter(lambda: stream.readline(LONGEST_LINE), "") if line.strip() and not line.startswith("#")), "")
     if len(first) == LONGEST_LINE:
         raise Refusal(f"{path} has a line of {LONGEST_LINE} characters or more: give a file with one column per channel")
-    delimiter = next((character for character in ",;\t" if character in first), None)
+    delimiter = next((character for character in ";\t," if character in first), None)
     names = tuple(word.strip().strip('"') for word in first.strip().split(delimiter))
     headed = not all(_is_number(name) for name in names)
     with path.open(encoding="utf-8-sig") as stream:
-        lines = (line for line in stream if line.strip() and not line.startswith("#"))
+        lines = itertools.dropwhile(lambda line: line.startswith("#"), (line for line in stream if line.strip()))
         if headed:
             next(lines, None)
         begin = next(lines, None)
         if begin is None:
             raise Refusal(f"{path} contains no numbers: give a file with one column per channel")
-        table = np.loadtxt(itertools.chain([begin], lines), delimiter=delimiter, ndmin=2)
+        if (delimiter != "," and "," in begin) or (not headed and TWO_INTEGERS.fullmatch(begin.strip())):
+            raise Refusal(f"{path} may have decimal commas ({begin.strip()[:40]!r}): write decimal points, and the names in the first line")
+        table = np.loadtxt(itertools.chain([begin], lines), delimiter=delimiter, ndmin=2, comments=None)
 
     def column(name: str | int) -> Array:
         if isinstance(name, str) and headed:
@@ -148,6 +152,7 @@ def _by_number(table: Array, name: str | int) -> Array:
 def _read_wav(path: Path) -> ExternalFile:
     from scipy.io import wavfile
 
+    _check_chunks(path)
     rate, table = wavfile.read(path)
     table = table[:, None] if table.ndim == 1 else table
     kind = table.dtype
@@ -155,6 +160,17 @@ def _read_wav(path: Path) -> ExternalFile:
         raise Refusal(f"{path} has {8 * kind.itemsize} bit unsigned samples: convert it to 16 bit or to floating point")
     scale = float(np.iinfo(kind).max) + 1.0 if kind.kind == "i" else None
     return ExternalFile(tuple(str(k + 1) for k in range(table.shape[1])), lambda name: _by_number(table, name), int(rate), scale)
+
+
+def _check_chunks(path: Path) -> None:
+    """Refuse a WAV file with a chunk that states more bytes than follow."""
+    with path.open("rb") as file:
+        order = ">" if file.read(12)[:4] == b"RIFX" else "<"
+        while len(head := file.read(8)) == 8:
+            size, left = struct.unpack(f"{order}4xI", head)[0], path.stat().st_size - file.tell()
+            if size > left:
+                raise Refusal(f"{path} is cut off: its chunk {head[:4]!r} states {size} bytes, but {left} follow; copy the file again")
+            file.seek(size + size % 2, 1)
 
 
 def _read_mat(path: Path) -> ExternalFile:

@@ -101,6 +101,8 @@ class WaveformImport:
         """Return the factor from a number in the file to m/s^2."""
         factor = self.description.factor(self._about)
         if self._files.full_scale is None:
+            if self.description.full_scale is not None:
+                raise Refusal(f"{self._about} gives full_scale, but {self._files} has no integer samples of a WAV file: leave it out")
             return factor
         if self.description.full_scale is None:
             unit = self.description.unit
