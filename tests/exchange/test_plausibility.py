@@ -89,3 +89,26 @@ def test_config_check_warns_of_negative_and_very_small_loads(load: str, words: s
     done = dcrb("config", "check", "healthy", "--set", f"operating.load={load}")
     assert done.returncode == 0
     assert words in done.stderr if words else "load" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("beside", "words"),
+    [
+        ({"fs": 25600}, "'fs' is 25600"),
+        ({"time": np.arange(2400) / 25600}, "'time' advances by 3.90625e-05"),
+        ({"fs": 12000.0, "time": np.arange(2400) / 12.0}, ""),
+    ],
+)
+def test_a_sampling_rate_that_the_file_contradicts_is_refused(beside: dict[str, object], words: str, tmp_path: Path) -> None:
+    np.savez(tmp_path / "x.npz", a=np.sin(np.arange(2400)), **beside)  # type: ignore[arg-type]
+    if not words:
+        assert WaveformImport(tmp_path / "x.npz", about(tmp_path)).rate == 12000
+        return
+    with pytest.raises(Refusal, match=f"gives sampling_rate = 12000 Hz, but {words}"):
+        WaveformImport(tmp_path / "x.npz", about(tmp_path))
+
+
+def test_a_measured_speed_beyond_any_bearing_is_refused(tmp_path: Path) -> None:
+    np.savez(tmp_path / "x.npz", a=np.sin(np.arange(2400)), n=np.full(10, 1e300))
+    with pytest.raises(Refusal, match="'n' is 1e\\+300 rpm"):
+        WaveformImport(tmp_path / "x.npz", about(tmp_path, channels={"ax": "a", "rpm": "n"}))
