@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from dcrb_ros.bearing.kinematics import characteristic_orders
 from dcrb_ros.faults.ground_truth import summary_of
+from dcrb_ros.prognosis.rating_life import dynamic_load_rating
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.loaded_contacts import heaviest
 from dcrb_ros.settings.parameters import Bearing, rpm
@@ -15,6 +16,8 @@ STEEL = 7850.0
 """Density of steel [kg/m^3]."""
 ALIKE = 0.01
 """Largest relative difference of dimensions that leaves masses as they are [-]."""
+LEAST_SHARE = 0.001
+"""Least plausible load over the dynamic load rating [-]."""
 DEPENDENCES = {
     "roller_mass": ("roller_radius", "roller_length"),
     "roller_inertia": ("roller_radius", "roller_length"),
@@ -74,6 +77,19 @@ def kept_defaults(bearing: Bearing) -> Iterator[str]:
         if changed and value == getattr(default, key):
             other = f"{changed[0]} = {getattr(bearing, changed[0]):g}, not {getattr(default, changed[0]):g}"
             yield f"bearing.{key} = {value:g} {unit} is that of the default bearing, but this one has {other}: {_remedy(key, bearing)}"
+
+
+def implausible_loads(configuration: Configuration) -> Iterator[str]:
+    """Yield a sentence if the load is negative, or too small for rollers that roll."""
+    load, rating = configuration.operating.load, dynamic_load_rating(configuration.bearing)
+    if load < 0.0:
+        yield f"operating.load = {load:g} N is negative, so the load zone is at the top: give a positive load, unless that is intended"
+    total = math.hypot(load, configuration.operating.lateral_load)
+    if total < LEAST_SHARE * rating:
+        yield (
+            f"the load of {total:g} N is below {LEAST_SHARE:g} of the load rating of {rating / 1e3:.4g} kN, at which rollers skid: give at "
+            f"least {LEAST_SHARE * rating:.3g} N, and check the unit"
+        )
 
 
 def _remedy(key: str, bearing: Bearing) -> str:

@@ -10,8 +10,8 @@ import yaml
 
 from dcrb_ros.calibration.calibration import Calibration
 from dcrb_ros.calibration.estimate import EstimatedParameter
-from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import to_described_yaml
+from dcrb_ros.text.writing import whole_file, write_whole
 
 SUFFIX = ".intervals.yaml"
 SIGNIFICANT = 6
@@ -34,11 +34,9 @@ def write_calibration(calibration: Calibration, file: Path) -> Path:
     head = f"# A bench calibrated to {named}; the intervals are in {beside.name}.\n"
     about = yaml.safe_dump(_tree(calibration, file.name), sort_keys=False, width=120)
     remarks = "".join(f"# Not identified: {sentence}.\n" for sentence in calibration.unidentified)
-    try:
-        file.write_text(head + to_described_yaml(calibration.configuration), encoding="utf-8")
-        beside.write_text(f"# Intervals of {file.name}: 'vary' can stand in a sweep file.\n{remarks}{about}", encoding="utf-8")
-    except OSError as error:
-        raise Refusal(f"{error.filename} cannot be written: {error.strerror}; give another file") from None
+    with whole_file(file) as temporary:
+        temporary.write_text(head + to_described_yaml(calibration.configuration), encoding="utf-8")
+        write_whole(beside, f"# Intervals of {file.name}: 'vary' can stand in a sweep file.\n{remarks}{about}")
     return beside
 
 

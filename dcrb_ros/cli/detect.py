@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from dcrb_ros.cli.options import DetectorFile, Force, JsonOutput
+from dcrb_ros.cli.options import DetectorFile, Force, JsonOutput, warn_of_digest
 from dcrb_ros.cli.output_file import check_output, replacing
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.writing import write_whole
@@ -74,6 +74,7 @@ def detect(
     diagnosed = []
     for bag in bags:
         recording = Recording(bag)
+        warn_of_digest(recording, str(bag))
         # A program gets an answer in any case, and a page has all recordings; otherwise the reason for no verdict is the error message.
         result = (detect_in if report is None and not as_json else watch)(recording, parameters=parameters, baseline=known)
         diagnosed.append((bag, recording, result))
@@ -161,7 +162,9 @@ def _learned(
         raise Refusal("--healthy and --baseline both give a baseline: leave out one of them")
     if save is not None:
         check_output("--save-baseline", save, (".yaml", ".yml"))
-    learned = learn_baseline(Recording(healthy), name=healthy.name, parameters=parameters)
+    recording = Recording(healthy)
+    warn_of_digest(recording, str(healthy))
+    learned = learn_baseline(recording, name=healthy.name, parameters=parameters)
     if save is not None:
         with replacing("--save-baseline", save, force=force):
             learned.save(save)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import typer
 
 from dcrb_ros.cli.first_start import announce_compilation
+from dcrb_ros.cli.options import warn_of_digest
 from dcrb_ros.schema.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -98,11 +99,14 @@ def evaluate_bags(bags: Sequence[Path], options: DetectorOptions, *, run_detecto
     """Return the report of recordings: of a detector if ``run_detector``, otherwise of the diagnoses in the recordings."""
     from dcrb_ros.exam.evaluation import evaluate
     from dcrb_ros.exam.recorded_case import RecordedDiagnoses, diagnosed_scenarios, read_recorded_case, recorded_scenarios
+    from dcrb_ros.recordings.reader import Recording
 
     cases = [read_recorded_case(bag, name=name) for bag, name in zip(bags, _names(bags), strict=True)]
     for case in cases:
         for damage in case.damage:
             typer.echo(f"{case.path}: {damage}; the readable part is scored", err=True)
+        with suppress(Refusal):  # recorded diagnoses are scored without reading the waveform
+            warn_of_digest(Recording(case.path), str(case.path))
     if not run_detector:
         return evaluate(RecordedDiagnoses(), diagnosed_scenarios(cases))
     return evaluate(options.candidate(), recorded_scenarios(cases), workers=workers, progress=partial(progress_of, quiet=quiet))

@@ -11,6 +11,7 @@ from dcrb_ros.cli.literal_help import Commands
 from dcrb_ros.cli.options import Force
 from dcrb_ros.cli.output_file import replacing
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.writing import whole_file, write_whole
 
 app = Commands(help="Seal, open and verify exams drawn from a secret seed; make a leaderboard.")
 Sealed = Annotated[Path, typer.Argument(help="The sealed exam, which has been published.")]
@@ -30,8 +31,6 @@ def seal(
 
     Example: dcrb exam seal my_template.yaml
     """
-    import os
-
     import yaml
 
     from dcrb_ros.exam.sealing import new_secret
@@ -45,10 +44,10 @@ def seal(
     seed = new_secret()
     sealed = sealed_exam(read_yaml(checked_path(template)), seed, str(template))
     with replacing("--output", published, force=force), replacing("--secret", kept, force=force):
-        _write(published, yaml.safe_dump(sealed.model_dump(), sort_keys=False))
-        descriptor = os.open(kept, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
-        with os.fdopen(descriptor, "w", encoding="utf-8") as file:
-            file.write(f"{seed}\n")
+        write_whole(published, yaml.safe_dump(sealed.model_dump(), sort_keys=False))
+        with whole_file(kept) as temporary:
+            temporary.chmod(0o600)
+            temporary.write_text(f"{seed}\n", encoding="utf-8")
     print(f"publish {published}, whose hash is {sealed.sealed}")
     print(f"keep {kept} secret until the exam is over")
 
@@ -73,7 +72,7 @@ def open_(
     file = output or sealed.with_name(f"{sealed.name.removesuffix('.yaml').removesuffix('.sealed')}.opened.yaml")
     opened = open_exam(read_sealed(sealed), read_secret(secret), str(sealed))
     with replacing("--output", file, force=force):
-        _write(file, yaml.safe_dump(dict(opened.tree), sort_keys=False))
+        write_whole(file, yaml.safe_dump(dict(opened.tree), sort_keys=False))
     print(f"{file}: {len(opened.exam.cases)} scenarios; score it with dcrb score {file}")
 
 
@@ -133,8 +132,8 @@ def table(
     figures = [f"leaderboard-{number}.png" for number in range(1, len(boards) + 1)]
     for board, figure in zip(boards, figures, strict=True):
         write_board_figure(board, folder / figure)
-    _write(folder / "leaderboard.md", markdown(boards, figures))
-    _write(folder / "leaderboard.html", page(boards, figures))
+    write_whole(folder / "leaderboard.md", markdown(boards, figures))
+    write_whole(folder / "leaderboard.html", page(boards, figures))
     for name in ("leaderboard.md", "leaderboard.html", *figures):
         print(folder / name)
 
@@ -163,10 +162,3 @@ def agreement(
     console().print(table)
     for name, value in (("Kendall's tau-b", ranks.kendall), ("Spearman's rho", ranks.spearman)):
         print(f"{name} {value.value:.2f} ({CONFIDENCE:.0%} bootstrap interval {value.low:.2f} to {value.high:.2f})")
-
-
-def _write(file: Path, text: str) -> None:
-    try:
-        file.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise Refusal(f"{file} cannot be written: {error.strerror}; give another name") from None

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from dcrb_ros.cli.options import Bag, Force
+from dcrb_ros.cli.options import Bag, Force, warn_of_digest
 from dcrb_ros.cli.output_file import replacing
 from dcrb_ros.schema.refusal import Refusal
 
@@ -25,11 +25,12 @@ def export(
     from dcrb_ros.exchange.export import export as exported
     from dcrb_ros.recordings.reader import Recording
 
-    recording = Recording(bag)
+    recording, notes = Recording(bag), list[str]()
     with replacing("-o", output, force=force, source=bag), replacing("-o", description_of(output), force=force):
-        described = exported(recording, output)
-    for damage in recording.damage:
-        typer.echo(f"dcrb: {damage}", err=True)
+        described = exported(recording, output, notes=notes)
+    warn_of_digest(recording, str(bag))
+    for sentence in [*recording.damage, *notes]:
+        typer.echo(f"dcrb: {sentence}", err=True)
     if output.suffix.lower() == ".wav" and (len(recording.temperatures()) or len(recording.tacho())):
         typer.echo("a WAV file has neither temperatures nor pulses of a tacho: export npz, mat, csv or parquet to keep them", err=True)
     print(f"{output}, described by {described}")
@@ -58,6 +59,7 @@ def import_(
     Example: dcrb import 97.mat --about cwru-48k -o cwru_97
     """
     from dcrb_ros.exchange.importing import WaveformImport
+    from dcrb_ros.exchange.plausibility import implausible, summary
     from dcrb_ros.exchange.public_sets import find_description, listed
 
     if list_ or show:
@@ -72,5 +74,8 @@ def import_(
     with replacing("-o", output, force=force):
         samples = waveform.write(output)
     print(f"{output}: {samples} samples, {samples / waveform.measured_rate:.3f} s at {waveform.measured_rate:g} Hz")
+    print(summary(waveform))
+    for sentence in implausible(waveform):
+        typer.echo(f"dcrb: warning: {sentence}", err=True)
     for remark in waveform.remarks():
         print(remark)

@@ -12,6 +12,7 @@ from dcrb_ros.cli.options import Bag
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from dcrb_ros.recordings.digest import SampleDigests
     from dcrb_ros.recordings.reader import Recording
 
 LONGEST_CELL = 400
@@ -35,15 +36,28 @@ def info(
     recording = Recording(bag)
     counts, flaw = recording.counts(), metadata_flaw(bag)
     commands = [encode_command(command) for command in recording.commands()]
-    damage = [*recording.damage, *([flaw] if flaw else [])]
+    digests, mismatch = _digests(recording)
+    damage = [*recording.damage, *([flaw] if flaw else []), *([mismatch] if mismatch else [])]
     if as_json:
-        about = {"manifest": recording.manifest, "outcome": recording.outcome, "messages": counts, "commands": commands, "damage": damage}
+        about = {
+            "manifest": recording.manifest,
+            "outcome": recording.outcome,
+            "samples": {
+                "stated_sha256": digests.stated.sha256 if digests and digests.stated else None,
+                "actual_sha256": digests.read.sha256 if digests else None,
+                "actual_count": digests.read.count if digests else None,
+                "match": digests.match if digests else None,
+            },
+            "messages": counts,
+            "commands": commands,
+            "damage": damage,
+        }
         print(json.dumps(about, indent=2))
         return
     from dcrb_ros.runtime.terminal import console
 
     shown = console()
-    for line in _lines(recording):
+    for line in [*_lines(recording), *([_digest_line(digests)] if digests else [])]:
         shown.print(line, soft_wrap=True)
     shown.print(_table(str(bag), ("topic", "messages"), counts.items()))
     if commands:
@@ -80,10 +94,29 @@ def _lines(recording: Recording) -> list[str]:
         lines.append(f"scenario: {json.dumps(manifest['scenario'])}")
     if outcome is not None:
         seconds = outcome.get("samples", 0) / recording.sampling_rate
-        lines.append(f"{outcome.get('samples')} samples, {seconds:.3f} s, sha256 {outcome.get('sha256')}, ended {outcome.get('ended')}")
+        count, ended = outcome.get("samples"), outcome.get("ended")
+        lines.append(f"{count} samples, {seconds:.3f} s, stated sha256 {outcome.get('sha256')}, ended {ended}")
     elif recording.described:
         lines.append(_samples(recording))
     return lines
+
+
+def _digests(recording: Recording) -> tuple[SampleDigests | None, str]:
+    """Return the stated and the actual digest, and a sentence if they differ; None and the reason if the samples cannot be decoded."""
+    from dcrb_ros.recordings.digest import sample_digests
+    from dcrb_ros.schema.refusal import Refusal
+
+    try:
+        digests = sample_digests(recording)
+    except Refusal as refusal:
+        return None, str(refusal)
+    return digests, digests.mismatch
+
+
+def _digest_line(digests: SampleDigests) -> str:
+    """Return a line on the digest of the samples read, and whether it is the stated one."""
+    verdicts = {True: "as stated", False: "NOT as stated", None: "no digest of the same samples is stated"}
+    return f"read: {digests.read.count} samples, sha256 {digests.read.sha256}, {verdicts[digests.match]}"
 
 
 def _streams(recording: Recording) -> list[str]:

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from dcrb_ros.cli import completion
 from dcrb_ros.schema.refusal import Refusal
+
+if TYPE_CHECKING:
+    from dcrb_ros.recordings.reader import Recording
 
 MOST_WORKERS = 256
 """Largest number of parallel runs that is accepted [-]."""
@@ -57,6 +60,14 @@ def worker_count(workers: int) -> int:
     from dcrb_ros.runtime.processes import cores
 
     return workers or cores()
+
+
+def warn_of_digest(recording: Recording, name: str) -> None:
+    """Print a sentence on stderr if the samples of a recording do not match the digest that it states."""
+    from dcrb_ros.recordings.digest import digest_mismatch
+
+    if sentence := digest_mismatch(recording):
+        typer.echo(f"dcrb: {name}: {sentence}", err=True)
 
 
 def size_text(size: float) -> str:

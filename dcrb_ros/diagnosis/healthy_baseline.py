@@ -25,6 +25,7 @@ from dcrb_ros.schema.parameter_field import first_problem
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.verdicts import Component
 from dcrb_ros.stream.axes import AXES
+from dcrb_ros.text.writing import write_whole
 from dcrb_ros.text.yaml import read_yaml
 
 LEAST_DEPTH = 0.05
@@ -121,8 +122,12 @@ class HealthyBaseline(Group):
         return f"lines are compared with a baseline of {self.seconds:.1f} s of {self.source}{other}{note}"
 
     def save(self, path: Path) -> None:
-        """Write the baseline to a YAML file."""
-        path.write_text(yaml.safe_dump(self.model_dump(mode="json"), sort_keys=False), encoding="utf-8")
+        """Write the baseline to a YAML file.
+
+        Raises:
+            Refusal: the file cannot be written.
+        """
+        write_whole(path, yaml.safe_dump(self.model_dump(mode="json"), sort_keys=False))
 
 
 def read_baseline(path: Path) -> HealthyBaseline:

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from dcrb_ros.exam.report import Report
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.verdicts import FAULTS
+from dcrb_ros.text.writing import whole_file
 
 SUFFIXES = (".png", ".svg", ".pdf")
 
@@ -38,10 +39,8 @@ def write_figure(report: Report, file: Path) -> None:
     title = f"{report.exam}: {'passed' if report.passed else 'failed'}, {report.detector}"
     marks = ", ".join(f"{score.profile} {score.score.value:.1f}" for score in report.exam_scores())
     figure.suptitle(f"{title}\nexam score of 100: {marks}" if marks else title, fontsize=12, parse_math=False)
-    try:
-        figure.savefig(file)
-    except OSError as error:
-        raise Refusal(f"{file} cannot be written: {error.strerror}; give another file to --figure") from None
+    with whole_file(file) as temporary:
+        figure.savefig(temporary)
 
 
 def _empty(axes: Axes, text: str) -> None:

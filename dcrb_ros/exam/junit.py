@@ -9,7 +9,7 @@ from junitparser import Failure, JUnitXml, Skipped, TestCase, TestSuite
 
 from dcrb_ros.exam.report import Report
 from dcrb_ros.runtime.version import __version__
-from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.writing import whole_file
 
 INVALID_IN_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
 """Characters that XML does not allow, such as the escape character of terminal colours."""
@@ -24,10 +24,8 @@ def write_junit(report: Report, file: Path) -> None:
     document = JUnitXml("dcrb score")
     document.add_testsuite(_criteria(report))
     document.add_testsuite(_scenarios(report))
-    try:
-        document.write(str(file), pretty=True)
-    except OSError as error:
-        raise Refusal(f"{file} cannot be written: {error.strerror}; give another file to --junit") from None
+    with whole_file(file) as temporary:
+        document.write(str(temporary), pretty=True)
 
 
 def _criteria(report: Report) -> TestSuite:

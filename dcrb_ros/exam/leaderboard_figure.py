@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from dcrb_ros.exam.exam_score import compare
 from dcrb_ros.exam.leaderboard import Board
 from dcrb_ros.exam.profile import HEADLINE, PROFILES
-from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.writing import whole_file
 
 COLOURS = {"safety": "#b23a48", "cost": "#2a9d5c", "research": "#1f6fb4"}
 LONGEST = 34
@@ -30,10 +30,8 @@ def write_board_figure(board: Board, file: Path) -> None:
     _scores(scores, board)
     _pairs(pairs, board)
     figure.suptitle(f"{board.exam}: exam score of 100", fontsize=12, parse_math=False)
-    try:
-        figure.savefig(file)
-    except OSError as error:
-        raise Refusal(f"{file} cannot be written: {error.strerror}; give another folder") from None
+    with whole_file(file) as temporary:
+        figure.savefig(temporary)
 
 
 def _names(board: Board) -> list[str]:

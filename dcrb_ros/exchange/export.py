@@ -21,6 +21,7 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.axes import AXES
 from dcrb_ros.stream.block import Truth
 from dcrb_ros.text.files import checked_path
+from dcrb_ros.text.writing import whole_file, write_whole
 
 WITH_FURTHER_ARRAYS = (".npz", ".mat")
 """Formats with arrays of other lengths than the waveform."""
@@ -37,8 +38,10 @@ def description_of(path: Path) -> Path:
     return path.with_name(f"{path.name}.yaml")
 
 
-def export(recording: Recording, path: Path) -> Path:
+def export(recording: Recording, path: Path, *, notes: list[str] | None = None) -> Path:
     """Write the waveform to ``path`` and its description to `description_of` it; return the path of the latter.
+
+    Blocks that came twice or too late are written once, in their place; a sentence on them is appended to ``notes``.
 
     Raises:
         Refusal: the suffix is unknown, a file exists, the recording has no waveform, or a file cannot be written.
@@ -51,22 +54,17 @@ def export(recording: Recording, path: Path) -> Path:
             raise Refusal(f"{file} exists: give another name or remove it; files are never overwritten")
     if not path.absolute().parent.is_dir():
         raise Refusal(f"{path} cannot be written: there is no folder {path.absolute().parent}; create it or give another path")
-    columns, extra, labels, block_size = _collect(recording, whole=path.suffix.lower() in WITH_FURTHER_ARRAYS)
+    notes = [] if notes is None else notes
+    columns, extra, labels, block_size = _collect(recording, notes, whole=path.suffix.lower() in WITH_FURTHER_ARRAYS)
     about = {"manifest": recording.manifest, "outcome": recording.outcome, "labels": labels}
     description = _description(recording, path, {**columns, **extra}, labels, block_size)
-    try:
-        writer(path, columns, extra, recording.sampling_rate, about)
-        described.write_text(yaml.safe_dump(description, sort_keys=False), encoding="utf-8")
-    except BaseException as error:
-        for file in (path, described):
-            file.unlink(missing_ok=True)
-        if isinstance(error, OSError):
-            raise Refusal(f"{path} cannot be written: {error.strerror}; free some space or give another folder") from None
-        raise
+    with whole_file(path) as temporary:
+        writer(temporary, columns, extra, recording.sampling_rate, about)
+        write_whole(described, yaml.safe_dump(description, sort_keys=False))
     return described
 
 
-def _collect(recording: Recording, *, whole: bool) -> tuple[dict[str, Array], dict[str, Array], dict[str, Any], int]:
+def _collect(recording: Recording, notes: list[str], *, whole: bool) -> tuple[dict[str, Array], dict[str, Array], dict[str, Any], int]:
     """Return the sample columns, the ground truth over time, the labels and the block size.
 
     Readings of temperature are arrays of their own if ``whole``, otherwise columns beside the samples.
@@ -80,13 +78,17 @@ def _collect(recording: Recording, *, whole: bool) -> tuple[dict[str, Array], di
     if not blocks:
         raise Refusal(f"{recording.path} has no messages on {VIBRATION.resolved(recording.namespace)}: give a recording of the bench")
     truths = truths_of(truth_messages)
-    rate, acceleration = recording.sampling_rate, np.concatenate([block.acceleration for block in blocks])
-    index = np.concatenate([block.first_index(rate) + np.arange(len(block.shaft_angle), dtype=np.int64) for block in blocks])
+    rate = recording.sampling_rate
+    received = np.concatenate([block.first_index(rate) + np.arange(len(block.shaft_angle), dtype=np.int64) for block in blocks])
+    index, order = np.unique(received, return_index=True)
+    if not np.array_equal(received, index):
+        notes.append(f"samples came twice or too late, {len(received) - len(index)} of them twice: each is written once, in its place")
+    acceleration = np.concatenate([block.acceleration for block in blocks])[order]
     columns: dict[str, Array] = {
         "index": index,
         "time": index / rate,
         **dict(zip(AXES, acceleration.T, strict=False)),
-        "shaft_angle": np.concatenate([block.shaft_angle for block in blocks]),
+        "shaft_angle": np.concatenate([block.shaft_angle for block in blocks])[order],
     }
     tacho, readings = recording.tacho(), recording.temperatures()
     if len(tacho):

@@ -6,7 +6,9 @@ import itertools
 import json
 import math
 import re
+import struct
 import zipfile
+import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,6 +31,13 @@ LONGEST_LINE = 100_000
 """Longest line of a CSV file that is read for the names of the columns [characters]."""
 MAT_BYTES = {"int8": 1, "uint8": 1, "int16": 2, "uint16": 2, "int32": 4, "uint32": 4, "single": 4, "char": 2, "logical": 1}
 """Size of an element by its class in a MAT file [bytes], where it is not 8."""
+
+TWO_INTEGERS = re.compile(r"-?[0-9]+,[0-9]+")
+"""A line that is two integers, or a number with a decimal comma."""
+MAT_HEADER, MAT_COMPRESSED, MAT_PIECE = 128, 15, 1 << 20
+"""Size of the header of a MAT file [bytes], type of a compressed variable, and size of a part that is unpacked at a time [bytes]."""
+LARGEST_ELEMENT = 8
+"""Size in memory of a number that a MAT file stores in one byte [bytes]."""
 
 
 @dataclass(frozen=True)
@@ -102,17 +111,19 @@ def _read_csv(path: Path) -> ExternalFile:
         first = next((line for line in iter(lambda: stream.readline(LONGEST_LINE), "") if line.strip() and not line.startswith("#")), "")
     if len(first) == LONGEST_LINE:
         raise Refusal(f"{path} has a line of {LONGEST_LINE} characters or more: give a file with one column per channel")
-    delimiter = next((character for character in ",;\t" if character in first), None)
+    delimiter = next((character for character in ";\t," if character in first), None)
     names = tuple(word.strip().strip('"') for word in first.strip().split(delimiter))
     headed = not all(_is_number(name) for name in names)
     with path.open(encoding="utf-8-sig") as stream:
-        lines = (line for line in stream if line.strip() and not line.startswith("#"))
+        lines = itertools.dropwhile(lambda line: line.startswith("#"), (line for line in stream if line.strip()))
         if headed:
             next(lines, None)
         begin = next(lines, None)
         if begin is None:
             raise Refusal(f"{path} contains no numbers: give a file with one column per channel")
-        table = np.loadtxt(itertools.chain([begin], lines), delimiter=delimiter, ndmin=2)
+        if (delimiter != "," and "," in begin) or (not headed and TWO_INTEGERS.fullmatch(begin.strip())):
+            raise Refusal(f"{path} may have decimal commas ({begin.strip()[:40]!r}): write decimal points, and the names in the first line")
+        table = np.loadtxt(itertools.chain([begin], lines), delimiter=delimiter, ndmin=2, comments=None)
 
     def column(name: str | int) -> Array:
         if isinstance(name, str) and headed:
@@ -141,6 +152,7 @@ def _by_number(table: Array, name: str | int) -> Array:
 def _read_wav(path: Path) -> ExternalFile:
     from scipy.io import wavfile
 
+    _check_chunks(path)
     rate, table = wavfile.read(path)
     table = table[:, None] if table.ndim == 1 else table
     kind = table.dtype
@@ -150,16 +162,52 @@ def _read_wav(path: Path) -> ExternalFile:
     return ExternalFile(tuple(str(k + 1) for k in range(table.shape[1])), lambda name: _by_number(table, name), int(rate), scale)
 
 
+def _check_chunks(path: Path) -> None:
+    """Refuse a WAV file with a chunk that states more bytes than follow."""
+    with path.open("rb") as file:
+        order = ">" if file.read(12)[:4] == b"RIFX" else "<"
+        while len(head := file.read(8)) == 8:
+            size, left = struct.unpack(f"{order}4xI", head)[0], path.stat().st_size - file.tell()
+            if size > left:
+                raise Refusal(f"{path} is cut off: its chunk {head[:4]!r} states {size} bytes, but {left} follow; copy the file again")
+            file.seek(size + size % 2, 1)
+
+
 def _read_mat(path: Path) -> ExternalFile:
     from scipy.io import loadmat, whosmat
+    from scipy.io.matlab import matfile_version
 
     try:
         _check_loaded(path, sum(math.prod(shape) * MAT_BYTES.get(kind, 8) for _, shape, kind in whosmat(path)))
+        if matfile_version(path)[0] == 1:
+            _check_loaded(path, LARGEST_ELEMENT * _unpacked_mat(path))
         variables = loadmat(path, squeeze_me=True, struct_as_record=False)
     except NotImplementedError:
         return _read_hdf5(path)
     names = tuple(name for name in variables if not name.startswith("__"))
     return ExternalFile(names, lambda name: _nested(variables, str(name)))
+
+
+def _unpacked_mat(path: Path) -> int:
+    """Return the size of the variables of a MAT file of version 5 without their compression [bytes], counted without keeping them.
+
+    `whosmat` gives the shape of a structure, but not the size of its fields. The count ends beyond the largest size that is loaded.
+    """
+    most = max(LEAST_LOADED, MOST_RATIO * path.stat().st_size)
+    total = 0
+    with path.open("rb") as file:
+        order = "<" if file.read(MAT_HEADER)[-2:] == b"IM" else ">"
+        while len(tag := file.read(8)) == 8 and total <= most:
+            kind, size = struct.unpack(f"{order}II", tag)
+            if kind != MAT_COMPRESSED:
+                total += size
+                file.seek(size, 1)
+                continue
+            packed, unpacked = file.read(size), zlib.decompressobj()
+            while packed and not unpacked.eof and total <= most:
+                total += len(unpacked.decompress(packed, MAT_PIECE))
+                packed = unpacked.unconsumed_tail
+    return total
 
 
 def _nested(variables: Mapping[str, Any], name: str) -> Array:
@@ -188,11 +236,16 @@ def _read_hdf5(path: Path) -> ExternalFile:
 
 
 def _read_parquet(path: Path) -> ExternalFile:
+    import pyarrow
     from pyarrow import parquet
 
-    about = parquet.read_metadata(path)
-    _check_loaded(path, 8 * about.num_rows * about.num_columns)
-    table = parquet.read_table(path)
+    about, schema = parquet.read_metadata(path), parquet.read_schema(path)
+    # A list or a text can be any times as large as the file, and is no channel.
+    names = [field.name for field in schema if pyarrow.types.is_integer(field.type) or pyarrow.types.is_floating(field.type)]
+    if not names:
+        raise Refusal(f"{path} has no column of numbers, but {', '.join(map(str, schema.types[:5]))}: write one number in each row")
+    _check_loaded(path, 8 * about.num_rows * len(names))
+    table = parquet.read_table(path, columns=names)
     return ExternalFile(tuple(table.column_names), lambda name: table.column(str(name)).to_numpy())
 
 

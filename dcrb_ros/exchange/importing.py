@@ -86,7 +86,10 @@ class WaveformImport:
             raise Refusal(f"{self._about} has no sampling_rate, and {self._files} contains none: add it in Hz; it is never guessed")
         if given is not None and stated is not None and given != stated:
             raise Refusal(f"{self._about} gives sampling_rate = {given:g} Hz, but {self._files} contains {stated:g} Hz: correct the former")
-        return float(given or stated or 0.0)
+        rate = float(given or stated or 0.0)
+        if contradiction := self._files.contradiction(rate):
+            raise Refusal(f"{self._about} gives sampling_rate = {rate:g} Hz, but {contradiction}: correct one of them")
+        return rate
 
     def _whole_rate(self) -> int:
         """Return the integer next to the sampling rate, on which the index and the stamps of a recording are based [Hz]."""
@@ -101,6 +104,8 @@ class WaveformImport:
         """Return the factor from a number in the file to m/s^2."""
         factor = self.description.factor(self._about)
         if self._files.full_scale is None:
+            if self.description.full_scale is not None:
+                raise Refusal(f"{self._about} gives full_scale, but {self._files} has no integer samples of a WAV file: leave it out")
             return factor
         if self.description.full_scale is None:
             unit = self.description.unit

@@ -13,6 +13,11 @@ from dcrb_ros.exchange.files import Array, ExternalFile, channel, read_external
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
 
+RATES = ("fs", "sampling_rate", "sample_rate", "samplerate")
+"""Names of the sampling rate beside data."""
+TIMES = ("t", "time", "time_s", "time [s]", "time(s)", "seconds")
+"""Names of the time of each sample."""
+
 
 class JoinedFiles:
     """The channels of one or more files.
@@ -36,6 +41,24 @@ class JoinedFiles:
             (first, file), (second, other) = list(stated.items())[:2]
             raise Refusal(f"{file} and {other} have different {quantity}, {first} and {second}: import them separately")
         return next(iter(stated))
+
+    def contradiction(self, rate: float) -> str:
+        """Return a sentence on a number or a time in the files that belongs to another sampling ``rate`` [Hz], or the empty string.
+
+        A time may be in s, ms or us.
+        """
+        for file, external in zip(self.files, self._externals, strict=True):
+            for name in external.names:
+                try:
+                    values = channel(external, file, name).astype(np.float64)
+                except Refusal:
+                    continue
+                if name.lower() in RATES and values.size == 1 and not np.isclose(values[0], rate, rtol=1e-3):
+                    return f"'{name}' is {values[0]:g} in {file}"
+                step = float(np.median(np.diff(values))) if name.lower() in TIMES and values.size > 2 else 0.0
+                if step > 0.0 and not any(np.isclose(step * rate, scale, rtol=1e-2) for scale in (1.0, 1e3, 1e6)):
+                    return f"'{name}' advances by {step:g} for each sample in {file}"
+        return ""
 
     def parts(self, name: str | int, *, nan: bool = False) -> list[Floats]:
         """Return a channel of each file, shape (files,) of (samples,).

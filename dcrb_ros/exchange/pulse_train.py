@@ -23,6 +23,8 @@ MOST_IRREGULAR = 0.1
 """Largest share of intervals with missing or additional pulses [-]; a wheel of 60 teeth without two of them has 0.02."""
 NEIGHBOURS = 5
 """Intervals with whose median one is compared [-]: one missing or additional pulse does not change it."""
+FASTEST_RPM = 1e6
+"""Largest speed of a channel, as of a stated one [rpm]."""
 
 
 @dataclass(frozen=True)
@@ -158,6 +160,9 @@ def turns_at_speed(rpm: Floats, index: npt.NDArray[np.int64], rate: float, sourc
             f"{source} has {len(rpm)} speeds for {len(index)} samples, of which {int(known.sum())} are finite: "
             "give speeds in rpm, NaN where unknown, at most one per sample"
         )
+    fastest = float(np.nanmax(np.abs(rpm), initial=0.0))
+    if fastest > FASTEST_RPM:
+        raise Refusal(f"{source} is {fastest:g} rpm, above {FASTEST_RPM:g} rpm: give a channel of the speed in rpm")
     # The first speed is that of the first sample, and the time between two speeds is the same for all of them.
     positions = index[0] + np.arange(len(rpm)) * ((index[-1] - index[0] + 1) / len(rpm)) if len(rpm) < len(index) else index
     frequency = np.interp(index, np.asarray(positions)[known], rpm[known]) / 60.0

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from dcrb_ros.plots.style import AXES_COLOURS, labelled, legend_above
-from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.writing import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,10 +37,8 @@ def write_comparison(comparison: RecordingComparison, file: Path, *, title: str 
     else:
         _residual(residual, calibration)
     figure.suptitle(title or f"{comparison.names[0]} and {comparison.names[1]}", fontsize="large", parse_math=False)
-    try:
-        figure.savefig(file)
-    except OSError as error:
-        raise Refusal(f"{file} cannot be written: {error.strerror}; give another file") from None
+    with whole_file(file) as temporary:
+        figure.savefig(temporary)
 
 
 def _levels(ax: Axes, comparison: RecordingComparison) -> None:

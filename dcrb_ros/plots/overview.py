@@ -12,7 +12,7 @@ from dcrb_ros.diagnosis.envelope_spectrum import trackable
 from dcrb_ros.plots.envelope_spectrum import plot_envelope_spectrum
 from dcrb_ros.plots.temperatures import draw_temperatures
 from dcrb_ros.plots.waveform import plot_waveform
-from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.writing import whole_file
 
 
 def write_overview(waveform: Waveform, file: Path, *, title: str, order: bool = True, readings: TemperatureReadings | None = None) -> bool:
@@ -35,8 +35,6 @@ def write_overview(waveform: Waveform, file: Path, *, title: str, order: bool = 
         rest[0].set_xlim(upper.get_xlim())
     speed = f", mean shaft frequency {waveform.shaft_frequency:.2f} Hz" if waveform.tracked else ""
     figure.suptitle(f"{title}{speed}", fontsize="large", parse_math=False)
-    try:
-        figure.savefig(file)
-    except OSError as error:
-        raise Refusal(f"{file} cannot be written: {error.strerror}; give another file") from None
+    with whole_file(file) as temporary:
+        figure.savefig(temporary)
     return over_orders

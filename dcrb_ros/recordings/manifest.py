@@ -21,6 +21,7 @@ from dcrb_ros.messages.description import sensor_text
 from dcrb_ros.messages.points import decode_vibration, decode_waveform, packed
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import GROUND_TRUTH, MANIFEST, VIBRATION, Message
+from dcrb_ros.recordings.mathematics import function_results
 from dcrb_ros.recordings.processor import processor
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.settings.configuration import Configuration
@@ -65,9 +66,10 @@ def model_fingerprint() -> str:
 
 
 def software() -> dict[str, str]:
-    """Return the versions of the software on which the last bits of the samples may depend."""
+    """Return the versions of the software, and the results of its functions, on which the last bits of the samples may depend."""
     versions = {name: importlib.metadata.version(name) for name in ("numpy", "numba", "scipy")}
-    return {"python": platform.python_version(), **versions, "machine": f"{platform.system()} {platform.machine()}"}
+    machine = f"{platform.system()} {platform.machine()}"
+    return {"python": platform.python_version(), **versions, "machine": machine, **function_results()}
 
 
 def now() -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import shutil
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -135,10 +135,14 @@ class Recorder:
         """Record messages; those on topics that are not recorded count in the hash of the samples."""
         if not self._bag.open:
             return
-        batch = list(messages)
-        for message in batch:
+        self._bag.write(self._counted(list(messages)))
+
+    def _counted(self, messages: Iterable[Message]) -> Iterator[tuple[Channel, int, bytes]]:
+        """Yield the messages on recorded topics; each counts after it is written, so that a split file states its own samples."""
+        for message in messages:
+            if message.topic in self._topics:
+                yield self._channel(message.topic), message.time_ns, message.data
             self.outcome.add(message)
-        self._bag.write((self._channel(message.topic), message.time_ns, message.data) for message in batch if message.topic in self._topics)
 
     def _channel(self, topic: Topic) -> Channel:
         if topic not in self._channels:

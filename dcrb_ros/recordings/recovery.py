@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,10 +16,11 @@ from mcap.records import Message as McapMessage
 from dcrb_ros.messages.points import decode_vibration
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import GROUND_TRUTH, MANIFEST, VIBRATION, Message
+from dcrb_ros.recordings.digest import SampleDigests, samples_in, stated_samples
 from dcrb_ros.recordings.manifest import OUTCOME, Outcome, now
 from dcrb_ros.recordings.mcap_writer import Channel, McapFile, described_channel
 from dcrb_ros.recordings.reader import Recording
-from dcrb_ros.recordings.splitting import SECOND, Bag, Splitting
+from dcrb_ros.recordings.splitting import SECOND, Bag, RecordingFailed, Splitting
 from dcrb_ros.recordings.storage import StoredMessage, valid_files
 from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
@@ -65,6 +68,7 @@ class Recovery:
 
         Raises:
             Refusal: no message can be read, or the target exists.
+            RecordingFailed: the bag could not be written whole, and was removed.
         """
         messages = self._messages()
         first = next(messages, None)
@@ -76,8 +80,13 @@ class Recovery:
             bag.write([first])
             for message in messages:
                 bag.write([message])
-        finally:
+            self._note(self._mismatch())
             bag.close()
+        except BaseException:
+            with suppress(RecordingFailed):
+                bag.close()
+            shutil.rmtree(bag.path, ignore_errors=True)
+            raise
         self._recovered.damage = tuple(map(printable, self._damage))
         return self._recovered
 
@@ -88,7 +97,15 @@ class Recovery:
                 channel = self._channel(stored)
                 if channel is not None and self._valid(channel, stored.message):
                     yield channel, stored.message.log_time, stored.message.data
+                    self._count(channel, stored.message)
             self._note(damage)
+
+    def _mismatch(self) -> list[str]:
+        """Return a sentence if the samples of a source that is readable throughout do not match its digest."""
+        if self._recording is None or self._outcome is None or self._damage:
+            return []
+        sentence = SampleDigests(stated_samples(self._recording), samples_in(self._outcome)).mismatch
+        return [sentence] if sentence else []
 
     def _channel(self, stored: StoredMessage) -> Channel | None:
         """Return the description of a message's channel; None, counted as damage, if ROS 2 has no such channel."""
@@ -105,7 +122,7 @@ class Recovery:
         self._damage += [sentence for sentence in sentences if sentence not in self._damage][: MAX_DAMAGE - len(self._damage)]
 
     def _valid(self, channel: Channel, record: McapMessage) -> bool:
-        """Count a message; return false if it is a corrupt waveform or ground truth of the bench, or if ROS cannot represent its time."""
+        """Return false if a message is a corrupt waveform or ground truth of the bench, or if ROS cannot represent its time."""
         if record.log_time > LATEST:
             self._note([f"{channel.name} has a message at {record.log_time} ns, beyond {time_text(LATEST)}, which ROS cannot represent"])
             return False
@@ -114,13 +131,18 @@ class Recovery:
                 try:
                     check = decode_vibration if topic == VIBRATION else decode_truth
                     check(record.data)
-                    self._outcome.add(Message(topic, record.log_time, record.data))
                 except Refusal as refusal:
                     self._note([f"{topic.name} at {time_text(record.log_time)}: {refusal}"])
                     return False
+        return True
+
+    def _count(self, channel: Channel, record: McapMessage) -> None:
+        """Count a message that was written, so that a split file states its own samples."""
+        for topic in (VIBRATION, GROUND_TRUTH):
+            if self._recording is not None and self._outcome is not None and channel.name == topic.resolved(self._recording.namespace):
+                self._outcome.add(Message(topic, record.log_time, record.data))
         self._recovered.messages += 1
         self._recovered.last_ns = max(self._recovered.last_ns, record.log_time)
-        return True
 
     def _opening(self) -> dict[str, dict[str, str]]:
         """Return the metadata records of the source, except those of its end."""

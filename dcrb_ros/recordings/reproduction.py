@@ -1,19 +1,21 @@
 """Reproduction of a recorded run: the same configuration, seed and commands must produce the same samples.
 
-That holds with the same software on processors with fused multiply-add, and on those without, but not from one to the other.
+That requires the same software, the same results of the mathematical functions of C library and numpy, and processors that all have fused
+multiply-add, or all have none.
 """
 
 from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from dcrb_ros.messages.points import MOST_SAMPLES as LONGEST_BLOCK
 from dcrb_ros.messages.points import SAMPLE, index_at, packed
 from dcrb_ros.messages.topics import SIMULATED
+from dcrb_ros.recordings.digest import SHOWN, RecordedSamples, SampleDigests, sample_digests, stated_samples
 from dcrb_ros.recordings.manifest import model_fingerprint, software
+from dcrb_ros.recordings.mathematics import FUNCTIONS
 from dcrb_ros.recordings.mcap_reader import MAX_RECORD
 from dcrb_ros.recordings.processor import processor, processor_difference
 from dcrb_ros.recordings.reader import Recording
@@ -24,21 +26,15 @@ from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.stream.block import Block
 from dcrb_ros.stream.events import CommandSchedule
 
+ALIKE = (
+    "although model, software, processor and mathematical functions are alike; the recording matches its own digest, so a command is "
+    "missing in it, or the samples depend on something that recordings do not name"
+)
+"""What is known of different samples without a recorded reason."""
+
 
 class NotReproduced(RuntimeError):
     """The samples differ from the recorded ones."""
-
-
-@dataclass(frozen=True)
-class RecordedSamples:
-    """Range and hash of the samples in a recording."""
-
-    first_index: int
-    """Index of the first sample."""
-    count: int
-    sha256: str
-    end: int
-    """Index after the last sample."""
 
 
 def recorded_samples(recording: Recording) -> RecordedSamples:
@@ -47,7 +43,7 @@ def recorded_samples(recording: Recording) -> RecordedSamples:
     Raises:
         Refusal: there is no outcome record, and the waveform has a gap.
     """
-    stated = _stated(recording)
+    stated = stated_samples(recording)
     if stated is not None:
         _check_stated(stated, recording)
         return stated
@@ -64,18 +60,6 @@ def recorded_samples(recording: Recording) -> RecordedSamples:
         digest.update(block.packed())
         reached, count = index + len(block.shaft_angle), count + len(block.shaft_angle)
     return RecordedSamples(begin or 0, count, digest.hexdigest(), reached)
-
-
-def _stated(recording: Recording) -> RecordedSamples | None:
-    """Return the samples that the outcome record states; None if it is damaged or missing."""
-    outcome = recording.outcome
-    if outcome is None:
-        return None
-    try:
-        first, count = int(outcome["first_index"]), int(outcome["samples"])
-        return RecordedSamples(first, count, str(outcome["sha256"]), int(outcome.get("end_index", first + count)))
-    except (KeyError, TypeError, ValueError):
-        return None
 
 
 def _check_stated(stated: RecordedSamples, recording: Recording) -> None:
@@ -109,6 +93,9 @@ class Reproduction:
         self.samples = recorded_samples(recording)
         if self.samples.count == 0:
             raise Refusal(f"{recording.path} contains no samples to reproduce")
+        self.digests: SampleDigests = sample_digests(recording)
+        if self.digests.read.count and not self.digests.comparable:
+            self.samples = self.digests.read
         self._digest = hashlib.sha256()
         self.configuration = recording.configuration
         self.duration = self.samples.end / self.configuration.sensor.sampling_rate
@@ -131,16 +118,17 @@ class Reproduction:
             NotReproduced: they differ.
         """
         sha256 = self._digest.hexdigest()
+        if self.digests.mismatch:
+            agreeing = {self.samples.sha256: "the stated digest", self.digests.read.sha256: "the samples read"}.get(sha256, "neither")
+            raise NotReproduced(f"{self.recording.path}: {self.digests.mismatch}; the simulation agrees with {agreeing}")
         if sha256 != self.samples.sha256:
-            raise NotReproduced(
-                f"the samples differ from those of {self.recording.path} (sha256 {sha256[:12]} instead of {self.samples.sha256[:12]}): "
-                f"{self.difference() or 'although model, software and processor are alike: the recording or the model is faulty'}"
-            )
+            digests = f"sha256 {sha256[:SHOWN]} instead of {self.samples.sha256[:SHOWN]}"
+            raise NotReproduced(f"the samples differ from those of {self.recording.path} ({digests}): {self.difference() or ALIKE}")
 
     def difference(self) -> str:
         """Return how model, software or processor differ from those that made the recording; the empty string if they do not."""
         manifest = self.recording.manifest
-        reasons = [_model_difference(manifest) or _software_difference(manifest)]
+        reasons = [_model_difference(manifest), _software_difference(manifest)]
         reasons.append(processor_difference(manifest.get("processor"), processor()))
         return "; ".join(reason for reason in reasons if reason)
 
@@ -157,6 +145,6 @@ def _software_difference(manifest: Mapping[str, Any]) -> str:
     differing = [
         f"{name} {recorded.get(name, 'unknown')} instead of {present}"
         for name, present in software().items()
-        if recorded.get(name) != present
+        if recorded.get(name) != present and (name in recorded or name not in FUNCTIONS)
     ]
     return "it was made with " + ", ".join(differing) if differing else ""

@@ -22,10 +22,15 @@ REDRAWN = (VIBRATION, FEATURES, FAULT_INDICATORS)
 
 
 def write_document(content: Content, path: Path, *, native: tuple[Path, ...] = (), picture_only: bool = False) -> None:
-    """Write ``content`` and its arrangement to a Rerun file, together with the other topics of the MCAP files ``native``."""
+    """Write ``content`` and its arrangement to a Rerun file, together with the other topics of the MCAP files ``native``.
+
+    Raises:
+        OSError: not all of it was written.
+    """
     drawing = bearing_picture.drawing_of(content, content.motion) if content.motion else None
     with rr.RecordingStream(APPLICATION) as recording:
-        recording.save(path)
+        # To a file, Rerun would only log a failed write, or wait without end.
+        stream = recording.binary_stream()
         # Rerun reads the files in threads of its own, parallel to the logging below.
         with ThreadPoolExecutor(1, "native") as pool:
             reading = pool.submit(log_native, recording, native)
@@ -33,7 +38,9 @@ def write_document(content: Content, path: Path, *, native: tuple[Path, ...] = (
             log_detector_output(content)
             reading.result()
         recording.send_blueprint(blueprint.compose(content, drawing, picture_only=picture_only))
+        written = stream.read()
         recording.disconnect()
+    path.write_bytes(written or b"")
 
 
 def log_native(recording: rr.RecordingStream, files: Iterable[Path]) -> None:

@@ -11,6 +11,7 @@ from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recovery import plain_files
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.files import checked_path
+from dcrb_ros.text.writing import whole_file
 from dcrb_ros.viewer.content import Content
 from dcrb_ros.viewer.reader import read_content
 
@@ -37,14 +38,16 @@ def checked_output(path: Path, *, suffix: str, option: str) -> Path:
 
 
 def save_document(recording: Recording, content: Content, path: Path) -> None:
-    """Write the Rerun file, with the recording's other topics; an incomplete file is never left behind."""
+    """Write the Rerun file, with the recording's other topics; an incomplete file is never left behind.
+
+    Raises:
+        Refusal: the file cannot be written.
+    """
     # Rerun takes a second to import; meanwhile the fault detector already runs in the background.
     from dcrb_ros.viewer.document import write_document
 
-    with tempfile.TemporaryDirectory(dir=path.absolute().parent, prefix=".dcrb-view-") as folder:
-        part = Path(folder, path.name)
+    with whole_file(path) as part, tempfile.TemporaryDirectory(dir=path.absolute().parent, prefix=".dcrb-view-") as folder:
         write_document(content, part, native=plain_files(recording, Path(folder)))
-        part.replace(path)
 
 
 def take_picture(content: Content, path: Path) -> None:

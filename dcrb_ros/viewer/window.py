@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from dcrb_ros.runtime.children import group_guard
+from dcrb_ros.text.writing import whole_file
 from dcrb_ros.viewer.columns import TIMELINE
 from dcrb_ros.viewer.document_server import LOOPBACK, document_served
 
@@ -169,8 +170,8 @@ def save_screenshot(document: Path, picture: Path, *, at_ns: int, width: int = 1
 def _save_cropped(png: bytes, picture: Path) -> None:
     from PIL import Image
 
-    with Image.open(io.BytesIO(png)) as whole:
-        whole.convert("RGB").crop((0, BAR_HEIGHT, *whole.size)).save(picture, format="PNG", optimize=True)
+    with Image.open(io.BytesIO(png)) as whole, whole_file(picture) as temporary:
+        whole.convert("RGB").crop((0, BAR_HEIGHT, *whole.size)).save(temporary, format="PNG", optimize=True)
 
 
 def _command() -> list[str]:

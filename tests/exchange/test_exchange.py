@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import json
 from pathlib import Path
 from typing import Any
@@ -10,9 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
+from full_disk import files_of_at_most
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from made_up_blocks import recorded
+from made_up_blocks import BODIES, blocks, recorded
 from scipy.io import savemat, wavfile
 from separate_process import dcrb, fresh_dcrb
 
@@ -21,9 +21,12 @@ from dcrb_ros.exchange.export import export
 from dcrb_ros.exchange.files import READERS, WRITERS, channel, read_external
 from dcrb_ros.exchange.importing import WaveformImport
 from dcrb_ros.messages.description import decode_sensor
+from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.topics import SENSOR, VIBRATION
 from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.settings.configuration import Configuration
 
 BAGS = Path(__file__).parents[2] / "bags"
 # SKF 6205-2RS JEM, the drive end of the CWRU rig: orders as its bearing data centre prints them
@@ -313,20 +316,16 @@ def test_a_failed_import_or_export_leaves_no_files(noise: np.ndarray[Any, Any], 
     monkeypatch.undo()
     whole.write(tmp_path / "bag")
     recording = Recording(tmp_path / "bag")
-    monkeypatch.setattr(Path, "write_text", half_written)
-    with pytest.raises(Refusal, match=r"cannot be written: No space left on device; free some space"):
-        export(recording, tmp_path / "out.csv")
-    monkeypatch.undo()
+    before = set(tmp_path.iterdir())
+    for suffix in WRITERS:
+        with files_of_at_most(1000), pytest.raises(Refusal, match=rf"out{suffix} cannot be written: .*; free some space"):
+            export(recording, tmp_path / f"out{suffix}")
+        assert set(tmp_path.iterdir()) == before
     export(recording, tmp_path / "out.csv")
 
 
 def stopped(_: WaveformImport) -> Any:
     raise KeyboardInterrupt
-
-
-def half_written(path: Path, text: str, **_: Any) -> int:
-    path.write_bytes(text[: len(text) // 2].encode())
-    raise OSError(errno.ENOSPC, "No space left on device")
 
 
 def test_orders_follow_from_the_geometry(noise: np.ndarray[Any, Any], tmp_path: Path) -> None:
@@ -385,3 +384,23 @@ def test_a_line_without_end_is_refused(tmp_path: Path) -> None:
     path.write_text("a" * 100_000)
     with pytest.raises(Refusal, match="has a line of 100000 characters or more"):
         read_external(path)
+
+
+@pytest.mark.parametrize("suffix", list(WRITERS))
+def test_doubled_and_disordered_blocks_are_exported_once_and_in_order(suffix: str, tmp_path: Path) -> None:
+    encoder, made = BlockEncoder(Configuration(), BODIES), list(blocks(5))
+    ordered, disordered = tmp_path / "ordered", tmp_path / "disordered"
+    for path, numbers in ((ordered, (0, 1, 2, 3, 4)), (disordered, (0, 1, 1, 3, 2, 4))):
+        with Recorder(path, Configuration(), BODIES) as recorder:
+            for number in numbers:
+                recorder.write_messages([message for message in encoder.encode(made[number]) if message.topic == VIBRATION])
+        notes: list[str] = []
+        export(Recording(path), tmp_path / f"{path.name}{suffix}", notes=notes)
+        assert notes == (
+            ["samples came twice or too late, 1024 of them twice: each is written once, in its place"] if path == disordered else []
+        )
+    first, second = (
+        WaveformImport(tmp_path / f"{path.name}{suffix}", tmp_path / f"{path.name}{suffix}.yaml") for path in (ordered, disordered)
+    )
+    assert np.array_equal(first.index, second.index)
+    assert np.array_equal(first.acceleration, second.acceleration)

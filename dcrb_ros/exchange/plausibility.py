@@ -1,0 +1,45 @@
+"""What was imported, in one line, and what in it is implausible."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dcrb_ros.exchange.importing import WaveformImport
+from dcrb_ros.settings.parameters import rpm
+
+FASTEST = 500.0
+"""Speed of the shaft beyond which rpm were most likely meant [rad/s]."""
+LOUDEST, QUIETEST = 2000.0, 1e-4
+"""Range of a plausible acceleration [m/s^2 rms]."""
+
+
+def shaft_frequency(waveform: WaveformImport) -> float:
+    """Return the mean shaft frequency [Hz], NaN if the speed is unknown."""
+    turns = np.diff(waveform.angle.astype(np.float64)) / (2.0 * np.pi)
+    steps = (turns - np.rint(turns))[np.diff(waveform.index) == 1]
+    return waveform.measured_rate * float(np.nanmean(steps)) if np.isfinite(steps).any() else np.nan
+
+
+def acceleration_rms(waveform: WaveformImport) -> float:
+    """Return the root mean square of the acceleration without its mean, over the axes [m/s^2]."""
+    return float(np.sqrt(np.mean(np.var(waveform.acceleration.astype(np.float64), axis=0))))
+
+
+def summary(waveform: WaveformImport) -> str:
+    """Return speed [rpm], fault frequencies [Hz], rms and duration [s] in words."""
+    shaft = shaft_frequency(waveform)
+    lines = ", ".join(f"{name} {order * abs(shaft):.2f}" for name, order in waveform.orders.as_dict().items())
+    speed = f"{60.0 * shaft:.5g} rpm, {lines} Hz" if np.isfinite(shaft) else "speed unknown"
+    unit = "(relative)" if waveform.description.unit == "relative" else "m/s^2"
+    return f"{speed}, rms {acceleration_rms(waveform):.4g} {unit}, {len(waveform.index) / waveform.measured_rate:.3f} s"
+
+
+def implausible(waveform: WaveformImport) -> list[str]:
+    """Return a sentence for each implausible value."""
+    sentences, speed, level = [], waveform.description.speed, acceleration_rms(waveform)
+    if speed is not None and abs(speed) > FASTEST:
+        sentences.append(f"speed = {speed:g} rad/s is {rpm(speed):.5g} rpm, which is implausible: if rpm were meant, give speed_rpm")
+    span = f"{QUIETEST:g} .. {LOUDEST:g} m/s^2"
+    if waveform.description.unit != "relative" and not QUIETEST <= level <= LOUDEST:
+        sentences.append(f"an acceleration of {level:.3g} m/s^2 rms is outside {span}: check unit and sensitivity")
+    return sentences

@@ -1,0 +1,54 @@
+"""A small file that states large nested values is refused before they take memory."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pytest
+from pyarrow import parquet
+from scipy.io import savemat
+
+from dcrb_ros.exchange.files import channel, read_external
+from dcrb_ros.schema.refusal import Refusal
+
+MOST = 300 * 1024
+"""Most memory that a refusal may take beyond that of the interpreter with its libraries [KiB]."""
+
+
+def a_parquet_of_lists(path: Path) -> None:
+    parquet.write_table(pa.table({"a": pa.array([[1.0] * 1000] * 100_000)}), path, compression="zstd")
+
+
+def a_mat_with_a_structure(path: Path) -> None:
+    savemat(path, {"s": {"x": np.zeros(60_000_000)}}, do_compression=True)
+
+
+@pytest.mark.parametrize(("write", "name"), [(a_parquet_of_lists, "x.parquet"), (a_mat_with_a_structure, "x.mat")])
+def test_nested_values_are_bounded_before_they_are_loaded(write: object, name: str, tmp_path: Path) -> None:
+    path = tmp_path / name
+    write(path)  # type: ignore[operator]
+    assert path.stat().st_size < 1_000_000
+    with pytest.raises(Refusal, match=r"split it|has no column of numbers"):
+        read_external(path)
+    code = (
+        "import resource, sys, scipy.io, pyarrow.parquet; from pathlib import Path; from dcrb_ros.exchange.files import read_external\n"
+        "before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss\n"
+        "try: read_external(Path(sys.argv[1]))\n"
+        "except ValueError: print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)"
+    )
+    taken = subprocess.run([sys.executable, "-c", code, str(path)], capture_output=True, text=True, check=True, timeout=60.0).stdout
+    assert int(taken) < MOST
+
+
+def test_channels_beside_nested_values_are_read(tmp_path: Path) -> None:
+    parquet.write_table(pa.table({"a": [1.0, 2.0], "words": ["x", "y"], "lists": [[1], [2, 3]]}), tmp_path / "x.parquet")
+    external = read_external(tmp_path / "x.parquet")
+    assert external.names == ("a",)
+    assert channel(external, tmp_path / "x.parquet", "a").tolist() == [1.0, 2.0]
+    for packed in (True, False):
+        savemat(tmp_path / "x.mat", {"s": {"x": np.arange(100_000.0)}}, do_compression=packed)
+        assert len(channel(read_external(tmp_path / "x.mat"), tmp_path / "x.mat", "s.x")) == 100_000

@@ -1,0 +1,93 @@
+"""The digest that a recording states is compared with its samples wherever a result is made from them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from made_up_blocks import recorded
+from separate_process import dcrb
+
+from dcrb_ros.messages.topics import VIBRATION
+from dcrb_ros.recordings.digest import digest_mismatch, sample_digests
+from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.recordings.recovery import described_channel
+from dcrb_ros.recordings.reproduction import NotReproduced, Reproduction
+from dcrb_ros.recordings.splitting import Bag
+
+SENTENCE = "the recording's samples do not match its own digest"
+
+
+def altered(source: Path, target: Path) -> Path:
+    """Copy a recording with one bit of each block of samples flipped; checksums and records of the file are right."""
+    recording = Recording(source)
+    records = {r.name: dict(r.metadata) for file in recording.stored for r in file.metadata() if r.name != "rosbag2"}
+    bag = Bag(target, opening={}, closing=lambda: records)
+    for stored in recording.stored[0].messages([]):
+        assert stored.schema is not None
+        data = bytearray(stored.message.data)
+        if stored.channel.topic.endswith(f"/{VIBRATION.name}"):
+            data[len(data) // 2] ^= 0x01
+        bag.write([(described_channel(stored.channel, stored.schema), stored.message.log_time, bytes(data))])
+    bag.close()
+    return target
+
+
+@pytest.fixture(scope="module")
+def intact(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return recorded(tmp_path_factory.mktemp("bags") / "intact", 60)
+
+
+@pytest.fixture(scope="module")
+def flipped(intact: Path) -> Path:
+    return altered(intact, intact.with_name("flipped"))
+
+
+def test_a_flipped_bit_in_each_block_is_a_mismatch(intact: Path, flipped: Path) -> None:
+    assert digest_mismatch(Recording(intact)) == ""
+    assert sample_digests(Recording(intact)).match is True
+    digests = sample_digests(Recording(flipped))
+    assert Recording(flipped).complete
+    assert digests.match is False
+    assert digests.read.count == 60 * 1024
+    assert SENTENCE in digests.mismatch
+
+
+def test_later_files_of_a_split_recording_are_not_compared(tmp_path: Path) -> None:
+    files = Recording(recorded(tmp_path / "bag", 60, split_duration=0.5)).files
+    assert len(files) > 1
+    assert sample_digests(Recording(tmp_path / "bag")).match is True
+    assert [sample_digests(Recording(file)).match for file in files] == [True, *[None] * (len(files) - 1)]
+
+
+def test_a_recording_without_the_waveform_is_not_compared(tmp_path: Path) -> None:
+    digests = sample_digests(Recording(recorded(tmp_path / "bag", 3, topics="outer_ring/features")))
+    assert (digests.match, digests.mismatch) == (None, "")
+
+
+def test_info_shows_the_stated_and_the_actual_digest(intact: Path, flipped: Path) -> None:
+    stated = (Recording(intact).outcome or {})["sha256"]
+    for bag, match in ((intact, True), (flipped, False)):
+        about = json.loads(dcrb("info", str(bag), "--json").stdout)
+        assert about["samples"]["stated_sha256"] == stated
+        assert (about["samples"]["actual_sha256"] == stated) is match
+        assert about["samples"]["match"] is match
+        assert (SENTENCE in " ".join(about["damage"])) is not match
+        words = dcrb("info", str(bag)).stdout
+        assert f"stated sha256 {stated}" in words
+        assert ("NOT as stated" in words) is not match
+
+
+@pytest.mark.parametrize("command", ["detect", "score", "export", "recover"])
+def test_commands_warn_of_samples_that_do_not_match(command: str, intact: Path, flipped: Path, tmp_path: Path) -> None:
+    for bag in (intact, flipped):
+        output = {"score": ["--reference"], "export": ["-o", f"{tmp_path}/{bag.name}.npz"], "recover": ["-o", f"{tmp_path}/{bag.name}"]}
+        done = dcrb(command, str(bag), *output.get(command, []))
+        assert done.stderr.count(SENTENCE) == (bag == flipped), done.stderr
+
+
+def test_a_reproduction_says_that_the_recording_was_changed(flipped: Path) -> None:
+    reproduction = Reproduction(Recording(flipped))
+    with pytest.raises(NotReproduced, match=f"{SENTENCE}: it states 61440 samples with sha256 [0-9a-f]{{12}}, and contains 61440 with"):
+        reproduction.check()
