@@ -52,11 +52,13 @@ def show(config: Config, settings: Settings = None) -> None:
 def check(config: Config, settings: Settings = None) -> None:
     """Check a configuration: print what follows from it, or what is wrong, up to 20 errors, and exit with status 2.
 
-    Masses and inertias of the default bearing in a bearing of other dimensions give warnings, as do negative and very small loads.
+    Masses and inertias of the default bearing in a bearing of other dimensions give warnings, and so do negative and very small loads, a
+    load below which the model rattles, and a defect that is a notch where the surfaces could have a spall.
 
     Example: dcrb config check my_bearing.yaml
     """
     from dcrb_ros.bearing.data_sheet import data_sheet, implausible_loads, kept_defaults
+    from dcrb_ros.bearing.plausibility import implausible
     from dcrb_ros.runtime.exit_status import print_error
     from dcrb_ros.settings.configuration import Configuration
     from dcrb_ros.settings.files import layers, problems, validated
@@ -74,7 +76,7 @@ def check(config: Config, settings: Settings = None) -> None:
     print(f"{config} is valid")
     for name, text in data_sheet(configuration).items():
         print(f"  {name:20s} {text}")
-    for sentence in (*kept_defaults(configuration.bearing), *implausible_loads(configuration)):
+    for sentence in (*kept_defaults(configuration.bearing), *implausible_loads(configuration), *implausible(configuration)):
         print_error("dcrb", f"warning: {sentence}")
 
 

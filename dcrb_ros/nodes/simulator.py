@@ -14,6 +14,7 @@ from typing import Any
 from rclpy.parameter import Parameter
 
 from dcrb_ros.bearing.payload import body_names
+from dcrb_ros.bearing.plausibility import whole_length
 from dcrb_ros.bearing.runtime_change import altered
 from dcrb_ros.core.announcement import announce_compilation
 from dcrb_ros.messages.bundle import Bundle
@@ -220,7 +221,9 @@ class SimulatorNode(BenchNode):
             for key in changes:
                 if key in COMMANDED and not wrong_type(self._fields[key], changes[key]):
                     raise Refusal(f"parameters: {key} changes by the topic {COMMANDED[key]}; the parameter is its value at the start")
-            altered(self._source.simulation.configuration, changes)
+            after = altered(self._source.simulation.configuration, changes)
+            for sentence in sorted({*whole_length(after)} - {*whole_length(self._source.simulation.configuration)}):
+                self.get_logger().info(sentence)
             self._source.simulation.change({key: value for key, value in changes.items() if key != "time_scale"})
             if "time_scale" in changes:
                 self.engine.gate.rescale(changes["time_scale"])

@@ -138,7 +138,9 @@ def equivalent_load(loads: Sequence[float], revolutions: Sequence[float]) -> flo
         raise Refusal(f"{load.size} loads and {turns.size} revolutions do not belong together: give a number of revolutions for each load")
     if not (turns >= 0.0).all() or not turns.sum() > 0.0:
         raise Refusal("the load spectrum has no revolutions, so no rating life follows from it: give a load with revolutions above 0")
-    return float((np.sum(load**LIFE_EXPONENT * turns) / np.sum(turns)) ** (1.0 / LIFE_EXPONENT))
+    # Products with the smallest floats lose their digits. A power of two changes no other number's.
+    shares = np.ldexp(turns, -np.frexp(turns.max())[1])
+    return float((np.sum(load**LIFE_EXPONENT * shares) / np.sum(shares)) ** (1.0 / LIFE_EXPONENT))
 
 
 def rating_life(rating: float, load: float) -> float:

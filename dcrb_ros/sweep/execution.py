@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from dcrb_ros.bearing.reached_depth import of_widest
 from dcrb_ros.messages.points import packed
 from dcrb_ros.recordings.recorder import Recorder, RecordingFailed
 from dcrb_ros.schema.arrays import Samples
@@ -175,7 +176,8 @@ def _simulate(common: CommonSettings, run: PlannedRun, branch_point: _BranchPoin
     if common.file.windows is not None:
         files |= _write_windows(common, run, waveform, rate)
         about["windows"] = len(window_starts(waveform.samples, common.file.windows))
-    return {**fault_label(waveform.truths), **about, "clipped": waveform.clipped, "sha256": waveform.sha256, "files": files}
+    size = of_widest(running.simulation.configuration)
+    return {**fault_label(waveform.truths), **size, **about, "clipped": waveform.clipped, "sha256": waveform.sha256, "files": files}
 
 
 def _written(store: Store, name: str, data: bytes) -> dict[str, FileRecord]:

@@ -31,6 +31,8 @@ COLUMNS: Mapping[str, tuple[type, str]] = {
     "fault": (str, f"one of {', '.join(FAULT_CLASSES)}"),
     "width": (float, "width of the widest defect [m]; null without one"),
     "depth": (float, "depth of that defect [m]"),
+    "reached_depth": (float, "largest depth that loaded rollers reach in that defect: they bridge a narrow one [m]"),
+    "share": (float, "share of the rollers' length over which that defect extends [-]"),
     "row": (int, "row of that defect, 0 for all rows"),
     "azimuth": (float, "azimuth of that defect [rad]"),
     "broken_bars": (int, "number of broken cage bars"),

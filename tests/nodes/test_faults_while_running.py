@@ -21,6 +21,7 @@ from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import GROUND_TRUTH, SENSOR, VIBRATION
 from dcrb_ros.settings.files import load_configuration, nest, parameter_fields
 from dcrb_ros.settings.parameters import COMMANDED
+from dcrb_ros.settings.shipped import shipped
 from dcrb_ros.stream.block import Truth
 from dcrb_ros.stream.events import ParameterChange
 
@@ -75,6 +76,20 @@ def test_changes_of_parameters_take_effect_or_are_refused_together(tmp_path: Pat
         client.until(lambda: client.status["rejected_parameters"] == str(len(refusals) + 1), "the count of refusals")
         assert bench.output.count("[WARN]") <= 2
         assert "Traceback" not in bench.output
+
+
+def test_a_width_alone_is_logged_to_be_a_notch(tmp_path: Path) -> None:
+    number, bench = domain(), shipped("configuration")["healthy"]
+    with (
+        graph_client(number) as client,
+        node("simulator", ["--ros-args", "--params-file", str(bench)], environment(number), tmp_path / "log") as simulator,
+    ):
+        client.until(lambda: client.received[VIBRATION], "a block")
+        spall = {"faults__outer_1__kind": "spall", "faults__outer_1__width": 0.002, "faults__outer_1__depth": 6e-5}
+        assert client.set(**spall) == (True, "")
+        assert client.set(faults__inner_1__width=0.002) == (True, "")
+        client.until(lambda: "faults.inner_1.kind = notch is a groove 0.3 mm deep" in simulator.output, "the remark")
+        assert "faults.outer_1.kind = notch" not in simulator.output
 
 
 def test_parameters_follow_the_scenario_and_a_reset(tmp_path: Path) -> None:

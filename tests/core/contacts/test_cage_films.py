@@ -93,6 +93,28 @@ def test_the_oil_of_the_lands_takes_the_motion_of_a_cage() -> None:
     assert state.cage_velocity[:, 0] == pytest.approx(1e-3 * factor, rel=0.02)
 
 
+def orbit_left(share: float, direction: float) -> tuple[Payload, float]:
+    """Return a bearing, and the mean orbit of its rollers [m/s] 5 ms after a start without a load, in a mist with a share of oil."""
+    operating = {"speed": direction * 200.0, "gravity": 0.0, "load": 0.0}
+    configuration = configured(lubrication=OIL | {"oil_share": share, "pocket_layer": 0.0}, operating=operating)
+    payload = build_payload(configuration)
+    state = initial_state(configuration, payload)
+    steps = round(0.005 / configuration.simulation.step)
+    advance(payload, state, workspace(payload), np.empty((steps, 2)), np.empty(steps))
+    arm = state.roller_position - state.outer_position
+    radial = arm / np.hypot(*np.moveaxis(arm, -1, 0))[..., None]
+    velocity = state.roller_velocity[..., :2]
+    return payload, float((radial[..., 0] * velocity[..., 1] - radial[..., 1] * velocity[..., 0]).mean())
+
+
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_the_mist_of_oil_slows_down_a_free_orbit(direction: float) -> None:
+    """Nothing drives rollers without a load: dv/dt = -k v^2/m, less for a roller that rolls and carries its cage along."""
+    (_, thin), (payload, thick) = orbit_left(0.001, direction), orbit_left(0.05, direction)
+    slowed = payload.lubrication.cage.churning * thin**2 / payload.roller_mass * 0.005
+    assert 0.5 * slowed < abs(thin) - abs(thick) < slowed
+
+
 def loud(layer: float) -> tuple[float, Simulation]:
     """Return the largest force at a bar [N] of rollers over a quarter of a second, and the bench."""
     operating = {"start": "settled"}

@@ -84,6 +84,15 @@ def test_stribeck_limits() -> None:
     assert stribeck_coefficient(1.0, KINETIC, STATIC, 0.01) == pytest.approx(KINETIC)
 
 
+@pytest.mark.parametrize("deflection", [0.0, 3e-7, -2e-7])
+@pytest.mark.parametrize("slip", [1e-3, -0.02, 0.5])
+def test_a_moving_bristle_adds_its_damping_to_its_stiffness(deflection: float, slip: float) -> None:
+    # Fan et al. 2025, Eq. 6, at an instant: sigma_0 z + sigma_1 dz/dt with dz/dt = s - sigma_0 |s|/g(s) z.
+    offset, slope, _ = lugre_line(LAW, Bristle(deflection), slip, None, 0.0, None, 1e-12)
+    growth = slip - 1e5 * abs(slip) / stribeck_coefficient(slip, KINETIC, STATIC, 0.01) * deflection
+    assert offset + slope * slip == pytest.approx(1e5 * deflection + 0.0133 * growth, rel=1e-4)
+
+
 def test_an_open_contact_forgets_its_bristle() -> None:
     _, _, kept = lugre_line(LAW, Bristle(1e-7), 0.1, None, 0.0, None, PAYLOAD.step)
     assert lugre_update(LAW, Bristle(1e-7), kept, 0.1, False, PAYLOAD.step) == Bristle(0.0)
