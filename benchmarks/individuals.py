@@ -15,7 +15,7 @@ import sys
 import numpy as np
 from scipy import fft
 
-from dcrb_ros.bearing.kinematics import characteristic_orders
+from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration

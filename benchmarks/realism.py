@@ -17,7 +17,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from scipy import signal
 
-from dcrb_ros.bearing.kinematics import Orders, characteristic_orders
+from dcrb_ros.bearing.frequencies import Orders, characteristic_orders
 from dcrb_ros.bearing.payload import cage_speed
 from dcrb_ros.core.laws.lubricants import lubricant_of
 from dcrb_ros.core.laws.viscosity import kinematic_viscosity

@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 from scipy import signal
 
-from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.bearing.waveform import Waveform
 from dcrb_ros.diagnosis.features.extraction import FeatureTable, extract_features
 from dcrb_ros.schema.arrays import Floats

@@ -12,7 +12,7 @@ import pandas as pd
 from scipy import signal
 from sim_to_real_data import Measured, Windows, features
 
-from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.schema.arrays import Floats
 
 SHARES = (-2.0, 0.0)

@@ -1,8 +1,8 @@
 """The public names: `dcrb_ros.__getattr__` reads this file, and so do type checkers. Each line adds a name."""
 
-from dcrb_ros.bearing.frequencies import characteristic_frequencies as characteristic_frequencies
+from dcrb_ros.bearing.fault_lines import characteristic_frequencies as characteristic_frequencies
+from dcrb_ros.bearing.frequencies import Orders as Orders
 from dcrb_ros.bearing.history import StateHistory as StateHistory
-from dcrb_ros.bearing.kinematics import Orders as Orders
 from dcrb_ros.bearing.tacho_pulses import TachoPulses as TachoPulses
 from dcrb_ros.bearing.temperature_readings import TemperatureReadings as TemperatureReadings
 from dcrb_ros.bearing.waveform import Waveform as Waveform

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from dcrb_ros.bearing.kinematics import characteristic_orders
+from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.faults.ground_truth import summary_of
 from dcrb_ros.prognosis.rating_life import dynamic_load_rating
 from dcrb_ros.settings.configuration import Configuration

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.frequencies import Orders
 
 TOLERANCE = 0.02
 """Relative error of stated orders that is accepted [-]: rounded to three digits they have 0.005."""

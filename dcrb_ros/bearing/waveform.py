@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.bearing.fault_lines import UNKNOWN, BearingLike, orders_of
-from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.runtime.frames import pandas
 from dcrb_ros.schema.arrays import Floats, Integers, Samples
 from dcrb_ros.schema.numbers import finite_number

@@ -25,7 +25,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.calibration.estimate import LEVEL, EstimatedParameter
 from dcrb_ros.calibration.healthy_recording import HealthyRecording
 from dcrb_ros.calibration.identified_path import COLUMNS, LOWEST, IdentifiedPath, Part

@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.bearing.waveform import Signal, Waveform
 from dcrb_ros.diagnosis.detection import watch
 from dcrb_ros.diagnosis.order_tracking import unwrapped_turns

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from dcrb_ros.bearing.kinematics import Orders, characteristic_orders
+from dcrb_ros.bearing.frequencies import Orders, characteristic_orders
 from dcrb_ros.calibration.healthy_recording import SAME_ORDERS, HealthyRecording
 from dcrb_ros.diagnosis.order_tracking import unwrapped_turns
 from dcrb_ros.faults import Faults

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.evidence import BandEvidence
 from dcrb_ros.diagnosis.line_search import GUARD, Comb, LineFamily
 from dcrb_ros.diagnosis.order_spectrum import decibels, ratio

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.baseline_learning import BaselineLearner
 from dcrb_ros.diagnosis.combination import Combination
 from dcrb_ros.diagnosis.demodulation import QUARTERS, Demodulator, band_tree, detector_bands, kurtosis

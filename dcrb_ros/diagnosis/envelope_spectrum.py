@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.bearing.fault_lines import BearingLike
-from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.bearing.waveform import Signal, Waveform, signal_of
 from dcrb_ros.diagnosis.demodulation import NYQUIST_SHARE, Band, Demodulator
 from dcrb_ros.diagnosis.order_spectrum import order_spectra

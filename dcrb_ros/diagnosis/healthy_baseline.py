@@ -18,7 +18,7 @@ import numpy.typing as npt
 import yaml
 from pydantic import Field, ValidationError
 
-from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.parameter_field import first_problem

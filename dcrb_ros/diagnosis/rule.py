@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence, LevelEvidence, SampleEvidence
 from dcrb_ros.diagnosis.healthy_baseline import LEAST_DEPTH, HealthyBaseline

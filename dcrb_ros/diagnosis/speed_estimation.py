@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.order_spectrum import HARMONICS, SHAFT_SIDEBANDS, OrderSpectrum
 from dcrb_ros.schema.arrays import Floats
 

@@ -17,7 +17,7 @@ import time
 from functools import partial
 from typing import NamedTuple
 
-from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.exam.packets import receive_packet, send_packet
 from dcrb_ros.exam.plugin import load_plugin
 from dcrb_ros.exam.running_detector import DetectorBlock, DetectorFactory, RunningDetector, checked_output

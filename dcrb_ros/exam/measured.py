@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from dcrb_ros.bearing.kinematics import CHARACTERISTIC_FREQUENCIES, Orders
+from dcrb_ros.bearing.frequencies import CHARACTERISTIC_FREQUENCIES, Orders
 from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.bearing.waveform import Piece
 from dcrb_ros.diagnosis.detector import FaultDetector

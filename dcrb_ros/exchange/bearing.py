@@ -7,7 +7,7 @@ from pathlib import Path
 
 from pydantic import Field
 
-from dcrb_ros.bearing.kinematics import HIGHEST_ORDER, LOWEST_ORDER, Orders, characteristic_orders
+from dcrb_ros.bearing.frequencies import HIGHEST_ORDER, LOWEST_ORDER, Orders, characteristic_orders
 from dcrb_ros.bearing.order_check import order_mistake
 from dcrb_ros.schema.fields import LENGTH_REMEDY, Group
 from dcrb_ros.schema.refusal import Refusal

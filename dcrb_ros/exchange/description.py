@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 import yaml
 from pydantic import BeforeValidator, Field, ValidationError, field_validator, model_validator
 
-from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.exchange.bearing import Geometry, GivenOrders, fault_orders
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.numbers import HIGHEST_RATE

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.exchange.description import Description, read_description
 from dcrb_ros.exchange.joining import JoinedFiles
 from dcrb_ros.exchange.pulse_train import PulseTrain, counted_pulses, joined_turns, pulse_train, turns_at_speed, wrapped, wrapped_angle

@@ -6,7 +6,7 @@ import json
 import math
 from typing import Any
 
-from dcrb_ros.bearing.kinematics import Orders, characteristic_orders
+from dcrb_ros.bearing.frequencies import Orders, characteristic_orders
 from dcrb_ros.messages.cdr import FRAME
 from dcrb_ros.messages.plain import decode_text
 from dcrb_ros.schema.numbers import sampling_rate

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from dcrb_ros.bearing.kinematics import CHARACTERISTIC_FREQUENCIES
+from dcrb_ros.bearing.frequencies import CHARACTERISTIC_FREQUENCIES
 from dcrb_ros.messages.cdr import DIAGNOSTICS, FRAME, decoded, encoded, header, ros_type, stamp_of
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.block import Truth

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.bearing.history import StateHistory
-from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.bearing.tacho_pulses import TachoPulses
 from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.bearing.waveform import Piece, Waveform, described_stretch, stretch

@@ -9,7 +9,7 @@ from heapq import heappop, heappush
 from pathlib import Path
 from typing import Any
 
-from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.messages.cdr import STAMP_END
 from dcrb_ros.messages.description import decode_sensor
 from dcrb_ros.messages.plain import decode_text

@@ -16,7 +16,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from dcrb_ros.bearing.kinematics import characteristic_orders
+from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.messages.description import sensor_text
 from dcrb_ros.messages.points import decode_vibration, decode_waveform, packed
 from dcrb_ros.messages.statuses import decode_truth

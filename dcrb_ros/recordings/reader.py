@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from mcap.records import Metadata
 
-from dcrb_ros.bearing.kinematics import Orders, characteristic_orders
+from dcrb_ros.bearing.frequencies import Orders, characteristic_orders
 from dcrb_ros.bearing.waveform import Piece, Waveform
 from dcrb_ros.messages.description import decode_range
 from dcrb_ros.messages.points import Vibration, decode_vibration

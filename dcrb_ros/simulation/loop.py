@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from dcrb_ros.bearing.energy import account, stored_energy
-from dcrb_ros.bearing.kinematics import characteristic_orders
+from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.bearing.observation import observe
 from dcrb_ros.bearing.payload import body_names, build_payload, initial_state
 from dcrb_ros.bearing.runtime_change import altered, onsets, refitted

@@ -10,8 +10,8 @@ from typing import Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
+from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.bearing.history import StateHistory
-from dcrb_ros.bearing.kinematics import characteristic_orders
 from dcrb_ros.bearing.tacho_pulses import TachoPulses
 from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.bearing.waveform import Waveform

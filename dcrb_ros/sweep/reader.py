@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dcrb_ros.bearing.fault_lines import UNKNOWN
-from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.bearing.waveform import Waveform
 from dcrb_ros.faults.ground_truth import class_of
 from dcrb_ros.recordings.reader import Recording

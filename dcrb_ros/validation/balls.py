@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from dcrb_ros.bearing.equilibrium import roller_forces, static_equilibrium
-from dcrb_ros.bearing.kinematics import characteristic_orders
+from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.bearing.payload import build_payload
 from dcrb_ros.core.laws.hertz import contact_ellipse, curvatures, stiffness_coefficient
 from dcrb_ros.settings.configuration import Configuration

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from dcrb_ros.bearing.kinematics import characteristic_orders
+from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.validation.faults import spectrum
 from dcrb_ros.validation.report_row import PaperRuns
 from dcrb_ros.validation.runs import BROKEN_BAR, JOINTS, PaperRun

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy import fft
 
-from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.demodulation import NYQUIST_SHARE, Band, Demodulator
 from dcrb_ros.diagnosis.envelope_spectrum import DEFAULT_BAND
 from dcrb_ros.schema.arrays import Floats

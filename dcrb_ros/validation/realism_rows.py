@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from dcrb_ros.bearing.kinematics import characteristic_orders
+from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.validation.oiled_runs import OiledRun, OiledRuns
 from dcrb_ros.validation.realism import Statistics, statistics
 from dcrb_ros.validation.report_row import ReportRow, between

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.bearing.kinematics import characteristic_orders
+from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.bearing.payload import cage_speed
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration

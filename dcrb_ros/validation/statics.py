@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from dcrb_ros.bearing.equilibrium import roller_forces, static_equilibrium
-from dcrb_ros.bearing.kinematics import characteristic_orders
+from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.bearing.payload import build_payload, degrees_of_freedom
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.files import load_configuration

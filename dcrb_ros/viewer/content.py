@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.schema.arrays import Floats, Samples
 from dcrb_ros.schema.verdicts import title_of
 from dcrb_ros.settings.parameters import Bearing

@@ -8,7 +8,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 
 import numpy as np
 
-from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.bearing.tacho_pulses import TachoPulses
 from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.messages.cdr import stamps

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.messages.statuses import ERROR
 from dcrb_ros.messages.topics.diagnosis import LEVELS

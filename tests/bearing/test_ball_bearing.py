@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dcrb_ros.bearing.kinematics import characteristic_orders
+from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.loop import Simulation

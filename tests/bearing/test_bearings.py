@@ -13,7 +13,7 @@ from runs import Run
 from scipy import signal
 
 from dcrb_ros.bearing.equilibrium import roller_forces, static_equilibrium
-from dcrb_ros.bearing.kinematics import characteristic_orders
+from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.bearing.payload import build_payload, cage_speed
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration

@@ -10,7 +10,7 @@ import pytest
 from synthetic_bearing import ORDERS
 
 import dcrb_ros
-from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.calibration.bearing_share import SHALLOW, UNKNOWN, EnvelopeLines, _decoys, _drawn_shares, _one_more, _part, lines_in
 from dcrb_ros.calibration.simulated_bearing import INDIVIDUALS
 from dcrb_ros.schema.arrays import Floats

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.evidence import SharedSearch
 from dcrb_ros.diagnosis.line_search import LARGEST_SCORE, Comb, LineSearch, covered, local_mean, log10_gamma_tail
 from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum, order_spectra

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum
 from dcrb_ros.diagnosis.speed_estimation import estimated_frequency, line_orders
 

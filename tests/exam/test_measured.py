@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from jittered_impacts import Machine
 
-from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.cli.app import main
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exam.agreement import macro_recall

@@ -19,7 +19,7 @@ from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 from runs import Run, simulated
 
-from dcrb_ros.bearing.kinematics import characteristic_orders
+from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.cli.detect import detect
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exam.detector_run import shipped_detector

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.bearing.kinematics import characteristic_orders
+from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.diagnosis.detector import Diagnosis, FaultDetector
 from dcrb_ros.settings.parameters import Bearing
 

@@ -7,7 +7,7 @@ import functools
 import numpy as np
 import pytest
 
-from dcrb_ros.bearing.kinematics import Orders, characteristic_orders
+from dcrb_ros.bearing.frequencies import Orders, characteristic_orders
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.validation.friction_moment import friction_moment

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from dcrb_ros.bearing.kinematics import characteristic_orders
+from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.viewer import blueprint

@@ -23,7 +23,7 @@ from runs import PAPER_SPEED, Run, simulated
 
 from dcrb_ros.bearing import load_zone
 from dcrb_ros.bearing.fault_lines import fault_combs
-from dcrb_ros.bearing.kinematics import characteristic_orders
+from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.bearing.payload import body_names
 from dcrb_ros.cli.view import view
 from dcrb_ros.diagnosis.detector import Diagnosis

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.bearing.fault_lines import BearingLike
-from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.bearing.waveform import Piece, Signal, signal_of
 from dcrb_ros.diagnosis.features.family import FeatureFamily, Windows
 from dcrb_ros.diagnosis.features.registry import FAMILIES

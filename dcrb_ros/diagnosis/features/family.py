@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.schema.arrays import Floats
 
 

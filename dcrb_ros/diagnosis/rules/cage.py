@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.cage_lines import CLUSTERED, PERIODIC, cage_comb, clusters_at_spin, spin_of_clusters
 from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.features.band_levels import BAND_LEVELS, middles
 from dcrb_ros.diagnosis.features.cepstrum import CEPSTRUM
 from dcrb_ros.diagnosis.features.envelope_lines import ENVELOPE_LINES

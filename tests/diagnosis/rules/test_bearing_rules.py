@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.cage_lines import PERIODIC, cage_comb, spin_of_clusters
 from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence, SharedSearch
