@@ -1,6 +1,6 @@
 """The public names: `dcrb_ros.__getattr__` reads this file, and so do type checkers. Each line adds a name."""
 
-from dcrb_ros.bearing.fault_lines import characteristic_frequencies as characteristic_frequencies
+from dcrb_ros.bearing.data_sheet import characteristic_frequencies as characteristic_frequencies
 from dcrb_ros.bearing.frequencies import Orders as Orders
 from dcrb_ros.bearing.history import StateHistory as StateHistory
 from dcrb_ros.bearing.tacho_pulses import TachoPulses as TachoPulses
