@@ -22,10 +22,10 @@ if TYPE_CHECKING:
 
 DEPTHS = {"outer_ring": "outer_depth", "inner_ring": "inner_depth", "roller": "roller_depth", "cage": "cage_depth"}
 """Parameters with the least modulation depth of a fault's lines; a learned baseline may lower it."""
-COLUMNS = ("component", "line", "level over background [dB]", "depth [-]", "threshold of depth [-]", "over threshold [dB]")
+COLUMNS = ("component", "line", "level [dB]", "depth [-]", "threshold [-]", "excess [dB]")
 CAPTION = (
-    "Over threshold: the smallest excess over the thresholds of depth, significance and the other limits of the rule. "
-    "A fault is suspected from 0 dB on."
+    "Level: over the background. Threshold: of the depth. Excess: the smallest over the thresholds of depth, significance and the other "
+    "limits of the rule; a fault is suspected from 0 dB on."
 )
 
 

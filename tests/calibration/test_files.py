@@ -35,7 +35,7 @@ def machine(tmp_path_factory: pytest.TempPathFactory) -> Path:
     assert done.exit_code == 0, done.output
     done = CliRunner().invoke(app, ["calibrate", str(folder / "recording"), "-o", str(folder / "mine.yaml"), "--json"])
     assert done.exit_code == 0, done.output
-    (folder / "printed.json").write_text(done.output, encoding="utf-8")
+    (folder / "printed.json").write_text(done.stdout, encoding="utf-8")
     return folder
 
 
@@ -84,6 +84,6 @@ def test_compare_prints_distances_and_json(machine: Path, tmp_path: Path) -> Non
     assert said.exit_code == 0, said.output
     assert "y: third octaves 0.0 dB apart" in said.output
     assert (tmp_path / "same.svg").stat().st_size > 10_000
-    printed = json.loads(CliRunner().invoke(app, ["compare", *both, "--json"]).output)
+    printed = json.loads(CliRunner().invoke(app, ["compare", *both, "--json"]).stdout)
     assert printed["axes"]["y"]["envelope_distance"] == 0.0
     assert printed["features"]["y_rms"][0] == printed["features"]["y_rms"][1]
