@@ -63,11 +63,11 @@ def worker_count(workers: int) -> int:
 
 
 def warn_of_digest(recording: Recording, name: str) -> None:
-    """Print a sentence on stderr if the samples of a recording do not match the digest that it states."""
+    """Print a warning on stderr if the samples of a recording do not match the digest that it states."""
     from dcrb_ros.recordings.digest import digest_mismatch
 
     if sentence := digest_mismatch(recording):
-        typer.echo(f"dcrb: {name}: {sentence}", err=True)
+        typer.echo(f"warning: {name}: {sentence}", err=True)
 
 
 def size_text(size: float) -> str:
