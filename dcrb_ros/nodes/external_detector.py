@@ -232,6 +232,7 @@ class _DomainWatch:
     def __init__(self, node: Any, topics: Sequence[Topic], domain: int) -> None:
         self._node, self._domain, self._others = node, domain, list[str]()
         self._publishers = OtherPublishers(node, topics, self._others.append)
+        self._detectors = OtherPublishers(node, [DIAGNOSIS], lambda _: None)
 
     def listen(self, spin: Any) -> None:
         """Look for `LISTENING_TIME`, also on `diagnosis`; the detector has not started yet.
@@ -247,12 +248,15 @@ class _DomainWatch:
             self.check()
 
     def check(self) -> None:
-        """Look once.
+        """Look once; more than one node on `diagnosis` are more than the detector.
 
         Raises:
             RuntimeError: there is another publisher.
         """
         self._publishers.look()
+        self._detectors.look()
+        if len(names := self._detectors.names) > 1:
+            self._others.append(f"one of {', '.join(names)}, each of which publishes on {DIAGNOSIS.resolved(NAMESPACE)}")
         if self._others:
             raise RuntimeError(f"ROS domain {self._domain} of the exam is used by another program: {self._others[0]}")
 

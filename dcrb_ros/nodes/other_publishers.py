@@ -51,6 +51,6 @@ class OtherPublishers:
             for about in self._node.get_publishers_info_by_topic(topic)
         ]
         name = self._node.get_fully_qualified_name()
-        if name in publishers:
+        if name in publishers and any(publisher.topic_name == topic for publisher in self._node.publishers):
             publishers.remove(name)
         return sorted(publishers)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
-from dcrb_ros.messages.topics import CLOCK, VIBRATION
+from dcrb_ros.messages.topics import CLOCK, DIAGNOSIS, VIBRATION
 from dcrb_ros.nodes.other_publishers import OtherPublishers
 
 OWN = ("/dcrb", "simulator")
@@ -14,7 +14,9 @@ class Graph:
     """Publishers by topic, as seen from the node /dcrb/simulator."""
 
     def __init__(self) -> None:
-        self.publishers = {"/dcrb/outer_ring/vibration": [OWN], "/clock": [OWN]}
+        self.known = {"/dcrb/outer_ring/vibration": [OWN], "/clock": [OWN]}
+        self.publishers = [SimpleNamespace(topic_name=topic) for topic in self.known]
+        """The node's own."""
 
     def get_namespace(self) -> str:
         return OWN[0]
@@ -23,7 +25,7 @@ class Graph:
         return "/".join(OWN)
 
     def get_publishers_info_by_topic(self, topic: str) -> list[SimpleNamespace]:
-        return [SimpleNamespace(node_namespace=namespace, node_name=name) for namespace, name in self.publishers[topic]]
+        return [SimpleNamespace(node_namespace=namespace, node_name=name) for namespace, name in self.known[topic]]
 
 
 def test_a_second_node_is_reported_once_with_the_remedy() -> None:
@@ -31,7 +33,7 @@ def test_a_second_node_is_reported_once_with_the_remedy() -> None:
     others = OtherPublishers(graph, (VIBRATION, CLOCK), said.append)
     others.look()
     assert (others.names, said) == ([], [])
-    graph.publishers["/dcrb/outer_ring/vibration"].append(("/dcrb", "replayer"))
+    graph.known["/dcrb/outer_ring/vibration"].append(("/dcrb", "replayer"))
     for _ in range(3):
         others.look()
     assert others.names == ["/dcrb/replayer"]
@@ -43,8 +45,17 @@ def test_a_second_node_is_reported_once_with_the_remedy() -> None:
 
 def test_a_second_node_of_the_same_name_is_reported() -> None:
     graph, said = Graph(), list[str]()
-    graph.publishers["/dcrb/outer_ring/vibration"].append(OWN)
+    graph.known["/dcrb/outer_ring/vibration"].append(OWN)
     others = OtherPublishers(graph, (VIBRATION,), said.append)
+    others.look()
+    assert others.names == ["/dcrb/simulator"]
+    assert len(said) == 1
+
+
+def test_a_node_of_the_same_name_is_reported_where_this_one_does_not_publish() -> None:
+    graph, said = Graph(), list[str]()
+    graph.known["/dcrb/diagnosis"] = [OWN]
+    others = OtherPublishers(graph, (DIAGNOSIS,), said.append)
     others.look()
     assert others.names == ["/dcrb/simulator"]
     assert len(said) == 1
@@ -53,9 +64,9 @@ def test_a_second_node_of_the_same_name_is_reported() -> None:
 def test_a_second_clock_is_reported_with_its_own_remedy_and_forgotten_when_it_ends() -> None:
     graph, said = Graph(), list[str]()
     others = OtherPublishers(graph, (CLOCK,), said.append)
-    graph.publishers["/clock"] = [("/", "player"), OWN]
+    graph.known["/clock"] = [("/", "player"), OWN]
     others.look()
-    graph.publishers["/clock"] = [OWN]
+    graph.known["/clock"] = [OWN]
     others.look()
     assert others.names == []
     assert said == ["/player also publishes on /clock, and subscribers receive a mixture: let one of them publish it"]
@@ -69,7 +80,7 @@ def test_a_publisher_is_reported_by_its_name_if_it_is_known_at_the_next_look() -
     graph, said = Graph(), list[str]()
     others = OtherPublishers(graph, (VIBRATION,), said.append)
     for found in ([OWN, UNKNOWN], [OWN, ("/dcrb", "replayer")], [OWN], [OWN, UNKNOWN], [OWN]):
-        graph.publishers["/dcrb/outer_ring/vibration"] = found
+        graph.known["/dcrb/outer_ring/vibration"] = found
         others.look()
     assert [sentence.split(" also ")[0] for sentence in said] == ["/dcrb/replayer"]
     assert others.names == []
@@ -78,7 +89,7 @@ def test_a_publisher_is_reported_by_its_name_if_it_is_known_at_the_next_look() -
 def test_a_publisher_that_stays_without_a_name_is_reported_at_the_second_look() -> None:
     graph, said = Graph(), list[str]()
     others = OtherPublishers(graph, (VIBRATION,), said.append)
-    graph.publishers["/dcrb/outer_ring/vibration"] = [OWN, UNKNOWN]
+    graph.known["/dcrb/outer_ring/vibration"] = [OWN, UNKNOWN]
     for _ in range(4):
         others.look()
     assert [sentence.split(" also ")[0] for sentence in said] == ["a node without a known name"]
