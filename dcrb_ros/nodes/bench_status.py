@@ -52,8 +52,8 @@ class BenchStatus:
         self._engine, self._progress, self._recording, self._refusals = engine, progress, recording, refusals
         self._simulated, self._wall = 0.0, time.monotonic()
 
-    def status(self, name: str, others: Sequence[str] = ()) -> Status:
-        """Return the present status of the node ``name``, with the names of the other nodes that publish on its topics."""
+    def status(self, name: str, time_ns: int, others: Sequence[str] = ()) -> Status:
+        """Return the status of the node ``name`` at a simulated time, with the names of the other nodes that publish on its topics."""
         gate, progress, recording = self._engine.gate, self._progress, self._recording
         model = self._model()
         behind = gate.pacer.lag > MAX_LAG and not gate.paused
@@ -61,8 +61,8 @@ class BenchStatus:
         count = self._refusals.count
         values = {
             "time_scale": f"{gate.pacer.scale:g}",
-            "real_time_factor": f"{self._real_time_factor(progress.time_ns * 1e-9):.3f}",
-            "simulated [s]": f"{progress.time_ns * 1e-9:.3f}",
+            "real_time_factor": f"{self._real_time_factor(time_ns * 1e-9):.3f}",
+            "simulated [s]": f"{time_ns * 1e-9:.3f}",
             "lag [s]": f"{gate.pacer.lag:.4f}",
             "late_blocks": str(gate.pacer.late),
             "blocks": str(progress.bundles),

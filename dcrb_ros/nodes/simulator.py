@@ -239,7 +239,8 @@ class SimulatorNode(BenchNode):
 
     def _publish_status(self) -> None:
         """Publish the status on /diagnostics, and the time of a paused simulation again on /clock."""
-        status, time_ns = self._status.status(self.get_fully_qualified_name(), self._others.names), self.progress.time_ns
+        time_ns = self.progress.time_ns  # read once: another block may come at any time
+        status = self._status.status(self.get_fully_qualified_name(), time_ns, self._others.names)
         self._publisher.write_messages([self.diagnostics(status, time_ns, self.configuration.publishing.frame)])
         if self._clock_publisher is not None:
             self._clock_publisher.repeat(time_ns)
