@@ -295,8 +295,8 @@ class WaveformImport:
             notes.append("the unit is unknown: what is given in m/s^2 is relative")
         return notes
 
-    def _digest(self) -> str:
-        """Return the SHA-256 of the files, one after the other."""
+    def sha256(self) -> str:
+        """Return the SHA-256 of the files, one after the other, as hexadecimal digits."""
         digest = hashlib.sha256()
         for file in self._files.files:
             with open_regular(file) as stream:
@@ -311,7 +311,7 @@ class WaveformImport:
         return {
             "format": FORMAT,
             "dcrb_ros": __version__,
-            "imported": {**origin, "sha256": self._digest(), **self.description.model_dump(exclude_none=True)},
+            "imported": {**origin, "sha256": self.sha256(), **self.description.model_dump(exclude_none=True)},
             "namespace": NAMESPACE,
             "sampling_rate": self.rate,
             "orders": self.sensor()["orders"],

@@ -20,7 +20,9 @@ TEXTS = ("name", "split", "bearing_id", "machine")
 NUMBERS = ("width", "depth", "load")
 IMPORT = ("about", "speed_rpm", "set")
 """Columns that the import of a file takes: its description, its speed, and other settings, divided by semicolons."""
-COLUMNS = (*NEEDED, *TEXTS, *NUMBERS, *IMPORT)
+SHA256 = "sha256"
+"""Column with the SHA-256 of a file; a file with another one is refused."""
+COLUMNS = (*NEEDED, *TEXTS, *NUMBERS, *IMPORT, SHA256)
 
 
 class ListedRun(NamedTuple):
@@ -43,7 +45,8 @@ def listed_runs(table: Path, about: str, rate: int = 0) -> Iterator[ListedRun]:
         rate: sampling rate to which all are decimated [Hz]; 0 leaves them.
 
     Raises:
-        Refusal: a column or a value is unknown, a file cannot be imported, or a rate is not a whole multiple of ``rate``.
+        Refusal: a column or a value is unknown, a file cannot be imported or has another hash than stated, or a rate is not a whole
+            multiple of ``rate``.
     """
     for number, row in enumerate(_rows(table), 2):
         line = f"{table}, line {number}"
@@ -58,6 +61,9 @@ def listed_runs(table: Path, about: str, rate: int = 0) -> Iterator[ListedRun]:
         settings = [part.strip() for part in (row.get("set") or "").split(";") if part.strip()]
         settings += [f"speed_rpm={row['speed_rpm']}"] if row.get("speed_rpm") else []
         read = WaveformImport([file], find_description(description), settings)
+        sha256 = read.sha256()
+        if row.get(SHA256, sha256).lower() != sha256:
+            raise Refusal(f"{line}: {file} has the SHA-256 {sha256} instead of {row[SHA256]}: get the file again, or correct the list")
         waveform = Waveform(
             acceleration=read.acceleration, shaft_angle=read.angle, sampling_rate=read.rate, index=read.index, orders=read.orders
         )

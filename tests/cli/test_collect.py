@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import shutil
 import warnings
 from pathlib import Path
@@ -178,3 +179,16 @@ def test_an_edited_measured_set_is_named(measured: Path, tmp_path: Path) -> None
     parquet.write_table(table.slice(0, 1), copied / "labels.parquet")
     with pytest.raises(Refusal, match=r"labels\.parquet has been changed"):
         DataSet(copied)
+
+
+def test_a_file_with_another_hash_than_listed_is_refused(files: Path, tmp_path: Path) -> None:
+    actual = hashlib.sha256((files / "105.npz").read_bytes()).hexdigest()
+    shutil.copytree(files, tmp_path / "files")
+    listed = tmp_path / "files" / "files.csv"
+    arguments = ["collect", str(listed), "--about", str(files / "about.yaml"), "-o"]
+    listed.write_text(f"file,fault,speed_rpm,sha256\n105.npz,inner_ring,1797,{actual.upper()}\n", encoding="utf-8")
+    assert CliRunner().invoke(app, [*arguments, str(tmp_path / "set")]).exit_code == 0
+    listed.write_text(f"file,fault,speed_rpm,sha256\n105.npz,inner_ring,1797,{'0' * 64}\n", encoding="utf-8")
+    refused = CliRunner().invoke(app, [*arguments, str(tmp_path / "other")])
+    assert isinstance(refused.exception, Refusal)
+    assert f"has the SHA-256 {actual} instead of {'0' * 64}" in str(refused.exception)

@@ -161,6 +161,18 @@ def test_tensors_are_those_of_the_arrays(folder: Path, monkeypatch: pytest.Monke
         read(folder).windows("train").torch()
 
 
+def test_tensors_feed_a_loader_of_pytorch(folder: Path) -> None:
+    torch = pytest.importorskip("torch", reason="PyTorch is not installed: pip install torch")
+    windows = read(folder).windows("train")
+    x, y = windows.arrays()
+    tensors = windows.torch().tensors
+    assert [tensor.dtype for tensor in tensors] == [torch.float32, torch.int64]
+    for source in (windows.torch(), windows):  # all in memory, and read one by one
+        batches = list(torch.utils.data.DataLoader(source, batch_size=8))
+        assert np.array_equal(torch.cat([batch for batch, _ in batches]).numpy(), x)
+        assert np.array_equal(torch.cat([classes for _, classes in batches]).numpy(), y)
+
+
 def test_a_set_without_leakage_is_read_without_a_warning(tmp_path: Path) -> None:
     vary = {"surfaces.seed": {"low": 1, "high": 1000}, "structure.seed": {"low": 1, "high": 1000}}
     made({**TREE, "points": 3, "set": {**TREE["set"], "surfaces.law": "profile", "structure.modes": 3}, "vary": vary}, tmp_path / "set")
