@@ -1,6 +1,7 @@
 """The protrugram: demodulation of the narrow band whose envelope spectrum has the largest kurtosis (Barszcz and Jablonski 2011)."""
 
 import numpy as np
+from scipy.signal.windows import tukey
 from spectra import Demodulation
 
 VARIANTS = {
@@ -29,13 +30,15 @@ class Protrugram(Demodulation):
 
     def demodulated(self, acceleration, angle):
         """Return the squared envelope of the band with the largest kurtosis."""
-        transform = np.fft.rfft(acceleration * np.hanning(len(acceleration)))
-        wide = int(self.lines_in_band * self.orders["BPFO"] * abs(angle[-1] - angle[0]) / (2.0 * np.pi))
+        transform = np.fft.rfft(acceleration * tukey(len(acceleration), 0.1))
+        turns = abs(angle[-1] - angle[0]) / (2.0 * np.pi)
+        slow = int(0.3 * turns)  # lines below 0.3 orders are those of the taper and of slow variation
+        wide = int(self.lines_in_band * self.orders["BPFO"] * turns)
         wide = min(max(wide, len(transform) // 128), len(transform) // 2)
         best, found = -1.0, None
         for low in range(1, len(transform) - wide, max(wide // 2, 1)):
             envelope = np.abs(np.fft.ifft(transform[low : low + wide]))
-            score = kurtosis(np.abs(np.fft.rfft(envelope - envelope.mean())))
+            score = kurtosis(np.abs(np.fft.rfft(envelope - envelope.mean()))[slow:])
             if score > best:
                 best, found = score, envelope**2
         return found
