@@ -5,7 +5,7 @@ from novelty import Novelty
 
 VARIANTS = {
     "isolation forest": {},
-    "isolation forest, factor 1.3": {"factor": 1.3},
+    "isolation forest, factor 1.15": {"factor": 1.15},
     "isolation forest, with level": {"level_of_signal": 1},
 }
 """Settings of each member of the family; the first has the published ones."""
@@ -40,8 +40,10 @@ class IsolationForest(Novelty):
 
     def grown(self, vectors, random, left):
         """Return a tree: a cut at a random place of a random number and two subtrees, or the number of vectors of a leaf."""
+        if left == 0 or len(vectors) <= 1:
+            return len(vectors)
         low, high = vectors.min(axis=0), vectors.max(axis=0)
-        if left == 0 or len(vectors) <= 1 or not (high > low).any():
+        if not (high > low).any():
             return len(vectors)
         place = random.choice(np.flatnonzero(high > low))
         cut = random.uniform(low[place], high[place])

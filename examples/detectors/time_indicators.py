@@ -6,7 +6,7 @@ from trending import Trending
 VARIANTS = {
     "waveform factors": {},
     "waveform factors, factor 1.5": {"factor": 1.5},
-    "waveform factors, factor 3": {"factor": 3.0},
+    "waveform factors, factor 1.25": {"factor": 1.25},
 }
 """Settings of each member of the family; the first has the published ones."""
 
