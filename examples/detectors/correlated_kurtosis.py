@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.linalg import solve_toeplitz
 from scipy.signal import correlate, fftconvolve
-from spectra import Demodulation, line_ratios, order_spectrum, squared_envelope, struck
+from spectra import Demodulation, line_ratios, order_spectrum, padded, squared_envelope, struck
 
 VARIANTS = {
     "MCKD": {},
@@ -48,7 +48,7 @@ class CorrelatedKurtosis(Demodulation):
         """Return the squared envelope of the output of the filter for impacts at an order [-]."""
         period = round(len(acceleration) * 2.0 * np.pi / abs(angle[-1] - angle[0]) / order)
         period = min(max(period, 2), len(acceleration) // 2)
-        return squared_envelope(deconvolved(acceleration, period, self.taps, self.iterations))
+        return padded(squared_envelope(deconvolved(acceleration, period, self.taps, self.iterations)), len(acceleration))
 
     def features(self, acceleration, angle):
         """Return the ratio of the lines of rings and rollers to the spectrum around them."""

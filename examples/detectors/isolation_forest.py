@@ -6,7 +6,7 @@ from novelty import Novelty
 VARIANTS = {
     "isolation forest": {},
     "isolation forest, factor 1.15": {"factor": 1.15},
-    "isolation forest, with level": {"level_of_signal": 1},
+    "isolation forest, 300 trees": {"trees": 300},
 }
 """Settings of each member of the family; the first has the published ones."""
 
@@ -14,15 +14,12 @@ VARIANTS = {
 class IsolationForest(Novelty):
     """Report a fault if the mean anomaly score has grown by a quarter; the score 2^(-depth / c) is near 0.5 for healthy frames, at most 1.
 
-    Independent of the gain, save the member ``level_of_signal: 1``, which has the rms as a further number and is amplitude-based. The
-    random numbers have a fixed seed.
+    Independent of the gain. The random numbers have a fixed seed. The factor has seen no recording.
     """
 
     factor = 1.25
     trees = 100
     """Trees of the forest [-]."""
-    level_of_signal = 0
-    """1 to add ln rms to the numbers of a frame [-]."""
 
     def described(self, frames):
         """Return logarithms of kurtosis, crest and shape factor, of the kurtosis of the difference, and of the mean frequency."""
@@ -34,7 +31,6 @@ class IsolationForest(Novelty):
             np.sqrt(power) / (np.abs(frames).mean(axis=1) + 1e-30),
             np.mean(difference**4, axis=1) / rough**2,
             rough / power,
-            *([np.sqrt(power)] if self.level_of_signal else []),
         ]
         return np.log(np.stack(numbers, axis=1) + 1e-30)
 

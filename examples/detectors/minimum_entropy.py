@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.linalg import solve_toeplitz
 from scipy.signal import correlate, fftconvolve
-from spectra import Demodulation, squared_envelope
+from spectra import Demodulation, padded, squared_envelope
 
 VARIANTS = {
     "minimum entropy deconvolution": {},
@@ -41,4 +41,4 @@ class MinimumEntropy(Demodulation):
 
     def demodulated(self, acceleration, angle):
         """Return the squared envelope of the output of the filter."""
-        return squared_envelope(deconvolved(acceleration, self.taps, self.iterations))
+        return padded(squared_envelope(deconvolved(acceleration, self.taps, self.iterations)), len(acceleration))

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.linalg import solve_toeplitz
 from scipy.signal import lfilter
-from spectra import Demodulation, squared_envelope
+from spectra import Demodulation, padded, squared_envelope
 
 VARIANTS = {
     "prediction error": {},
@@ -32,4 +32,4 @@ class PredictionError(Demodulation):
             column = self.correlation[:-1].copy()
             column[0] *= 1.0 + 1e-6
             self.model = np.concatenate([[1.0], -solve_toeplitz(column, self.correlation[1:])])
-        return squared_envelope(lfilter(self.model, 1.0, acceleration)[self.coefficients :])
+        return padded(squared_envelope(lfilter(self.model, 1.0, acceleration)[self.coefficients :]), len(acceleration))

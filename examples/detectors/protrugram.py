@@ -21,19 +21,19 @@ def kurtosis(values):
 class Protrugram(Demodulation):
     """Report the part whose lines have grown most in the band with the most protruding lines.
 
-    All bands have the same width, slightly above three times the BPFO, and their centres lie half a width apart. The kurtosis is that of
+    All bands have the same width, slightly above three times the BPFI, and their centres lie half a width apart. The kurtosis is that of
     the amplitudes of the envelope spectrum, so a single impact does not attract the band.
     """
 
     lines_in_band = 3.5
-    """Width of the bands relative to BPFO [-]."""
+    """Width of the bands relative to BPFI [-]."""
 
     def demodulated(self, acceleration, angle):
         """Return the squared envelope of the band with the largest kurtosis."""
         transform = np.fft.rfft(acceleration * tukey(len(acceleration), 0.1))
         turns = abs(angle[-1] - angle[0]) / (2.0 * np.pi)
         slow = int(0.3 * turns)  # lines below 0.3 orders are those of the taper and of slow variation
-        wide = int(self.lines_in_band * self.orders["BPFO"] * turns)
+        wide = int(self.lines_in_band * self.orders["BPFI"] * turns)
         wide = min(max(wide, len(transform) // 128), len(transform) // 2)
         best, found = -1.0, None
         for low in range(1, len(transform) - wide, max(wide // 2, 1)):

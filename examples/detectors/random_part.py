@@ -2,7 +2,7 @@
 
 import numpy as np
 from scipy.signal import fftconvolve
-from spectra import Demodulation, squared_envelope
+from spectra import Demodulation, padded, squared_envelope
 
 VARIANTS = {
     "discrete/random separation": {},
@@ -36,4 +36,4 @@ class RandomPart(Demodulation):
 
     def demodulated(self, acceleration, angle):
         """Return the squared envelope of the random part."""
-        return squared_envelope(random_part(acceleration, min(self.taps, len(acceleration) // 4)))
+        return padded(squared_envelope(random_part(acceleration, min(self.taps, len(acceleration) // 4))), len(acceleration))

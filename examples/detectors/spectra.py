@@ -24,6 +24,11 @@ def squared_envelope(acceleration):
     return np.abs(hilbert(acceleration)) ** 2
 
 
+def padded(signal, samples):
+    """Return a signal that begins late, filled with its mean to a number of samples, so that it has the shaft angle of the window."""
+    return np.pad(signal, (samples - len(signal), 0), mode="mean")
+
+
 def highpass(acceleration, rate, lowest):
     """Return the signal above a frequency [Hz], at most a quarter of the sampling rate, by a Butterworth filter of order 4."""
     return sosfilt(butter(4, min(lowest, 0.25 * rate), "highpass", fs=rate, output="sos"), acceleration)

@@ -36,7 +36,7 @@ DEAF = {
     *("zero rule", "ISO 20816 band alarm", "ISO 20816 band alarm, class I", "ISO 20816 band alarm, class IV"),
     "shock pulse, maximum over carpet",
 }
-"""Members that do not report impacts at 4 kHz: no impacts at all, below 1 kHz only, or rarer ones, since frequent impacts raise the carpet."""
+"""Members that do not report impacts at 4 kHz: no impacts at all, below 1 kHz only, or rare ones only: frequent ones raise the carpet."""
 NAMELESS = {"rms_kurtosis", "iso_band", "naive_bpfo", "shock_pulse", "time_indicators", "spectral_entropy", "zero_rule"} | {
     *("octave_bands", "pca_residual", "isolation_forest", "wavelet_packet")
 }
@@ -45,7 +45,7 @@ AMPLITUDE_BASED = {
     *("rms and kurtosis", "rms and kurtosis, factor 1.5", "rms and kurtosis, factor 4"),
     *("squared envelope, fixed band", "squared envelope above 1 kHz", "squared envelope, factor 2", "squared envelope, half a second"),
     *("ISO 20816 band alarm", "ISO 20816 band alarm, class I", "ISO 20816 band alarm, class IV"),
-    *("shock pulse", "shock pulse, 10 dB", "octave bands", "octave bands, factor 10", "isolation forest, with level"),
+    *("shock pulse", "shock pulse, 10 dB", "octave bands", "octave bands, factor 10"),
 }
 """Members whose verdict changes with the gain of the sensor, as their documentation says."""
 
