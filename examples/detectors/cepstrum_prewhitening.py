@@ -15,7 +15,7 @@ class CepstrumPrewhitening(Demodulation):
     """Report the part whose lines have grown most in the squared envelope spectrum of the pre-whitened signal.
 
     Setting the real cepstrum to zero, save its first value, is x_w = F^-1(F x / |F x|): tones of gears and resonances vanish, and the phase
-    that holds the impacts together remains (Borghesani et al. 2013, Eq. 5).
+    that holds the impacts together remains (Borghesani et al. 2013).
     """
 
     def demodulated(self, acceleration, angle):

@@ -17,7 +17,7 @@ def deconvolved(signal, period, taps, iterations):
     """Return the output y = f * x of the filter with the largest correlated kurtosis sum (y_n y_(n-T))^2 / (sum y^2)^2, T the period.
 
     In a stationary point R f = c sum_n (y_n y_(n-T)^2 x_(n-l) + y_n^2 y_(n-T) x_(n-T-l)), with R the autocorrelation of x, which is
-    solved in turn (McDonald, Zhao and Zuo 2012, Eq. 14 with one shift).
+    solved in turn (McDonald, Zhao and Zuo 2012, with one shift).
     """
     column = np.fft.irfft(np.abs(np.fft.rfft(signal, 2 * len(signal))) ** 2)[:taps].copy()
     column[0] *= 1.0 + 1e-6

@@ -18,7 +18,7 @@ VARIANTS = {
 class ImprovedEnvelope(Trending):
     """Report the part whose lines have grown most; the band of carriers is the one in which the lines of this part are strongest.
 
-    Bands form a 1/3-binary tree over the carriers (Mauricio, Smith, Randall, Antoni and Gryllias 2020, section 3). Independent of the
+    Bands form a 1/3-binary tree over the carriers (Mauricio, Smith, Randall, Antoni and Gryllias 2020). Independent of the
     gain. The factor has seen no recording: a maximum over bands of noise is even, so that lines must grow by ``factor`` only.
     """
 

@@ -20,7 +20,7 @@ DOMAINS = ("average", "time", "spectrum")
 
 
 def negentropy(power):
-    """Return mean(r ln r) with r = power / mean(power); 0 for a constant, 1 - 0.577 for noise (Antoni 2016, Eq. 14) [-]."""
+    """Return mean(r ln r) with r = power / mean(power); 0 for a constant, 1 - 0.577 for noise (Antoni 2016) [-]."""
     r = power / power.mean()
     return np.mean(r * np.log(np.maximum(r, 1e-300)))
 

@@ -53,13 +53,13 @@ class IsolationForest(Novelty):
         self.forest = [self.grown(vectors, random, deepest) for _ in range(self.trees)]
 
     def strangeness(self, vectors):
-        """Return the anomaly score (Liu, Ting and Zhou 2008, Eq. 2) [-]."""
+        """Return the anomaly score (Liu, Ting and Zhou 2008) [-]."""
         depths = np.mean([[depth(tree, vector) for vector in vectors] for tree in self.forest], axis=0)
         return 2.0 ** (-depths / self.scale)
 
 
 def path_length(count):
-    """Return the mean depth of an unsuccessful search among ``count`` vectors (Liu, Ting and Zhou 2008, Eq. 1) [-]."""
+    """Return the mean depth of an unsuccessful search among ``count`` vectors (Liu, Ting and Zhou 2008) [-]."""
     return 2.0 * (np.log(count - 1.0) + 0.5772156649) - 2.0 * (count - 1.0) / count if count > 2 else float(count == 2)
 
 

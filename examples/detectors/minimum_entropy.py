@@ -17,7 +17,7 @@ def deconvolved(signal, taps, iterations):
     """Return the output of the filter f that maximises the kurtosis sum y^4 / (sum y^2)^2 of y = f * x.
 
     A stationary point satisfies R f = c sum_n y_n^3 x_(n-l), with R the autocorrelation of x, which is solved in turn from f = a unit
-    impulse in the middle (Endo and Randall 2007, Eqs. 7 to 10).
+    impulse in the middle (Endo and Randall 2007).
     """
     power = np.abs(np.fft.rfft(signal, 2 * len(signal))) ** 2
     column = np.fft.irfft(power)[:taps].copy()

@@ -1,4 +1,4 @@
-"""The spectrum of peaks held over short intervals, in the manner of PeakVue (Robinson, Canada and Walker 2001)."""
+"""The spectrum of peaks held over short intervals, in the manner of PeakVue (a method of Emerson)."""
 
 import numpy as np
 from spectra import Demodulation, highpass

@@ -1,4 +1,4 @@
-"""Peaks of the cepstrum at the period of each part, its rahmonics (Bogert, Healy and Tukey 1963; Randall 2011, section 3.5)."""
+"""Peaks of the cepstrum at the period of each part, its rahmonics (Bogert, Healy and Tukey 1963; Randall 2011)."""
 
 import numpy as np
 from spectra import highpass, struck

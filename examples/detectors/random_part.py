@@ -16,7 +16,7 @@ def random_part(signal, taps):
     """Return the signal less the part that can be predicted from its past, one filter length earlier.
 
     H(f) = sum X_d X* / sum |X_d|^2 over segments of the signal X and of the delayed signal X_d is near 1 at tones and near 0 for noise
-    (Antoni and Randall 2004, part II, Eq. 10).
+    (Antoni and Randall 2004, part II).
     """
     starts = range(taps, len(signal) - taps + 1, taps // 2)
     window = np.hanning(taps)

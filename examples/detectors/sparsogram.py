@@ -13,7 +13,7 @@ VARIANTS = {
 
 
 def hoyer(values):
-    """Return (sqrt(N) - |v|_1 / |v|_2) / (sqrt(N) - 1): 0 for a constant, 1 for a single line (Hoyer 2004, section 3.1) [-]."""
+    """Return (sqrt(N) - |v|_1 / |v|_2) / (sqrt(N) - 1): 0 for a constant, 1 for a single line (Hoyer 2004) [-]."""
     root = np.sqrt(len(values))
     return (root - np.sum(np.abs(values)) / max(np.linalg.norm(values), 1e-300)) / (root - 1.0)
 

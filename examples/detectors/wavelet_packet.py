@@ -12,7 +12,7 @@ VARIANTS = {
 
 
 DB4 = np.array([0.23037781, 0.71484657, 0.63088077, -0.02798377, -0.18703481, 0.03084138, 0.03288301, -0.01059740])
-"""Low-pass filter of Daubechies with four vanishing moments [-] (Daubechies 1992, table 6.1)."""
+"""Low-pass filter of Daubechies with four vanishing moments [-] (Daubechies 1992)."""
 
 
 class WaveletPacket(Novelty):
