@@ -193,7 +193,7 @@ def cage_speed(configuration: Configuration, shaft_speed: float) -> float:
 
 
 def roller_spin(bearing: Bearing, shaft_speed: float) -> float:
-    """Return the absolute spin of a roller in pure rolling [rad/s]."""
+    """Return the absolute spin of a roller of the plane in pure rolling [rad/s]."""
     return -0.5 * shaft_speed * bearing.inner_raceway_radius / bearing.roller_radius
 
 

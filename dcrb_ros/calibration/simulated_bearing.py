@@ -96,7 +96,8 @@ def rollers_of(orders: Orders, bench: Configuration, name: str) -> dict[str, Any
     """Return number and size of rollers that give characteristic orders on the pitch circle of a bench, with their raceways and masses.
 
     BPFO + BPFI = n, BPFI - BPFO = n g and BSF = cos(a) (1 - g^2)/(2 g), with g = r/R cos(a), for n rollers of radius r on a pitch circle of
-    radius R and a contact angle a (Randall and Antoni 2011, eqs. 1 to 4); a is 0 where BSF is not that of an angle below 1 rad. The scale of the bearing cannot be seen in orders.
+    radius R and a contact angle a (Randall and Antoni 2011, eqs. 1 to 4); a is 0 where BSF is not that of an angle below 1 rad. The scale
+    of the bearing cannot be seen in orders.
 
     Raises:
         Refusal: there are no such rollers.

@@ -35,13 +35,19 @@ def place_pinned(table: OneRecord[Rollers], free: Flags, tangent: Floats, positi
 
 @loop
 def observe_rollers(
-    table: OneRecord[Rollers], free: Flags, position: Floats, velocity: Floats, surface: float, roller_radius: float, share: float, observed: Floats
+    table: OneRecord[Rollers],
+    free: Flags,
+    position: Floats,
+    velocity: Floats,
+    surface: float,
+    roller_radius: float,
+    share: float,
+    observed: Floats,
 ) -> tuple[float, float]:
     """Write the observed quantities of each roller, shape (OBSERVED, rollers or more); return the force on the inner ring in X and Y [N].
 
-    ``surface`` is the speed of the inner ring's surface [m/s], ``share`` cos(alpha), by which a roller turns slower in its cage than that of
-    the plane [-]. The azimuth counts from -Y; the slip is that at the inner raceway,
-    of open contacts too.
+    ``surface`` is the speed of the inner ring's surface [m/s]; a roller turns in its cage by ``share``, cos(alpha), as fast as that of the
+    plane [-]. The azimuth counts from -Y; the slip is that at the inner raceway, of open contacts too.
     """
     rollers, force_x, force_y = table[0], 0.0, 0.0
     for row in range(free.shape[0]):

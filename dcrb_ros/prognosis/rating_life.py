@@ -88,8 +88,9 @@ def roller_ratings(bearing: RollerBearing, rating: float) -> tuple[float, float]
     x = 1.038 ((1 - g) / (1 + g))^(143/108)
 
     C is the basic dynamic load rating of the bearing [N], Z its rollers per row, i its rows, g the diameter of the rollers in the plane
-    over that of the pitch circle. The ratings are those of the force in the plane, in which the cosine of a contact angle cancels. Source: ISO/TS 16281:2008, 5.3.1.2, without its factor 1 / 0.83: that factor takes the edge stress out of C, because the
-    standard adds it again lamina by lamina. Here C keeps it.
+    over that of the pitch circle. The ratings are those of the force in the plane, in which the cosine of a contact angle cancels. Source:
+    ISO/TS 16281:2008, 5.3.1.2, without its factor 1 / 0.83: that factor takes the edge stress out of C, because the standard adds it again
+    lamina by lamina. Here C keeps it.
     """
     ratio = bearing.roller_radius / bearing.pitch_radius
     raceways = 1.038 * ((1.0 - ratio) / (1.0 + ratio)) ** (143.0 / 108.0)
