@@ -1,4 +1,4 @@
-"""A configuration of a cylindrical roller bearing from what a catalogue prints; what it does not print is estimated and said so."""
+"""A configuration of a roller bearing from what a catalogue prints; what it does not print is estimated and said so."""
 
 from __future__ import annotations
 
@@ -56,13 +56,18 @@ TOLERANCES = ("surfaces.roller_spread", "surfaces.single_pocket_spread", "surfac
 """Tolerances that shrink with the cube root of the diameter, as the grades of ISO 286 do."""
 TOLERANCE_DIAMETER = 30.0
 """Diameter of the rollers for which the tolerances of `healthy` hold [mm]."""
+LARGEST_ANGLE = 57.0
+"""Largest contact angle [degrees]."""
 AGREEMENT = 0.02
 """Largest departure of the outer raceway from inner raceway and rollers, over the diameter of the rollers [-]."""
 
 
 @dataclass(frozen=True)
 class CatalogueBearing:
-    """A cylindrical roller bearing as a catalogue describes it; lengths in mm, None where it is not known."""
+    """A roller bearing as a catalogue describes it; lengths in mm, None where it is not known.
+
+    With a contact angle, raceways and rollers are measured at the middle of the rollers.
+    """
 
     inner_raceway: float
     """Diameter F of the inner raceway [mm]."""
@@ -87,6 +92,8 @@ class CatalogueBearing:
     """Radial internal clearance [um]; the middle of the normal group where it is not given."""
     load: float | None = None
     """Radial load [N]; a tenth of the dynamic load rating where it is not given."""
+    contact_angle: float = 0.0
+    """Between the line of contact and the plane of rotation, of a tapered bearing the mean of both rings [degrees]."""
 
     def __post_init__(self) -> None:
         """Refuse dimensions that cannot be true together.
@@ -97,7 +104,12 @@ class CatalogueBearing:
         for name, value in self._lengths().items():
             if not (math.isfinite(value) and 0.0 < value < 1e4):
                 raise Refusal(f"{name} = {value:g} mm is outside 0 .. 10000 mm: give the diameter or length from the catalogue")
-        outer = self.inner_raceway + 2.0 * self.roller_diameter
+        if not 0.0 <= self.contact_angle <= LARGEST_ANGLE:
+            raise Refusal(
+                f"the contact angle of {self.contact_angle:g} degrees is outside 0 .. {LARGEST_ANGLE:g}: give degrees from the catalogue; "
+                "tapered bearings have 10 to 30, spherical ones 6 to 15"
+            )
+        outer = self.inner_raceway + 2.0 * self.plane_diameter
         if self.outer_raceway is not None and abs(self.outer_raceway - outer) > AGREEMENT * self.roller_diameter:
             raise Refusal(
                 f"the outer raceway of {self.outer_raceway:g} mm does not fit an inner raceway of {self.inner_raceway:g} mm and rollers of "
@@ -113,6 +125,11 @@ class CatalogueBearing:
         for (name, value), (next_name, next_value) in pairwise(known):
             if not value < next_value:
                 raise Refusal(f"{name} {value:g} mm is not below {next_name} {next_value:g} mm: check the diameters")
+
+    @property
+    def plane_diameter(self) -> float:
+        """Diameter of the rollers in the plane of rotation, D cos(alpha) [mm]."""
+        return self.roller_diameter * math.cos(math.radians(self.contact_angle))
 
     def _lengths(self) -> Mapping[str, float]:
         lengths = {
@@ -158,8 +175,8 @@ def configuration_of(bearing: CatalogueBearing) -> tuple[dict[str, Any], list[Fi
     Raises:
         Refusal: no step suits the bearing, or a value is outside the range of its parameter.
     """
-    diameter, length, pitch = bearing.roller_diameter, bearing.roller_length, bearing.inner_raceway + bearing.roller_diameter
-    outer = bearing.inner_raceway + 2.0 * diameter
+    diameter, length, pitch = bearing.roller_diameter, bearing.roller_length, bearing.inner_raceway + bearing.plane_diameter
+    outer, angle = bearing.inner_raceway + 2.0 * bearing.plane_diameter, math.radians(bearing.contact_angle)
     bore = bearing.bore or bearing.inner_raceway - 2.0 * WALLS[0] * diameter
     outside = bearing.outside or outer + 2.0 * WALLS[1] * diameter
     width = bearing.width or bearing.rows * WIDTH_OVER_LENGTH * length
@@ -175,10 +192,13 @@ def configuration_of(bearing: CatalogueBearing) -> tuple[dict[str, Any], list[Fi
         "bearing.rows": bearing.rows,
         "bearing.rollers_per_row": bearing.rollers,
         "bearing.inner_raceway_radius": 0.5e-3 * bearing.inner_raceway,
-        "bearing.roller_radius": 0.5e-3 * diameter,
+        "bearing.roller_radius": 0.5e-3 * bearing.plane_diameter,
         "bearing.roller_length": 1e-3 * length,
         "operating.speed": bearing.rpm * math.pi / 30.0,
     }
+    if angle:
+        known["bearing.contact_angle"] = angle
+    group = "middle of the normal group" + (" of cylindrical roller bearings" if angle else "")
     radial_gap = 0.5e-6 * clearance
     solid = "solid steel of 7850 kg/m^3"
     rings = "" if bearing.bore and bearing.outside and bearing.width else f", {bore:.4g} x {outside:.4g} x {width:.4g} mm estimated"
@@ -186,7 +206,7 @@ def configuration_of(bearing: CatalogueBearing) -> tuple[dict[str, Any], list[Fi
         FilledIn(
             "bearing.outer_raceway_radius",
             0.5e-3 * outer + radial_gap,
-            f"m; radial internal clearance {clearance:g} um" + ("" if bearing.clearance is not None else ", middle of the normal group"),
+            f"m; radial internal clearance {clearance:g} um" + ("" if bearing.clearance is not None else f", {group}"),
         ),
         FilledIn("bearing.pitch_radius", 0.5e-3 * pitch + 0.5 * radial_gap, "m; midway between the raceways"),
         FilledIn("bearing.inner_ring_mass", _tube(bore, bearing.inner_raceway, width), f"kg; {solid}, without ribs{rings}"),
@@ -203,8 +223,9 @@ def configuration_of(bearing: CatalogueBearing) -> tuple[dict[str, Any], list[Fi
             rows=bearing.rows,
             rollers_per_row=bearing.rollers,
             roller_length=1e-3 * length,
-            roller_radius=0.5e-3 * diameter,
+            roller_radius=0.5e-3 * bearing.plane_diameter,
             pitch_radius=0.5e-3 * pitch,
+            contact_angle=angle,
         )
         rating = dynamic_load_rating(geometry)
         source = f"N; a tenth of the load rating of {rating / 1e3:.3g} kN (ISO 281)"

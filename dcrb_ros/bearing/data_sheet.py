@@ -39,12 +39,14 @@ def data_sheet(configuration: Configuration) -> dict[str, str]:
     orders = characteristic_orders(bearing).as_dict()
     load = math.hypot(operating.load, operating.lateral_load)
     step, rate = configuration.simulation.step, configuration.sensor.sampling_rate
+    angle = f", contact angle {math.degrees(bearing.contact_angle):.4g} degrees" if bearing.contact_angle else ""
+    normal, law = heaviest(configuration) / math.cos(bearing.contact_angle), "5 F/(z cos alpha)" if bearing.contact_angle else "5 F/z"
     return {
-        "bearing": f"{_rows(bearing)} of {bearing.rollers_per_row} rollers, {2e3 * bearing.roller_radius:.4g} mm in diameter and "
-        f"{1e3 * bearing.roller_length:.4g} mm long, on a pitch circle of {2e3 * bearing.pitch_radius:.4g} mm",
+        "bearing": f"{_rows(bearing)} of {bearing.rollers_per_row} rollers, {2e3 * bearing.own_roller_radius:.4g} mm in diameter and "
+        f"{1e3 * bearing.roller_length:.4g} mm long, on a pitch circle of {2e3 * bearing.pitch_radius:.4g} mm{angle}",
         "internal clearance": f"{2e6 * bearing.radial_gap:.4g} um, twice the radial gap",
         "speed": f"{rpm(operating.speed):.5g} rpm, shaft frequency {abs(shaft):.4g} Hz",
-        "load": f"{load / 1e3:.4g} kN; about {heaviest(configuration) / 1e3:.3g} kN on the most heavily loaded roller (Stribeck: 5 F/z)",
+        "load": f"{load / 1e3:.4g} kN; about {normal / 1e3:.3g} kN on the most heavily loaded roller (Stribeck: {law})",
         "orders": ", ".join(f"{name} {order:.4f}" for name, order in orders.items()),
         "frequencies": ", ".join(f"{name} {order * abs(shaft):.2f}" for name, order in orders.items()) + " Hz",
         "time step": f"{1e6 * step:.4g} us, {configuration.steps_per_sample} for a sample at {rate / 1e3:g} kHz",
@@ -97,10 +99,11 @@ def implausible_loads(configuration: Configuration) -> Iterator[str]:
 
 def _remedy(key: str, bearing: Bearing) -> str:
     """Return how to find a mass or a moment of inertia."""
-    solid = STEEL * math.pi * bearing.roller_radius**2 * bearing.roller_length
+    radius = bearing.own_roller_radius
+    solid = STEEL * math.pi * radius**2 * bearing.roller_length
     return {
         "roller_mass": f"a roller of solid steel has {solid:.3g} kg",
-        "roller_inertia": f"a roller of solid steel has {0.5 * solid * bearing.roller_radius**2:.3g} kg m^2",
+        "roller_inertia": f"a roller of solid steel has {0.5 * solid * radius**2:.3g} kg m^2",
         "cage_inertia": f"a thin cage has mass * pitch_radius^2, here {bearing.cage_mass * bearing.pitch_radius**2:.3g} kg m^2",
     }.get(key, "take it from a drawing or a catalogue, or estimate it as solid steel of 7850 kg/m^3")
 

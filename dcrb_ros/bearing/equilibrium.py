@@ -126,7 +126,8 @@ def notch_depths(payload: Payload, from_ring: Floats, inner: bool) -> Floats:
             depths[at] += law(edges[at], notch.depth, raceway, payload.roller_radius)
     for notch in payload.roller_notches:
         at = notch.row, notch.roller
-        edge = float(_edges(-from_ring[at] if inner else from_ring[at], notch.azimuth, notch.half_angle))
+        share = payload.spin_share
+        edge = float(_edges(-from_ring[at] if inner else from_ring[at], notch.azimuth, share * notch.half_angle)) / share
         depths[at] += roller_notch_depth(edge, notch.depth, raceway, payload.roller_radius, inner) if edge > 0.0 else 0.0
     return depths
 

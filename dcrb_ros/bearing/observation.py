@@ -33,7 +33,8 @@ def observe(payload: Payload, state: State, time_ns: int, before: States | None 
     rows, count = len(payload.free), payload.free.size
     observed = np.zeros((of.OBSERVED, count + rows + 1))
     surface = float(state.shaft[SHAFT_SPEED]) * payload.inner_raceway_radius
-    force = of.observe_rollers(state.rollers, payload.free, state.position, state.velocity, surface, payload.roller_radius, observed)
+    radius, share = payload.roller_radius, payload.spin_share
+    force = of.observe_rollers(state.rollers, payload.free, state.position, state.velocity, surface, radius, share, observed)
     cages, ring, tangent = observed[:, count:-1], observed[:, -1], payload.pocket_tangent[:, 0]
     cages[of.AZIMUTH] = np.arctan2(tangent[:, 1], tangent[:, 0]) + state.cage_position[:, 2]
     cages[of.SPEED], cages[of.BAR_FORCE] = state.cage_velocity[:, 2], state.land[0].force[:rows]

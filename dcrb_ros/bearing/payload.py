@@ -140,12 +140,13 @@ def build_payload(configuration: Configuration) -> Payload:
         outer_raceway_radius=b.outer_raceway_radius,
         pitch_radius=b.pitch_radius,
         roller_radius=b.roller_radius,
+        spin_share=math.cos(b.contact_angle),
         outer_mass=b.outer_ring_mass + c.housing.box_mass,
         inner_mass=b.inner_ring_mass + c.housing.axle_mass,
         outer_ring_mass=b.outer_ring_mass,
         inner_ring_mass=b.inner_ring_mass,
         roller_mass=b.roller_mass,
-        roller_inertia=b.roller_inertia,
+        roller_inertia=b.roller_inertia * math.cos(b.contact_angle) ** 2,
         train_mass=mass,
         train_inertia=inertia,
         train_moment=moment,
@@ -192,7 +193,7 @@ def cage_speed(configuration: Configuration, shaft_speed: float) -> float:
 
 
 def roller_spin(bearing: Bearing, shaft_speed: float) -> float:
-    """Return the absolute spin of a roller in pure rolling [rad/s]."""
+    """Return the absolute spin of a roller of the plane in pure rolling [rad/s]."""
     return -0.5 * shaft_speed * bearing.inner_raceway_radius / bearing.roller_radius
 
 

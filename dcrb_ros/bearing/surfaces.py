@@ -101,18 +101,19 @@ def waves(random: np.random.Generator, orders: Floats, amplitudes: Floats, facto
 
 
 def half_width(configuration: Configuration, radius: float) -> float:
-    """Return the half-width [m] of a contact of a reduced radius [m], over which it averages heights."""
+    """Return the half-width [m] of a contact of a reduced radius in the plane [m], over which it averages heights."""
     bearing = configuration.bearing
     if configuration.contact.law == hertz.LAW.name:
         inner, outer = hertz.curvatures(dict(configuration.contact), material_of(bearing))
         # Of the two, the one whose curvature in the plane is that of the reduced radius.
         curvature = inner if radius < bearing.roller_radius else outer
         return hertz.semiaxes(curvature, heaviest(configuration), bearing.effective_modulus)[1]
-    return math.sqrt(4.0 * radius * AVERAGING_FORCE / (math.pi * bearing.roller_length * bearing.effective_modulus))
+    along = radius / math.cos(bearing.contact_angle)
+    return math.sqrt(4.0 * along * AVERAGING_FORCE / (math.pi * bearing.roller_length * bearing.effective_modulus))
 
 
 def reduced_radii(configuration: Configuration) -> tuple[float, float]:
-    """Return the reduced radii of the contacts with inner and outer raceway [m]."""
+    """Return the reduced radii of the contacts with inner and outer raceway in the plane [m]."""
     b = configuration.bearing
     return 1.0 / (1.0 / b.roller_radius + 1.0 / b.inner_raceway_radius), 1.0 / (1.0 / b.roller_radius - 1.0 / b.outer_raceway_radius)
 
@@ -225,9 +226,9 @@ def build_surfaces(configuration: Configuration, damage: Sequence[Damage]) -> tu
     add_run_out(table[0], individual.run_out)
     rollers = np.zeros((b.rows * b.rollers_per_row, ROLLER_NODES, 4))
     for k in range(len(rollers)):
-        long = roller_waves(seed, f"roller {k + 1}", b.roller_radius, widths, 0.5 * waviness, s.waviness_slope)
+        long = roller_waves(seed, f"roller {k + 1}", b.own_roller_radius, widths, 0.5 * waviness, s.waviness_slope)
         short = short_waves(
-            seed, f"short waves of roller {k + 1}", b.roller_radius, widths, 0.5 * s.short_waves, SHORT_ROLLER_ORDERS, ROLLER_NODES
+            seed, f"short waves of roller {k + 1}", b.own_roller_radius, widths, 0.5 * s.short_waves, SHORT_ROLLER_ORDERS, ROLLER_NODES
         )
         rollers[k] = np.stack(long, axis=-1) + np.stack(short, axis=-1)
     rollers[:, :, 0::2] += 0.5 * individual.roller_diameters[:, None, None]
@@ -292,14 +293,12 @@ def add_damage(configuration: Configuration, damage: Damage, table: Floats, roll
     c, b = configuration, configuration.bearing
     radii, raceways = reduced_radii(c), (b.inner_raceway_radius, b.outer_raceway_radius)
     if isinstance(damage, RollerNotch):
-        spacing = 2.0 * math.pi * b.roller_radius / (ROLLER_NODES * FINE)
+        spacing, roller = 2.0 * math.pi * b.own_roller_radius / (ROLLER_NODES * FINE), damage.row * b.rollers_per_row + damage.roller
         for ring in (0, 1):
             width = half_width(c, radii[ring])
             heights, distance = notch_heights(2.0 * damage.half_angle * b.roller_radius, damage.depth, spacing)
             path = contact_path(heights, distance, radii[ring], width)
-            add_window(
-                rollers[damage.row * b.rollers_per_row + damage.roller], (2 * ring, 2 * ring + 1), path, damage.azimuth, b.roller_radius
-            )
+            add_window(rollers[roller], (2 * ring, 2 * ring + 1), path, damage.azimuth, b.own_roller_radius)
     elif isinstance(damage, RacewayNotch):
         ring = RINGS.index(damage.ring)
         spacing = 2.0 * math.pi * raceways[ring] / (RACEWAY_NODES * FINE)

@@ -22,6 +22,8 @@ from dcrb_ros.settings.parameters import Publishing, Recording
 from dcrb_ros.settings.sensor import Background, SensorParameters, Structure
 from dcrb_ros.simulation.loop import Simulation
 
+SMALLEST_COSINE = math.cos(1.0)
+"""Cosine of the largest contact angle [-]."""
 SETTLING = 0.5
 """Time before the first sample that is used [s]: idle rollers come to rest in it."""
 INDIVIDUALS = 4
@@ -93,8 +95,9 @@ def rates(rate: int, step: float) -> dict[str, Any]:
 def rollers_of(orders: Orders, bench: Configuration, name: str) -> dict[str, Any]:
     """Return number and size of rollers that give characteristic orders on the pitch circle of a bench, with their raceways and masses.
 
-    BPFO + BPFI = n and BPFI - BPFO = n r/R for n rollers of radius r on a pitch circle of radius R without a contact angle (Randall and
-    Antoni 2011, eqs. 1 and 2). The scale of the bearing cannot be seen in orders.
+    BPFO + BPFI = n, BPFI - BPFO = n g and BSF = cos(a) (1 - g^2)/(2 g), with g = r/R cos(a), for n rollers of radius r on a pitch circle of
+    radius R and a contact angle a (Randall and Antoni 2011, eqs. 1 to 4); a is 0 where BSF is not that of an angle below 1 rad. The scale
+    of the bearing cannot be seen in orders.
 
     Raises:
         Refusal: there are no such rollers.
@@ -105,14 +108,18 @@ def rollers_of(orders: Orders, bench: Configuration, name: str) -> dict[str, Any
         raise Refusal(f"{name}: {number} rollers, as BPFO + BPFI requires, are outside 6 .. 60: give a base with the machine's bearing")
     inner = b.inner_raceway_radius + b.roller_radius - b.pitch_radius
     outer = b.outer_raceway_radius - b.roller_radius - b.pitch_radius
-    mass = STEEL * math.pi * radius**2 * b.roller_length
+    share = 2.0 * radius / b.pitch_radius * orders.bsf / (1.0 - (radius / b.pitch_radius) ** 2)
+    angle = math.acos(share) if SMALLEST_COSINE <= share < 1.0 - SAME_ORDERS else 0.0
+    own = radius / math.cos(angle)
+    mass = STEEL * math.pi * own**2 * b.roller_length
     return {
         "rollers_per_row": number,
         "roller_radius": radius,
+        "contact_angle": angle,
         "inner_raceway_radius": b.pitch_radius - radius + inner,
         "outer_raceway_radius": b.pitch_radius + radius + outer,
         "roller_mass": mass,
-        "roller_inertia": 0.5 * mass * radius**2,
+        "roller_inertia": 0.5 * mass * own**2,
     }
 
 

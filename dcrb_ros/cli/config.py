@@ -99,9 +99,12 @@ def new(
         float | None, typer.Option(help="Radial internal clearance [um]. Default: middle of the normal group of ISO 5753-1.")
     ] = None,
     load: Annotated[float | None, typer.Option(help="Radial load [N]. Default: a tenth of the load rating.")] = None,
+    contact_angle: Annotated[
+        float, typer.Option(help="Contact angle of a tapered or spherical bearing [degrees]; diameters are those at the rollers' middle.")
+    ] = 0.0,
     force: Force = False,
 ) -> None:
-    """Write the configuration of a cylindrical roller bearing from catalogue data, and print what was filled in.
+    """Write the configuration of a roller bearing from catalogue data, and print what was filled in.
 
     Example: dcrb config new -o nj2210.yaml -F 59.5 -E 81.5 -Z 16 --roller-diameter 11 --roller-length 16 --rpm 1500
     """
@@ -121,9 +124,11 @@ def new(
         width=width,
         clearance=clearance,
         load=load,
+        contact_angle=contact_angle,
     )
     parameters, filled = configuration_of(bearing)
-    title = f"Cylindrical roller bearing, {rows} x {rollers} rollers of {roller_diameter:g} x {roller_length:g} mm, at {rpm:g} rpm."
+    kind = f"Roller bearing with a contact angle of {contact_angle:g} degrees" if contact_angle else "Cylindrical roller bearing"
+    title = f"{kind}, {rows} x {rollers} rollers of {roller_diameter:g} x {roller_length:g} mm, at {rpm:g} rpm."
     with replacing("-o", output, force=force):
         write_whole(output, described_yaml(parameters, filled, title))
     print(f"{output}: the comments say where these values come from; replace them by those of a drawing")

@@ -35,12 +35,19 @@ def place_pinned(table: OneRecord[Rollers], free: Flags, tangent: Floats, positi
 
 @loop
 def observe_rollers(
-    table: OneRecord[Rollers], free: Flags, position: Floats, velocity: Floats, surface: float, roller_radius: float, observed: Floats
+    table: OneRecord[Rollers],
+    free: Flags,
+    position: Floats,
+    velocity: Floats,
+    surface: float,
+    roller_radius: float,
+    share: float,
+    observed: Floats,
 ) -> tuple[float, float]:
     """Write the observed quantities of each roller, shape (OBSERVED, rollers or more); return the force on the inner ring in X and Y [N].
 
-    ``surface`` is the speed of the inner ring's surface [m/s]. The azimuth counts from -Y; the slip is that at the inner raceway,
-    of open contacts too.
+    ``surface`` is the speed of the inner ring's surface [m/s]; a roller turns in its cage by ``share``, cos(alpha), as fast as that of the
+    plane [-]. The azimuth counts from -Y; the slip is that at the inner raceway, of open contacts too.
     """
     rollers, force_x, force_y = table[0], 0.0, 0.0
     for row in range(free.shape[0]):
@@ -55,7 +62,8 @@ def observe_rollers(
             force_x -= normal * nx + friction * ny
             force_y += friction * nx - normal * ny
             observed[AZIMUTH, c] = math.atan2(x - position[OUTER, 0], position[OUTER, 1] - y)
-            observed[SPEED, c], observed[RELATIVE_SPEED, c] = spin, spin - velocity[CAGE + row, 2]
+            relative = spin - velocity[CAGE + row, 2]
+            observed[SPEED, c], observed[RELATIVE_SPEED, c] = spin + (share - 1.0) * relative, share * relative
             observed[INNER_FORCE, c], observed[OUTER_FORCE, c] = normal, rollers.outer.force[c]
             observed[SLIP, c] = passing - spin * roller_radius - surface
             observed[FRICTION, c], observed[TORQUE, c] = friction, roller_radius * (friction - rollers.outer.friction[c])

@@ -73,6 +73,9 @@ class Payload(NamedTuple):
     outer_raceway_radius: float
     pitch_radius: float
     roller_radius: float
+    """In the plane: the roller's own times cos(alpha) [m]."""
+    spin_share: float
+    """cos(alpha): a roller's spin about its own axis over that of the plane's roller, both relative to the cage [-]."""
     outer_mass: float
     """Mass of the outer ring with the axle box [kg]."""
     inner_mass: float
@@ -82,6 +85,7 @@ class Payload(NamedTuple):
     inner_ring_mass: float
     roller_mass: float
     roller_inertia: float
+    """Of the plane's roller: the roller's own times cos(alpha)^2, with the same kinetic energy [kg m^2]."""
     train_mass: Floats
     """Mass of each cage with its pinned rollers, shape (rows,) [kg]."""
     train_inertia: Floats

@@ -41,6 +41,8 @@ class RollerBearing(Protocol):
     def roller_radius(self) -> float: ...
     @property
     def pitch_radius(self) -> float: ...
+    @property
+    def contact_angle(self) -> float: ...
 
 
 def load_rating_factor(ratio: float) -> float:
@@ -48,7 +50,7 @@ def load_rating_factor(ratio: float) -> float:
 
     f_c = 207.9 * 0.83 g^(2/9) (1 - g)^(29/27) / (1 + g)^(1/4) * {1 + [1.04 ((1 - g) / (1 + g))^(143/108)]^(9/2)}^(-2/9)
 
-    ``ratio`` is g, the diameter of the rollers over that of the pitch circle [-]. ISO 281 Table 7 lists its values.
+    ``ratio`` is g, the diameter of the rollers times cos a over that of the pitch circle [-]. ISO 281 Table 7 lists its values.
     """
     inner = ratio ** (2.0 / 9.0) * (1.0 - ratio) ** (29.0 / 27.0) / (1.0 + ratio) ** 0.25
     outer = (1.04 * ((1.0 - ratio) / (1.0 + ratio)) ** (143.0 / 108.0)) ** 4.5
@@ -56,10 +58,10 @@ def load_rating_factor(ratio: float) -> float:
 
 
 def dynamic_load_rating(bearing: RollerBearing) -> float:
-    """Return the basic dynamic radial load rating of a cylindrical roller bearing, C = b_m f_c (i L)^(7/9) Z^(3/4) D^(29/27) [N].
+    """Return the basic dynamic radial load rating of a cylindrical roller bearing, C = b_m f_c (i L cos a)^(7/9) Z^(3/4) D^(29/27) [N].
 
-    i are its rows, Z its rollers per row, L the effective length and D the diameter of a roller [mm] (ISO 281:2007). A manufacturer's own
-    rating may be higher.
+    i are its rows, Z its rollers per row, L the effective length and D the diameter of a roller [mm], a its contact angle (ISO 281:2007).
+    A manufacturer's own rating may be higher. Tapered rollers have the same b_m of 1.1, spherical ones 1.15.
 
     Parameters
     ----------
@@ -72,7 +74,8 @@ def dynamic_load_rating(bearing: RollerBearing) -> float:
     >>> f"{dynamic_load_rating(dcrb_ros.Bearing()) / 1e3:.0f} kN"
     '1047 kN'
     """
-    diameter, length = 2e3 * bearing.roller_radius, 1e3 * bearing.roller_length
+    cosine = math.cos(bearing.contact_angle)
+    diameter, length = 2e3 * bearing.roller_radius / cosine, 1e3 * bearing.roller_length * cosine
     factor = load_rating_factor(bearing.roller_radius / bearing.pitch_radius)
     size = (bearing.rows * length) ** (7.0 / 9.0) * bearing.rollers_per_row**0.75 * diameter ** (29.0 / 27.0)
     return float(RATING_FACTOR * factor * size)
@@ -84,9 +87,10 @@ def roller_ratings(bearing: RollerBearing, rating: float) -> tuple[float, float]
     Q_ci = C / (0.378 Z i^(7/9)) {1 + x^(9/2)}^(2/9), Q_ce = C / (0.364 Z i^(7/9)) {1 + x^(-9/2)}^(2/9),
     x = 1.038 ((1 - g) / (1 + g))^(143/108)
 
-    C is the basic dynamic load rating of the bearing [N], Z its rollers per row, i its rows, g the diameter of the rollers over that of the
-    pitch circle. Source: ISO/TS 16281:2008, 5.3.1.2, without its factor 1 / 0.83: that factor takes the edge stress out of C, because the
-    standard adds it again lamina by lamina. Here C keeps it.
+    C is the basic dynamic load rating of the bearing [N], Z its rollers per row, i its rows, g the diameter of the rollers in the plane
+    over that of the pitch circle. The ratings are those of the force in the plane, in which the cosine of a contact angle cancels. Source:
+    ISO/TS 16281:2008, 5.3.1.2, without its factor 1 / 0.83: that factor takes the edge stress out of C, because the standard adds it again
+    lamina by lamina. Here C keeps it.
     """
     ratio = bearing.roller_radius / bearing.pitch_radius
     raceways = 1.038 * ((1.0 - ratio) / (1.0 + ratio)) ** (143.0 / 108.0)
@@ -110,7 +114,7 @@ def reference_load(bearing: RollerBearing, rating: float, roller_loads: Floats) 
     rating
         Basic dynamic load rating C [N].
     roller_loads
-        Normal forces of the rollers of a row, shape (positions, rollers) [N]; 0 outside the load zone.
+        Forces of the rollers of a row in the plane, shape (positions, rollers) [N]; 0 outside the load zone.
     """
     inner, outer = roller_ratings(bearing, rating)
     loads = np.asarray(roller_loads, np.float64)

@@ -20,9 +20,6 @@ from dcrb_ros.settings.sensor_limits import block_limits, burst_limits, measurem
 from dcrb_ros.settings.step_limits import step_limits, whole_steps
 from dcrb_ros.settings.thermal import thermal_limits
 
-BALLS = "hertz"
-"""Law of the normal force between balls and their grooves."""
-
 
 class Configuration(ParameterGroups):
     """All parameters of a simulation; they, the scenario and the simulated times of commands determine the samples."""
@@ -94,7 +91,6 @@ def inconsistencies(c: Configuration) -> Iterator[str]:
     yield from burst_limits(c.publishing, c.sensor.sampling_rate)
     yield from tacho_limits(c.tacho, c.operating.speed, c.sensor.sampling_rate)
     yield from _surfaces(c)
-    yield from _balls(c)
     if c.friction.static_coefficient < c.friction.kinetic_coefficient:
         yield (
             f"friction.static_coefficient = {c.friction.static_coefficient:g} is below friction.kinetic_coefficient = "
@@ -112,20 +108,6 @@ def _surfaces(c: ParameterGroups) -> Iterator[str]:
             yield f"faults.{key}.kind = {kind} needs surfaces.law = profile, and it is {c.surfaces.law}: set both, or kind notch"
 
 
-def _balls(c: ParameterGroups) -> Iterator[str]:
-    """Refuse what the planar model does not describe of a contact angle."""
-    angle = c.bearing.contact_angle
-    if angle and c.contact.law != BALLS:
-        yield f"bearing.contact_angle = {angle:g} rad belongs to balls, and contact.law = {c.contact.law}: give 0, or contact.law = {BALLS}"
-    if angle:
-        for key, fault in c.faults.present():
-            if fault.component == "roller":
-                yield (
-                    f"faults.{key} on a ball needs bearing.contact_angle = 0, not {angle:g} rad: with an angle the balls of the planar "
-                    "model spin faster than real ones; remove the fault, or give the bearing a contact angle of 0"
-                )
-
-
 def _geometry(c: ParameterGroups) -> Iterator[str]:
     b = c.bearing
     largest = 0.1 * b.roller_radius
@@ -137,10 +119,10 @@ def _geometry(c: ParameterGroups) -> Iterator[str]:
     low, high = b.inner_raceway_radius + b.roller_radius, b.outer_raceway_radius - b.roller_radius
     if low <= high and not low <= b.pitch_radius <= high:
         yield f"bearing.pitch_radius = {b.pitch_radius:g} m is outside {low:g} .. {high:g} m, where a roller fits between the raceways"
-    most = math.floor(math.pi / math.asin(min(1.0, b.roller_radius / b.pitch_radius)))
+    most = math.floor(math.pi / math.asin(min(1.0, b.own_roller_radius / b.pitch_radius)))
     if b.rollers_per_row > most:
         yield f"bearing.rollers_per_row = {b.rollers_per_row} do not fit around the pitch circle: use at most {most}, or smaller rollers"
-    solid = 0.5 * b.roller_mass * b.roller_radius**2
+    solid = 0.5 * b.roller_mass * b.own_roller_radius**2
     if not 0.25 * solid <= b.roller_inertia <= 4.0 * solid:
         yield (
             f"bearing.roller_inertia = {b.roller_inertia:g} kg m^2 is outside {0.25 * solid:.3g} .. {4.0 * solid:.3g} kg m^2: "
@@ -177,7 +159,7 @@ def _splitting(c: ParameterGroups) -> Iterator[str]:
 
 def _cage(c: ParameterGroups) -> Iterator[str]:
     b, cage = c.bearing, c.cage
-    between = 2.0 * b.pitch_radius * math.sin(math.pi / b.rollers_per_row) - 2.0 * b.roller_radius
+    between = 2.0 * b.pitch_radius * math.sin(math.pi / b.rollers_per_row) - 2.0 * b.own_roller_radius
     if 2.0 * cage.pocket_clearance >= between:
         yield (
             f"cage.pocket_clearance = {cage.pocket_clearance:g} m on either side leaves no bar in the {between:.3g} m between two "

@@ -29,12 +29,12 @@ class Bearing(Group):
     inner_raceway_radius: float = length(0.07886, "Inner raceway radius", 0.002, 2.0, symbol="r_I")
     outer_raceway_radius: float = length(0.10914, "Outer raceway radius", 0.003, 2.5, symbol="r_O")
     pitch_radius: float = length(0.094, "Pitch radius", 0.0025, 2.2, symbol="r_M")
-    roller_radius: float = length(0.015, "Roller radius", 0.0005, 0.2, symbol="r_R")
+    roller_radius: float = length(0.015, "Roller radius in the plane of the model", 0.0005, 0.2, symbol="r_R")
     roller_length: float = length(0.048, "Effective roller length", 0.001, 0.5, symbol="L")
     contact_angle: float = quantity(
         0.0,
         "rad",
-        "Contact angle of balls, with contact.law hertz; the radii are those in the plane of the model, a ball's times its cosine",
+        "Contact angle, a mean of both raceways; roller_radius is that in the plane of the model, the roller's own times its cosine",
         0.0,
         1.0,
         symbol="alpha",
@@ -66,6 +66,11 @@ class Bearing(Group):
     def radial_gap(self) -> float:
         """Radial gap r_O - r_I - 2 r_R [m]."""
         return self.outer_raceway_radius - self.inner_raceway_radius - 2.0 * self.roller_radius
+
+    @property
+    def own_roller_radius(self) -> float:
+        """Radius of a roller or ball itself, at its middle, r_R/cos(alpha) [m]."""
+        return self.roller_radius / math.cos(self.contact_angle)
 
     @property
     def effective_modulus(self) -> float:

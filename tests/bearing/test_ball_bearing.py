@@ -33,8 +33,6 @@ def test_published_numbers_hold(comparison: ReportRow) -> None:
     [
         (["contact.hertz_inner_groove=0.5"], "0.501 .. 0.6"),
         (["bearing.contact_angle=15.0"], "give radians"),
-        (["contact.law=johnson", "bearing.contact_angle=0.2"], "contact.law = hertz"),
-        (["bearing.contact_angle=0.2", "faults.roller_1.width=0.0002"], "spin faster"),
         (["bearing.roller_radius=0.0041"], "radial gap"),
         (["bearing.rollers_per_row=16"], "at most 15"),
     ],

@@ -24,10 +24,11 @@ def test_the_dry_bench_has_the_defaults() -> None:
 
 
 LUBRICATED = ("healthy", "outer_ring_defect", "inner_ring_defect", "roller_defect", "cage_fracture", "compound")
+ANGLED = ("tapered_352213", "spherical_22205", "za2115")
 
 
 def test_shipped_configurations_are_valid() -> None:
-    assert set(shipped("configuration")) == {"paper", "dry", "ball_bearing_6205", *LUBRICATED}
+    assert set(shipped("configuration")) == {"paper", "dry", "ball_bearing_6205", *ANGLED, *LUBRICATED}
     for name in shipped("configuration"):
         load_configuration(name)
 

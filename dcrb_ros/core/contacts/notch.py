@@ -118,6 +118,7 @@ def roller_notch_under(
     nx: float,
     ny: float,
     angle: float,
+    share: float,
     way: float,
     raceway: float,
     roller: float,
@@ -125,15 +126,16 @@ def roller_notch_under(
 ) -> tuple[float, float]:
     """Return mean depth of a roller's notches under a contact normal, and its change over a ``way`` [rad] of the normal [m].
 
-    (nx, ny) points from the roller to the contact halfway, ``angle`` is the roller's rotation there [rad].
+    (nx, ny) points from the roller to the contact halfway, ``angle`` is the roller's rotation there [rad], and ``share`` the angle on its
+    surface over that on the roller of the plane, cos(alpha) [-].
     """
     for k in range(notches.row.size):
         if notches.row[k] != row or notches.roller[k] != i:
             continue
         azimuth = notches.azimuth[k] + angle
         towards_x, towards_y = math.sin(azimuth), -math.cos(azimuth)
-        if nx * towards_x + ny * towards_y > math.cos(notches.half_angle[k]):
-            offset = math.asin(towards_x * ny - towards_y * nx)
+        if nx * towards_x + ny * towards_y > math.cos(share * notches.half_angle[k]):
+            offset = math.asin(towards_x * ny - towards_y * nx) / share
             bottom, kink = (
                 notches.inner_bottom[k] if inner else notches.outer_bottom[k],
                 notches.inner_kink[k] if inner else notches.outer_kink[k],

@@ -35,8 +35,9 @@ def notch_depth(
         depth, sink = raceway_notch_depth(payload, payload.outer_notches, work.outer_notch_direction, row, nx, ny, orbit, NO)
     if payload.roller_notches.row.size > 0:
         angle, way = state.rollers[0].angle[row * payload.free.shape[1] + i], payload.step * (orbit - spin)
+        share, radius = payload.spin_share, payload.roller_radius
         roller_depth, change = roller_notch_under(
-            payload.roller_notches, row, i, side * nx, side * ny, angle, way, raceway, payload.roller_radius, inner
+            payload.roller_notches, row, i, side * nx, side * ny, angle, share, way, raceway, radius, inner
         )
         depth, sink = depth + roller_depth, sink + change / payload.step
     return depth, sink

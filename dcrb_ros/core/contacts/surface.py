@@ -57,7 +57,7 @@ def write_free_profile(profile: Profile, payload: Payload, state: State, work: W
             c = row * payload.free.shape[1] + i
             read_node(nodes, c, profile.raceways[OUTER_RING, row], profile.rollers[OUTER_RING, c])
     mean_x, mean_y = work.mean_velocity[OUTER, 0], work.mean_velocity[OUTER, 1]
-    by_reach = 1.0 / (payload.outer_raceway_radius - payload.roller_radius)
+    by_reach, share = 1.0 / (payload.outer_raceway_radius - payload.roller_radius), payload.spin_share
     for c in range(count):
         dx, dy = step.x[c] - ring_x, step.y[c] - ring_y
         # Of rollers near the raceway the distance is its reach within a hundredth: series replace a root and a quotient.
@@ -69,7 +69,7 @@ def write_free_profile(profile: Profile, payload: Payload, state: State, work: W
         near = step.near_outer[c] > 0.0
         step.height[c] = height + roller_height if near else 0.0
         step.tilt[c] = slope * by_distance if near else 0.0
-        step.sink_speed[c] = -roller_slope * (orbit - rollers.spin[c]) if near else 0.0
+        step.sink_speed[c] = -roller_slope * (share * (orbit - rollers.spin[c])) if near else 0.0
         over_part = marked(nodes.before[c]) if near else 0.0
         step.over_part[c], step.bound[c] = over_part, max(step.bound[c], over_part)
 
@@ -105,7 +105,7 @@ def add_inner_profile(profile: Profile, payload: Payload, state: State, work: Wo
         state.shaft[SHAFT_ANGLE],
         state.shaft[SHAFT_SPEED],
     )
-    by_radius = 1.0 / payload.roller_radius
+    by_radius, share = 1.0 / payload.roller_radius, payload.spin_share
     for k in range(end):
         step.roller_way[k] = state.rollers[0].angle[bound.roller[k]]
     for k in range(filled(end)):
@@ -120,7 +120,7 @@ def add_inner_profile(profile: Profile, payload: Payload, state: State, work: Wo
         orbit = ((bound.predicted_vy[k] - ring.mean[1]) * rx - (bound.predicted_vx[k] - ring.mean[0]) * ry) * by_distance
         (height, slope), (roller_height, roller_slope) = between(step, k, raceway_nodes, roller_nodes)
         contact.penetration[k] += height + roller_height
-        contact.sink_speed[k] -= roller_slope * (orbit - bound.predicted_rim[k] * by_radius)
+        contact.sink_speed[k] -= roller_slope * (share * (orbit - bound.predicted_rim[k] * by_radius))
         contact.share[k] = marked(step.before[k])
         write_tilt(contact, k, -slope * by_distance, speed)
     for k in range(end, filled(end)):

@@ -275,7 +275,8 @@ def film_resistance(film: Film, memory: FilmMemory, force: float) -> float:
 def raceway_oil(material: Material, site: Site, lubricant: Lubricant, temperature: float) -> RacewayOil:
     """Return what does not depend on speed, of one raceway with oil of a temperature [deg C]."""
     viscosity, alpha = dynamic_viscosity(lubricant, temperature), pressure_coefficient(lubricant, temperature)
-    half_width = math.sqrt(site.width)
+    # The force of the plane over this length is the normal force over that of the roller.
+    half_width, length = math.sqrt(site.width), material.roller_length * math.cos(material.contact_angle)
     return RacewayOil(
         viscosity=viscosity,
         material=alpha * 2.0 * material.effective_modulus,
@@ -283,8 +284,8 @@ def raceway_oil(material: Material, site: Site, lubricant: Lubricant, temperatur
         exponent=roelands_exponent(viscosity, alpha),
         heating=temperature_coefficient(lubricant, temperature) * viscosity / OIL_CONDUCTIVITY,
         radius=site.reduced_radius,
-        pressure=1.0 / (2.0 * half_width * material.roller_length),
-        squeeze=squeeze_coefficient(viscosity, material.roller_length, site.reduced_radius),
+        pressure=1.0 / (2.0 * half_width * length),
+        squeeze=squeeze_coefficient(viscosity, length, site.reduced_radius),
         hysteresis=HYSTERESIS * half_width / (3.0 * math.pi * site.reduced_radius),
     )
 
@@ -306,7 +307,7 @@ def warmed(values: Mapping[str, Any], material: Material, inner: float, outer: f
         squeezes=float(values["squeeze"]),
         resists=float(values["rolling_resistance"]),
         modulus=2.0 * material.effective_modulus,
-        length=material.roller_length,
+        length=material.roller_length * math.cos(material.contact_angle),
         impedance=math.sqrt(material.roller_mass * IMPACT_STIFFNESS),
         inner=raceway_oil(material, inner_site(material), lubricant, inner),
         outer=raceway_oil(material, outer_site(material), lubricant, outer),

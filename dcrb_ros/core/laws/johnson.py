@@ -3,6 +3,10 @@
     delta = F/(pi E* L) (ln(4 pi E* L dR/F) - 1)
 
 with pi E* L [N/m] as ``modulus`` and 4 dR [m] as ``scale`` of the `Site`.
+
+With a contact angle alpha a roller gives way along the line of contact by cos(alpha) of its way in the plane, and cos(alpha) of its
+force acts there. The law of the plane has the same form, with pi E* L cos(alpha)^2 as ``modulus`` and 4 dR/cos(alpha)^2 as ``scale``, for
+the radii along the line of contact are those in the plane over cos(alpha).
 """
 
 from __future__ import annotations
@@ -23,7 +27,7 @@ class Johnson(NamedTuple):
     """Constants."""
 
     modulus: float
-    """pi E* L [N/m]."""
+    """pi E* L cos(alpha)^2 [N/m]."""
 
 
 @kernel
@@ -73,7 +77,8 @@ def johnson_stiffness(law: Johnson, force: Any, site: Site) -> Any:
 
 def build(values: Mapping[str, float], material: Material) -> Johnson:
     """Return the constants."""
-    return Johnson(math.pi * material.effective_modulus * material.roller_length)
+    cosine = math.cos(material.contact_angle)
+    return Johnson(math.pi * material.effective_modulus * material.roller_length * (cosine * cosine))
 
 
 LAW = NormalLaw(

@@ -1,7 +1,8 @@
-"""The power law of a normal contact, F = K delta^n."""
+"""The power law of a normal contact, Q = K delta^n; F = K cos(alpha)^(n + 1) delta^n in the plane of a contact angle alpha."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
@@ -19,7 +20,7 @@ class Power(NamedTuple):
     """Constants."""
 
     coefficient: float
-    """K [N/m^n]."""
+    """K cos(alpha)^(n + 1) [N/m^n]."""
     exponent: float
     """n [-]."""
 
@@ -56,7 +57,8 @@ def power_stiffness(law: Power, force: float, site: Site) -> float:
 
 def build(values: Mapping[str, float], material: Material) -> Power:
     """Return the constants."""
-    return Power(values["power_coefficient"], values["power_exponent"])
+    exponent = values["power_exponent"]
+    return Power(values["power_coefficient"] * math.cos(material.contact_angle) ** (exponent + 1.0), exponent)
 
 
 LAW = NormalLaw(

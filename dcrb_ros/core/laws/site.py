@@ -16,13 +16,13 @@ class Site(NamedTuple):
     number: int
     """0 at the inner raceway, 1 at the outer one, 2 between two rollers."""
     raceway_radius: float
-    """Radius of the other body [m]."""
+    """Radius of the other body in the plane [m]."""
     scale: float
-    """4 dR [m]; dR is r_I + r_R at the inner raceway, r_O - r_R at the outer one, 2 r_R between two rollers."""
+    """4 dR/cos(alpha)^2 [m]; dR is r_I + r_R at the inner raceway, r_O - r_R at the outer one, 2 r_R between two rollers."""
     width: float
-    """Square of the contact's half-width over the normal force, 4 R/(pi L E*) [m^2/N]."""
+    """Square of the contact's half-width over the force in the plane, 4 R/(pi L E* cos(alpha)) [m^2/N]."""
     reduced_radius: float
-    """R [m]: 1/R is the sum of both curvatures."""
+    """R [m]: 1/R is the sum of both curvatures along the line of contact, whose radii are those in the plane over cos(alpha)."""
     film: Any
     """The film at the present speed, as the bearing's law of lubrication describes it."""
     memory: Any
@@ -37,7 +37,7 @@ class Material(NamedTuple):
     roller_length: float
     """L [m]."""
     roller_radius: float
-    """r_R [m]."""
+    """r_R in the plane of the model: the roller's own radius times cos(alpha) [m]."""
     roller_mass: float
     """m_R [kg]."""
     inner_raceway_radius: float
@@ -45,27 +45,32 @@ class Material(NamedTuple):
     outer_raceway_radius: float
     """r_O [m]."""
     contact_angle: float
-    """alpha of balls [rad]."""
+    """alpha between the line of contact and the plane [rad]."""
 
 
 def inner_site(material: Material, film: Any = None) -> Site:
     """Return the contact of a roller with the inner raceway."""
     roller, raceway = material.roller_radius, material.inner_raceway_radius
-    radius = 1.0 / (1.0 / roller + 1.0 / raceway)
-    return Site(0, raceway, 4.0 * (raceway + roller), _width(material) / (1.0 / roller + 1.0 / raceway), radius, film, NoMemory())
+    return _raceway_site(material, 0, raceway, 4.0 * (raceway + roller), 1.0 / roller + 1.0 / raceway, film)
 
 
 def outer_site(material: Material, film: Any = None) -> Site:
     """Return the contact of a roller with the outer raceway."""
     roller, raceway = material.roller_radius, material.outer_raceway_radius
-    radius = 1.0 / (1.0 / roller - 1.0 / raceway)
-    return Site(1, raceway, 4.0 * (raceway - roller), _width(material) / (1.0 / roller - 1.0 / raceway), radius, film, NoMemory())
+    return _raceway_site(material, 1, raceway, 4.0 * (raceway - roller), 1.0 / roller - 1.0 / raceway, film)
 
 
 def pair_site(material: Material, film: Any = None) -> Site:
-    """Return the contact of two rollers."""
-    roller = material.roller_radius
+    """Return the contact of two rollers, whose line of contact lies in the plane."""
+    roller = material.roller_radius / math.cos(material.contact_angle)
     return Site(2, roller, 8.0 * roller, 0.5 * _width(material) * roller, 0.5 * roller, film, NoMemory())
+
+
+def _raceway_site(material: Material, number: int, raceway: float, scale: float, curvature: float, film: Any) -> Site:
+    """Return a contact with a raceway from 4 dR [m] and the sum of curvatures [1/m] in the plane."""
+    cosine = math.cos(material.contact_angle)
+    square = cosine * cosine
+    return Site(number, raceway, scale / square, _width(material) / curvature / square, 1.0 / curvature / cosine, film, NoMemory())
 
 
 def _width(material: Material) -> float:

@@ -98,13 +98,20 @@ def finish_bodies(payload: Payload, state: State, work: Workspace) -> None:
 
 @piece
 def drift(payload: Payload, state: State, time: float) -> None:
-    """Move all bodies with their velocities for ``time`` [s]; where a pinned roller is follows from its cage."""
+    """Move all bodies with their velocities for ``time`` [s]; where a pinned roller is follows from its cage.
+
+    The plane's rollers have the radius r cos(alpha) and turn 1/cos(alpha) times as fast in their cage as the bearing's, of the radius r:
+    a roller's angle is that of its surface, relative to the cage cos(alpha) of the plane's.
+    """
     for body in range(state.position.shape[0]):
         for part in range(3):
             state.position[body, part] += time * state.velocity[body, part]
-    rollers = state.rollers[0]
+    rollers, share, each = state.rollers[0], payload.spin_share, payload.free.shape[1]
     for c in range(payload.free.size):
         rollers.angle[c] += time * rollers.spin[c]
+    if share != 1.0:
+        for c in range(payload.free.size):
+            rollers.angle[c] += time * (share - 1.0) * (rollers.spin[c] - state.velocity[CAGE + c // each, 2])
     if payload.any_free:
         for c in range(payload.free.size):
             rollers.x[c] += time * rollers.vx[c]

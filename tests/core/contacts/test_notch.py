@@ -110,13 +110,13 @@ def test_notch_of_one_row_leaves_the_other() -> None:
 def test_notch_of_a_roller_turns_with_it(inner: bool) -> None:
     notches = np.array([(0, 3, 0.05, 0.0, 0.0, 0.0, 0.0, 3e-4, 0.0)], ROLLER_NOTCH).view(np.recarray)
     raceway = R_I if inner else R_O
-    depth, _ = roller_notch_under(notches, 0, 3, 0.0, -1.0, 0.0, 1e-4, raceway, R_R, inner)
+    depth, _ = roller_notch_under(notches, 0, 3, 0.0, -1.0, 0.0, 1.0, 1e-4, raceway, R_R, inner)
     # The edges' chord on a raceway of radius r: R (1 - cos a) less or more the raceway's own sagitta.
     bulge = math.sqrt(raceway**2 - (R_R * math.sin(0.05)) ** 2) - raceway
     assert depth == pytest.approx(R_R * (1.0 - math.cos(0.05)) + (-bulge if inner else bulge), rel=1e-9)
-    assert roller_notch_under(notches, 0, 3, 0.0, -1.0, math.pi, 1e-4, raceway, R_R, inner) == (0.0, 0.0)
-    assert roller_notch_under(notches, 0, 4, 0.0, -1.0, 0.0, 1e-4, raceway, R_R, inner) == (0.0, 0.0)
-    aside = roller_notch_under(notches, 0, 3, math.sin(2.03), -math.cos(2.03), 2.0, 1e-4, raceway, R_R, inner)
+    assert roller_notch_under(notches, 0, 3, 0.0, -1.0, math.pi, 1.0, 1e-4, raceway, R_R, inner) == (0.0, 0.0)
+    assert roller_notch_under(notches, 0, 4, 0.0, -1.0, 0.0, 1.0, 1e-4, raceway, R_R, inner) == (0.0, 0.0)
+    aside = roller_notch_under(notches, 0, 3, math.sin(2.03), -math.cos(2.03), 2.0, 1.0, 1e-4, raceway, R_R, inner)
     assert 0.0 < aside[0] < depth
     assert aside[1] < 0.0  # shallower further from the middle
 
