@@ -92,4 +92,7 @@ def impact_limits(c: ParameterGroups) -> Iterator[str]:
                     f"impacts.{name} at {Impacts.model_fields[name].default:g}"
                 )
     if i.spin_memory > 0.0 and c.contact.law != BALLS:
-        yield f"impacts.spin_memory = {i.spin_memory:g} s belongs to balls, and contact.law = {c.contact.law}: give 0, or contact.law = {BALLS}"
+        yield (
+            f"impacts.spin_memory = {i.spin_memory:g} s belongs to balls, and contact.law = {c.contact.law}: give 0, or contact.law = "
+            f"{BALLS}"
+        )
