@@ -83,10 +83,10 @@ def contact_path(heights: Floats, spacing: float, radius: float, width: float) -
     """Return the path of a contact of a reduced radius and a half-width [m] over heights that end in zeros [m].
 
     Shallow heights that the roller follows are averaged over the contact, as waviness is. Where it bridges missing metal, a load on both
-    edges sinks as far as a rigid roller, at every load: c^2/(2 R) for a gap of half-width c. In a contact wider than the gap the gap acts
-    as a crack of the energy pi c^2 p^2/E' at a place of the pressure p. Since p^2 is P - x^2 times a constant for a load P at the distance
-    x, the approach grows by c^2/(2 R) wherever the gap lies within the contact. So the contact takes the lowest height of the rigid path
-    within its half-width, averaged over half of it for the edges; heights above zero are averaged over the contact.
+    edges sinks as far as a rigid roller, at every load: c^2/(2 R) for a gap of half-width c. In a contact wider than the gap, the gap acts
+    as a crack of the energy pi c^2 p^2/(2 E*) at a place of the pressure p. There p^2 is E* P/(pi R) for a load P per length, less a term
+    of the place alone, so the approach grows by c^2/(2 R) wherever the gap lies within the contact. So the contact takes the lowest height
+    of the rigid path within its half-width, averaged over half of it for the edges; heights above zero are averaged over the contact.
     """
     margin = math.ceil((math.sqrt(2.0 * radius * float(np.ptp(heights))) + 3.0 * width) / spacing)
     raw = np.pad(heights, margin)

@@ -51,6 +51,21 @@ def test_strengths_have_a_mean_of_one_and_their_spread(spread: float) -> None:
     assert drawn.std() == pytest.approx(reference.std() / reference.mean(), rel=0.06)
 
 
+@pytest.mark.parametrize("spread", [0.1, 0.4, 0.8])
+def test_the_lines_of_a_train_of_impacts_rise_over_their_background_as_its_scatter_says(spread: float) -> None:
+    """0.98 sum over three harmonics of sqrt(N)/c_E for N impacts in the window and a relative scatter of energy c_E."""
+    count, rate, ratios = 107, 16384, []
+    for seed in (1, 2, 3, 4):
+        energy = strengths(impacts(seed=seed, spread=spread), count) ** 2
+        train = np.zeros(rate)
+        train[((np.arange(count) + 0.5) / count * rate).astype(int)] = energy
+        spectrum = np.abs(np.fft.rfft(train * np.hanning(rate)))
+        places = [np.arange(k * count - count // 2, k * count + count // 2) for k in (1, 2, 3)]
+        found = sum(spectrum[at].max() / np.median(spectrum[at]) for at in places)
+        ratios.append(found / (0.98 * 3.0 * math.sqrt(count) * energy.mean() / energy.std()))
+    assert np.median(ratios) == pytest.approx(1.0, abs=0.25)
+
+
 def test_the_white_part_is_weaker_after_a_strong_impact() -> None:
     """-0.2/(1 + 0.2^2) at lag one."""
     drawn = strengths(impacts(spread=0.2))
