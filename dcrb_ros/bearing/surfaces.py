@@ -136,7 +136,7 @@ def build_surfaces(configuration: Configuration, damage: Sequence[Damage]) -> tu
         )
         rollers[k] = np.stack(long, axis=-1) + np.stack(short, axis=-1)
     rollers[:, :, 0::2] += 0.5 * individual.roller_diameters[:, None, None]
-    table[1, :, :, HEIGHT] += axial_interference(c, individual.clearance)
+    table[1, :, :, HEIGHT] += axial_interference(c, individual)
     damaged = unequal_damage(c, damage) if c.impacts.unequal else None
     for item in damage if damaged is None else damaged.alike:
         add_damage(c, item, table, rollers)

@@ -11,10 +11,11 @@ import numpy.typing as npt
 from scipy.special import ndtr
 
 from dcrb_ros.bearing.damage_tables import COLUMNS, LEAST_HEIGHT, RACEWAY_NODES, RINGS, ROLLER_NODES, add_damage, rounded
-from dcrb_ros.bearing.individual import surface_seed
+from dcrb_ros.bearing.individual import Individual, surface_seed
 from dcrb_ros.core.contacts.heights import HEIGHT, PART_HEIGHT, PART_SLOPE, SHARE, SLOPE, TURN
 from dcrb_ros.core.contacts.impacts import BY_REBOUND, DEFECT, MOST_DEVIATION, Impacts, met
-from dcrb_ros.core.laws import hertz
+from dcrb_ros.core.laws import LUBRICATION_LAWS, hertz
+from dcrb_ros.core.laws.calls import film_at, film_offset
 from dcrb_ros.core.layout.records import Integers
 from dcrb_ros.faults.geometry import BrokenBar, Damage, RacewayNotch, RollerNotch, SurfaceHeights
 from dcrb_ros.measurement.random_streams import random_stream
@@ -168,12 +169,21 @@ def track_of_marks(c: Configuration, marked: Sequence[RollerNotch]) -> tuple[Flo
     return latitudes, strengths
 
 
-def axial_interference(c: Configuration, clearance: float) -> float:
-    """Return by how much the outer raceway is raised for the axial preload [m]; ``clearance`` is the individual's deviation [m].
+def film_thicknesses(c: Configuration) -> float:
+    """Return the sum of the films by which both raceways hold a rolling element away at the configured speed [m]."""
+    b, ratio = c.bearing, orbit_ratio(c)
+    oil, speed = LUBRICATION_LAWS[c.lubrication.law].build(dict(c.lubrication), material_of(b)), c.operating.speed
+    speeds = (ratio - 1.0) * speed * b.inner_raceway_radius, ratio * speed * b.outer_raceway_radius
+    return sum(float(film_offset(film_at(oil, raceway, entrained))) for raceway, entrained in enumerate(speeds))
+
+
+def axial_interference(c: Configuration, individual: Individual) -> float:
+    """Return by how much the outer raceway is raised for the axial preload [m].
 
     In the plane an axial preload acts as an interference d_0 that loads all rolling elements, Q(psi) proportional to
     (d_0 + d_r cos psi)^n. For a share phi of the largest load at a quarter turn, d_0/d_r = x/(1 - x), x = phi^(1/n). The load that the
-    bearing carries gives d_r; so the load zone that is simulated already is replaced, not multiplied.
+    bearing carries gives d_r; so the load zone that is simulated already is replaced, not multiplied. Clearance, its deviation and the
+    films are taken off.
     """
     if c.impacts.axial_share == OFF:
         return 0.0
@@ -186,7 +196,8 @@ def axial_interference(c: Configuration, clearance: float) -> float:
     largest = load_and_weight(c) / b.rows * (ratio + 1.0) ** exponent / carried
     # Force over approach of a power law from its stiffness; the two raceways lie in series.
     approach = 2.0 * exponent * largest / contact_stiffness(c, largest)
-    return b.radial_gap + 0.5 * clearance + approach * ratio / (1.0 + ratio)
+    taken_up = b.radial_gap + 0.5 * individual.clearance - float(individual.row_radii.mean()) - film_thicknesses(c)
+    return taken_up + approach * ratio / (1.0 + ratio)
 
 
 def start_strength(impacts: Impacts, ring: int, row: int, angles: Floats, nodes: npt.NDArray[np.int64]) -> Floats:
