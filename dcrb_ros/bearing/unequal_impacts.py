@@ -195,9 +195,9 @@ def axial_interference(c: Configuration, individual: Individual) -> float:
     carried = b.rollers_per_row * float((np.maximum(ratio + cosine, 0.0) ** exponent * cosine).mean())
     largest = load_and_weight(c) / b.rows * (ratio + 1.0) ** exponent / carried
     # Force over approach of a power law from its stiffness; the two raceways lie in series.
-    approach = 2.0 * exponent * largest / contact_stiffness(c, largest)
-    taken_up = b.radial_gap + 0.5 * individual.clearance - float(individual.row_radii.mean()) - film_thicknesses(c)
-    return taken_up + approach * ratio / (1.0 + ratio)
+    approach = 2.0 * exponent * float(largest) / contact_stiffness(c, float(largest))
+    taken_up = float(b.radial_gap) + 0.5 * individual.clearance - float(individual.row_radii.mean()) - film_thicknesses(c)
+    return float(taken_up + approach * ratio / (1.0 + ratio))
 
 
 def start_strength(impacts: Impacts, ring: int, row: int, angles: Floats, nodes: npt.NDArray[np.int64]) -> Floats:

@@ -96,7 +96,8 @@ def strength_of(impacts: Impacts, name: int, row: int, i: int, passage: int, sha
     """Return the strength [-] of a roller's passage over a defect at an angle of the shaft [rad]."""
     now, before = normal_of(key_of(impacts.seed, name, row, passage)), normal_of(key_of(impacts.seed, name, row, passage - 1))
     deviation = impacts.elements[row, i] + impacts.shaft * math.cos(shaft + impacts.phase) + impacts.white * (now - REBOUND * before)
-    return max(1.0 + deviation, 0.0) * impacts.by_mean
+    strength: float = max(1.0 + deviation, 0.0) * impacts.by_mean
+    return strength
 
 
 @kernel
@@ -179,7 +180,8 @@ def latitude_of(impacts: Impacts, mark: int, time: float) -> float:
 def mark_strength(impacts: Impacts, ring: int, mark: int, time: float) -> float:
     """Return the strength [-] with which a raceway meets a mark on a ball at a time [s]; 0 where the mark lies beside the track."""
     share = latitude_of(impacts, impacts.marked[mark], time) / impacts.latitudes[ring, mark]
-    return math.sqrt(max(1.0 - share * share, 0.0)) * impacts.mark_strengths[ring, mark]
+    strength: float = math.sqrt(max(1.0 - share * share, 0.0)) * impacts.mark_strengths[ring, mark]
+    return strength
 
 
 @kernel

@@ -35,7 +35,7 @@ INNER_RING, OUTER_RING = 0, 1
 
 
 @piece
-def write_free_profile(profile: Profile, payload: Payload, state: State, work: Workspace) -> None:
+def write_free_profile(profile: Profile | Impacts, payload: Payload, state: State, work: Workspace) -> None:
     """Write height, tilt and sink speed of all rollers at the outer raceway: first the nodes, then their values, then between them."""
     rollers, step, count = state.rollers[0], work.rollers[0], filled(payload.free.size)
     nodes = work.outer[0]
