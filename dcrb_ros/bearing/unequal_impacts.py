@@ -98,14 +98,14 @@ def unequal_damage(c: Configuration, damage: Sequence[Damage]) -> UnequalDamage:
 
 def within_reach(here: npt.NDArray[np.bool_], reach: Floats) -> npt.NDArray[np.bool_]:
     """Return which nodes damage may be shifted to, shape (2, rows, nodes); ``here`` says where it is, ``reach`` [rad] how far."""
-    near = here.copy()
+    near = np.array(here, np.bool_)
     for ring, far in enumerate(reach):
         steps = math.ceil(far / TURN * RACEWAY_NODES) + 1
         for row, there in enumerate(here[ring]):
             at = np.flatnonzero(there)
             for edge in at[(there[(at + 1) % len(there)] & there[at - 1]) == 0]:
                 near[ring, row, np.arange(edge - steps, edge + steps + 1) % len(there)] = True
-    return near
+    return np.asarray(near, np.bool_)
 
 
 def mean_strength(elements: Floats, shaft: float, white: float) -> float:
