@@ -8,8 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from dcrb_ros.bearing.contact_path import envelope, reduced_radii
+from dcrb_ros.bearing.damage_tables import RACEWAY_NODES
 from dcrb_ros.bearing.payload import build_payload
-from dcrb_ros.bearing.surfaces import RACEWAY_NODES, between_nodes, envelope, reduced_radii
+from dcrb_ros.bearing.surfaces import between_nodes
 from dcrb_ros.core.contacts.heights import TURN, interpolated, unpacked
 from dcrb_ros.core.solver.step import advance
 from dcrb_ros.schema.arrays import Floats
