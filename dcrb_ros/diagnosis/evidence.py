@@ -16,6 +16,7 @@ from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.line_search import Comb, LineFamily, LineSearch, covered
 from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum
+from dcrb_ros.diagnosis.wandering_lines import hump
 from dcrb_ros.schema.arrays import Floats
 
 AVERAGED_HOPS = 4
@@ -41,6 +42,7 @@ class BandEvidence:
         self.band, self._search, self._number = band, search, number
         self.clusters: dict[LineFamily, tuple[float, float]] = {}
         """What `clusters_at_spin` has found for lines of the cage."""
+        self._humps: dict[float, LineFamily] = {}
 
     @property
     def spectrum(self) -> OrderSpectrum:
@@ -61,6 +63,13 @@ class BandEvidence:
         """Return the squared modulation depth of ``lines`` [orders] without the noise, same shape; 0 above the range searched [-]."""
         return self._search.search.at(lines, self._number)
 
+    def hump(self, order: float) -> LineFamily:
+        """Return the most significant hump near an ``order``, a line that wanders; `NO_LINES` without one."""
+        if order not in self._humps:
+            found = hump(self._search.search.squared_depth(self._number), self.step, order, self.orders.ftf, self._search.slip)
+            self._humps[order] = found._replace(amplitude=found.depth * self.spectrum.mean)
+        return self._humps[order]
+
     def family(self, comb: Comb, slip: float | None = None) -> LineFamily:
         """Return the strongest family of a comb in this band within a ``slip``, by default the usual one [-], searched in all bands."""
         return self._search.families(comb, slip)[self._number]
@@ -76,18 +85,18 @@ class SharedSearch:
 
     def __init__(self, spectra: Sequence[OrderSpectrum], orders: Orders, slip: float) -> None:
         """Look for lines within ``slip`` (relative) of the kinematic ``orders`` in ``spectra`` over the same orders."""
-        self.spectra, self.orders, self._slip = spectra, orders, slip
+        self.spectra, self.orders, self.slip = spectra, orders, slip
         self._families: dict[tuple[Comb, float], list[LineFamily]] = {}
 
     @cached_property
     def search(self) -> LineSearch:
         """The spectra, prepared for the search."""
-        highest = highest_searched(self.orders, self._slip)
+        highest = highest_searched(self.orders, self.slip)
         return LineSearch(*(spectrum.up_to(highest) for spectrum in self.spectra))
 
     def families(self, comb: Comb, slip: float | None = None) -> list[LineFamily]:
         """Return the strongest family of a comb in each spectrum within a ``slip`` [-], by default the usual one."""
-        key = comb, self._slip if slip is None else slip
+        key = comb, self.slip if slip is None else slip
         if key not in self._families:
             self._families[key] = self.search.families(*key)
         return self._families[key]

@@ -140,6 +140,10 @@ class LineSearch:
         masked = masked if 2 * GUARD * self.step < 0.25 else orders <= GUARD * self.step
         return masked if self._without is None else masked | self._without
 
+    def squared_depth(self, number: int = 0) -> npt.NDArray[np.float32]:
+        """Return the squared modulation depth of one of the spectra with its noise, shape (lines,) [-]."""
+        return np.asarray(np.square(self._depth[number]), np.float32)
+
     def at(self, lines: npt.ArrayLike, number: int = 0) -> Floats:
         """Return the squared depth of ``lines`` [orders] in one of the spectra without the noise, same shape; 0 above the spectrum [-]."""
         wanted = np.asarray(lines, np.float64)
