@@ -14,9 +14,9 @@ import numpy.typing as npt
 
 from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.demodulation import Band
-from dcrb_ros.diagnosis.line_search import Comb, LineFamily, LineSearch, covered
+from dcrb_ros.diagnosis.line_search import NO_LINES, Comb, LineFamily, LineSearch, covered
 from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum
-from dcrb_ros.diagnosis.wandering_lines import hump
+from dcrb_ros.diagnosis.wandering_lines import HALF_WIDTHS, hump
 from dcrb_ros.schema.arrays import Floats
 
 AVERAGED_HOPS = 4
@@ -25,6 +25,8 @@ BESIDE = 4.0
 """Orders of a spectrum beyond the highest line that are searched [-]: four neighbourhoods of the local mean."""
 REFIT = 0.003
 """Relative change of the order of a family when the lines of another one are left out [-]."""
+MOST_COVERED = 0.5
+"""Share of the values of a hump that lines of another family may cover [-]: a median ignores less than half of the values."""
 QUIET = 40.0
 """Power of a band below that of the loudest one from which it is no evidence [dB]: accelerometers are linear within 1 %, so that a quieter
 band holds products of the loud ones."""
@@ -75,8 +77,14 @@ class BandEvidence:
         return self._search.families(comb, slip)[self._number]
 
     def remainder(self, comb: Comb, family: LineFamily, explained: npt.ArrayLike) -> LineFamily:
-        """Return what remains of a ``found`` family of a comb without the ``explained`` lines [orders]."""
+        """Return what remains of a ``found`` family of a comb without the ``explained`` lines [orders].
+
+        A hump, whose median ignores sharp lines, remains as long as they cover less than half of its middle.
+        """
         searched = self._search.search.spectra[self._number]
+        if not family.lines:
+            near = np.abs(searched.orders - family.order) <= HALF_WIDTHS[0] * self.orders.ftf
+            return family if covered(searched, explained)[near].mean() < MOST_COVERED else NO_LINES
         return LineSearch(searched, without=covered(searched, explained)).best(comb._replace(order=family.order), REFIT)
 
 

@@ -73,7 +73,7 @@ class LineFamily(NamedTuple):
     significance: float = 0.0
     """-log10 of the probability that noise alone has as strong a family within the range searched; negative without evidence [-]."""
     lines: tuple[float, ...] = ()
-    """Orders at which the harmonics were found [-]."""
+    """Orders at which the harmonics were found [-]; none of a hump, which has no sharp lines."""
     width: int = 1
     """Lines that make a harmonic: itself and its sidebands [-]."""
 

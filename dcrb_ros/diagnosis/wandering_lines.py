@@ -63,8 +63,8 @@ def hump(power: npt.NDArray[np.floating], step: float, order: float, ftf: float,
             if score <= best:
                 continue
             best, excess = score, (median - background) / math.log(2.0) * len(values) / INDEPENDENT
-            level, place = 10.0 * math.log10(max(median, TINY) / background), float(middle)
-            chosen = LineFamily(place, 0.0, math.sqrt(max(excess, 0.0)), level, _significance(score), (place,))
+            level = 10.0 * math.log10(max(median, TINY) / background)
+            chosen = LineFamily(float(middle), 0.0, math.sqrt(max(excess, 0.0)), level, _significance(score))
     return chosen
 
 

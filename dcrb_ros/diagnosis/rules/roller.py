@@ -15,7 +15,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dcrb_ros.bearing.frequencies import Orders
-from dcrb_ros.diagnosis.cage_lines import CLUSTERED, PERIODIC, cage_comb, clusters_at_spin, spin_of_clusters
+from dcrb_ros.diagnosis.cage_lines import CLUSTERED, MOST_HARMONICS, PERIODIC, cage_comb, clusters_at_spin, spin_of_clusters
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence
 from dcrb_ros.diagnosis.line_search import GUARD, Comb, LineFamily
 from dcrb_ros.diagnosis.order_spectrum import decibels, ratio
@@ -26,6 +26,8 @@ from dcrb_ros.schema.fields import quantity
 LEAST_MODULATION = 0.36
 """Amplitude of FTF or its double over that of the largest line at 2 BSF from which the cage modulates it [-]: g_1 over g_0 of a ball that
 keeps half of its largest load outside the load zone, 0.5 + 0.5 max(cos, 0)^1.5; 0.88 without a preload."""
+CAGE_SLIP, CAGES = 0.02, 21
+"""Slip of the cage up to which a hump explains its lines, and orders within that range [-]."""
 HUMP = (1,)
 """Harmonics of the family that stands for the hump."""
 NOT_RESOLVED = 60.0
@@ -108,8 +110,11 @@ class Roller(LineRule[RollerParameters]):
     def companions(self, lines: LineFamily, orders: Orders) -> Floats:
         """Return the harmonics of 2 BSF with sidebands at the cage, which carries the roller, and those of the cage itself.
 
-        Lines that cluster at 2 BSF are harmonics of the cage as it was found, which may slip.
+        Lines that cluster at 2 BSF are harmonics of the cage as it was found, which may slip. Beside a hump, the cage was not found.
         """
+        if not lines.lines:
+            cages = orders.ftf * np.linspace(1.0 - CAGE_SLIP, 1.0 + CAGE_SLIP, CAGES)
+            return np.outer(cages, np.arange(1.0, MOST_HARMONICS + 1.0)).ravel()
         clustered = lines.width == 1
         cage = lines.order / max(1, round(lines.order / orders.ftf)) if clustered else orders.ftf
         return sidebands(lines.order, np.add.outer(np.arange(-2.0, 3.0), cage * np.arange(-13.0, 14.0)))
