@@ -102,8 +102,7 @@ class FaultDetector:
         self._baseline = baseline if baseline is not None or not p.baseline else read_baseline(Path(p.baseline))
         self._use_baseline()
         self._combination = Combination(self._bearing_rules, p.release_margin)
-        least = least_evidence(p.confirm, p.window, p.alarm_evidence)
-        self._hysteresis = Hysteresis(p.confirm, p.release, p.release_margin, hops if p.confirm > 1 else 1, least)
+        self._hysteresis = Hysteresis(p.confirm, p.release, p.release_margin, hops if p.confirm > 1 else 1)
         self._trend = Trend(p.trend_time, p.hop)
         self._levels = LevelHistory([self._bands[k].high - self._bands[k].low for k in self._level_bands])
         self._flaw = ""
@@ -274,7 +273,7 @@ class FaultDetector:
         """Return the diagnosis from the evidence; the spectrum of the ``selected`` band is published."""
         findings = self._combination.findings(evidence)
         excess = {component: finding.excess for component, finding in findings.items()}
-        verdict = self._hysteresis.verdict(excess)
+        verdict = self._hysteresis.verdict(excess, self._least_evidence())
         confirmed, time = self._hysteresis.confirmed, last / self.rate
         severity = self._severity(evidence, confirmed)
         if self.learner is not None:
@@ -291,6 +290,12 @@ class FaultDetector:
             trend=self._trend.slope(time, verdict, severity),
             remarks=self._remarks(f"the squared envelope spectrum is that of the band from {selected.band}"),
         )
+
+    def _least_evidence(self) -> dict[Component, float]:
+        """Return the evidence that counts for each component [dB]: it depends on the length of the signal in the window."""
+        p = self.parameters
+        least = least_evidence(p.confirm, len(self._window) * self._hop / self.rate, p.alarm_evidence)
+        return {rule.component: max(least, rule.healthy_evidence(self.orders)) for rule in self._bearing_rules}
 
     def _severity(self, evidence: Evidence, confirmed: list[Component]) -> float:
         """Return the size of the largest lines of confirmed faults in the whole band [m/s^2]."""

@@ -14,8 +14,9 @@ import numpy.typing as npt
 
 from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.demodulation import Band
-from dcrb_ros.diagnosis.line_search import Comb, LineFamily, LineSearch, covered
+from dcrb_ros.diagnosis.line_search import NO_LINES, Comb, LineFamily, LineSearch, covered
 from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum
+from dcrb_ros.diagnosis.wandering_lines import HALF_WIDTHS, hump
 from dcrb_ros.schema.arrays import Floats
 
 AVERAGED_HOPS = 4
@@ -24,6 +25,8 @@ BESIDE = 4.0
 """Orders of a spectrum beyond the highest line that are searched [-]: four neighbourhoods of the local mean."""
 REFIT = 0.003
 """Relative change of the order of a family when the lines of another one are left out [-]."""
+MOST_COVERED = 0.5
+"""Share of the values of a hump that lines of another family may cover [-]: a median ignores less than half of the values."""
 QUIET = 40.0
 """Power of a band below that of the loudest one from which it is no evidence [dB]: accelerometers are linear within 1 %, so that a quieter
 band holds products of the loud ones."""
@@ -41,6 +44,7 @@ class BandEvidence:
         self.band, self._search, self._number = band, search, number
         self.clusters: dict[LineFamily, tuple[float, float]] = {}
         """What `clusters_at_spin` has found for lines of the cage."""
+        self._humps: dict[float, LineFamily] = {}
 
     @property
     def spectrum(self) -> OrderSpectrum:
@@ -61,13 +65,26 @@ class BandEvidence:
         """Return the squared modulation depth of ``lines`` [orders] without the noise, same shape; 0 above the range searched [-]."""
         return self._search.search.at(lines, self._number)
 
+    def hump(self, order: float) -> LineFamily:
+        """Return the most significant hump near an ``order``, a line that wanders; `NO_LINES` without one."""
+        if order not in self._humps:
+            found = hump(self._search.search.squared_depth(self._number), self.step, order, self.orders.ftf, self._search.slip)
+            self._humps[order] = found._replace(amplitude=found.depth * self.spectrum.mean)
+        return self._humps[order]
+
     def family(self, comb: Comb, slip: float | None = None) -> LineFamily:
         """Return the strongest family of a comb in this band within a ``slip``, by default the usual one [-], searched in all bands."""
         return self._search.families(comb, slip)[self._number]
 
     def remainder(self, comb: Comb, family: LineFamily, explained: npt.ArrayLike) -> LineFamily:
-        """Return what remains of a ``found`` family of a comb without the ``explained`` lines [orders]."""
+        """Return what remains of a ``found`` family of a comb without the ``explained`` lines [orders].
+
+        A hump, whose median ignores sharp lines, remains as long as they cover less than half of its middle.
+        """
         searched = self._search.search.spectra[self._number]
+        if not family.lines:
+            near = np.abs(searched.orders - family.order) <= HALF_WIDTHS[0] * self.orders.ftf
+            return family if covered(searched, explained)[near].mean() < MOST_COVERED else NO_LINES
         return LineSearch(searched, without=covered(searched, explained)).best(comb._replace(order=family.order), REFIT)
 
 
@@ -76,18 +93,18 @@ class SharedSearch:
 
     def __init__(self, spectra: Sequence[OrderSpectrum], orders: Orders, slip: float) -> None:
         """Look for lines within ``slip`` (relative) of the kinematic ``orders`` in ``spectra`` over the same orders."""
-        self.spectra, self.orders, self._slip = spectra, orders, slip
+        self.spectra, self.orders, self.slip = spectra, orders, slip
         self._families: dict[tuple[Comb, float], list[LineFamily]] = {}
 
     @cached_property
     def search(self) -> LineSearch:
         """The spectra, prepared for the search."""
-        highest = highest_searched(self.orders, self._slip)
+        highest = highest_searched(self.orders, self.slip)
         return LineSearch(*(spectrum.up_to(highest) for spectrum in self.spectra))
 
     def families(self, comb: Comb, slip: float | None = None) -> list[LineFamily]:
         """Return the strongest family of a comb in each spectrum within a ``slip`` [-], by default the usual one."""
-        key = comb, self._slip if slip is None else slip
+        key = comb, self.slip if slip is None else slip
         if key not in self._families:
             self._families[key] = self.search.families(*key)
         return self._families[key]

@@ -35,7 +35,7 @@ SAME_ORDER = 1e-4
 OTHER_SPEED = 1.3
 """Ratio to the learned speeds from which the sizes of lines can no longer be compared well [-]."""
 SOURCES = (
-    *("segments", "demodulation", "order_tracking", "window", "order_spectrum", "line_search", "evidence", "rule"),
+    *("segments", "demodulation", "order_tracking", "window", "order_spectrum", "line_search", "wandering_lines", "evidence", "rule"),
     *("rules/outer_ring", "rules/inner_ring", "rules/roller", "rules/cage"),
 )
 """Modules on which the sizes of lines depend."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from dcrb_ros.schema.verdicts import COMPONENTS, Component, Verdict
 
@@ -57,7 +58,7 @@ class Hysteresis:
     def __init__(self, confirm: int, release: int, release_margin: float, persist: int = 1, least: float = 0.0) -> None:
         """Confirm after ``confirm`` judgements with ``least`` evidence [dB], or up to ``persist`` with weak evidence.
 
-        Clear after ``release`` judgements, ``release_margin`` [dB] below that.
+        Clear after ``release`` judgements, ``release_margin`` [dB] below that. A judgement may require more evidence of a component.
         """
         self._confirm, self._release, self._margin, self._persist = confirm, release, release_margin, max(confirm, persist)
         self._least = least
@@ -69,12 +70,13 @@ class Hysteresis:
         self._pairs: dict[tuple[Component, Component], Suspicion] = {pair: Suspicion() for pair in itertools.combinations(COMPONENTS, 2)}
         self._clear = 0
 
-    def verdict(self, excess: Mapping[Component, float]) -> Verdict:
-        """Take the evidence for each component relative to its threshold [dB]; return the verdict."""
+    def verdict(self, excess: Mapping[Component, float], least: Mapping[Component, float] = MappingProxyType({})) -> Verdict:
+        """Take the evidence for each component relative to its threshold and the ``least`` that counts [dB]; return the verdict."""
+        required = {component: max(self._least, least.get(component, 0.0)) for component in COMPONENTS}
         for component, suspicion in self._suspicions.items():
-            self._update(suspicion, excess[component])
+            self._update(suspicion, excess[component], required[component])
         for (component, other), suspicion in self._pairs.items():
-            self._update(suspicion, min(excess[component], excess[other]))
+            self._update(suspicion, min(excess[component], excess[other]), max(required[component], required[other]))
         confirmed = self.confirmed
         if len(confirmed) > 1:
             return "compound"
@@ -84,9 +86,9 @@ class Hysteresis:
         self._clear = 0 if suspected and self._clear < self._confirm else self._clear + 1
         return "healthy" if self._clear >= self._confirm else "waiting"
 
-    def _update(self, suspicion: Suspicion, excess: float) -> None:
-        """Count a judgement with that evidence [dB]."""
-        present, absent = excess >= self._least, excess < self._least - self._margin
+    def _update(self, suspicion: Suspicion, excess: float, least: float) -> None:
+        """Count a judgement with that evidence, of which ``least`` counts [dB]."""
+        present, absent = excess >= least, excess < least - self._margin
         suspicion.evidence += excess if present else 0.0
         weakness = max(0.0, 1.0 - suspicion.evidence / (suspicion.seen + 1) / STRONG)
         confirm = self._confirm + weakness * (self._persist - self._confirm)

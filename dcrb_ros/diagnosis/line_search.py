@@ -73,7 +73,7 @@ class LineFamily(NamedTuple):
     significance: float = 0.0
     """-log10 of the probability that noise alone has as strong a family within the range searched; negative without evidence [-]."""
     lines: tuple[float, ...] = ()
-    """Orders at which the harmonics were found [-]."""
+    """Orders at which the harmonics were found [-]; none of a hump, which has no sharp lines."""
     width: int = 1
     """Lines that make a harmonic: itself and its sidebands [-]."""
 
@@ -139,6 +139,10 @@ class LineSearch:
         # In a short window the guards would cover the whole spectrum; then the shaft's harmonics remain.
         masked = masked if 2 * GUARD * self.step < 0.25 else orders <= GUARD * self.step
         return masked if self._without is None else masked | self._without
+
+    def squared_depth(self, number: int = 0) -> npt.NDArray[np.float32]:
+        """Return the squared modulation depth of one of the spectra with its noise, shape (lines,) [-]."""
+        return np.asarray(np.square(self._depth[number]), np.float32)
 
     def at(self, lines: npt.ArrayLike, number: int = 0) -> Floats:
         """Return the squared depth of ``lines`` [orders] in one of the spectra without the noise, same shape; 0 above the spectrum [-]."""

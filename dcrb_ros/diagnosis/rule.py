@@ -108,6 +108,10 @@ class BearingRule(Rule[Parameters]):
     def finding(self, evidence: Evidence) -> Finding | None:
         """Return the evidence for the fault, or none."""
 
+    def healthy_evidence(self, orders: Orders) -> float:
+        """Return the evidence that a healthy bearing of these orders may have [dB]: a verdict needs more of it."""
+        return 0.0
+
     def settled(self, finding: Finding, evidence: Evidence) -> Finding:
         """Return the finding of the component after all rules have been combined; a rule may lower it."""
         return finding
@@ -186,7 +190,11 @@ class LineRule(BearingRule[Lines]):
 
     def finding(self, evidence: Evidence) -> Finding | None:
         """Return the evidence of the band in which it is strongest."""
-        families = [(band, comb, self.family(band, comb)) for band in self.bands(evidence) for comb in self.combs(evidence.orders)]
+        return self.strongest(evidence, self.combs(evidence.orders))
+
+    def strongest(self, evidence: Evidence, combs: Sequence[Comb]) -> Finding | None:
+        """Return the evidence of the band and family in which it is strongest."""
+        families = [(band, comb, self.family(band, comb)) for band in self.bands(evidence) for comb in combs]
         rated = [(max(LEAST_EXCESS, self.excess(lines, band.band, evidence)), lines, band.band, comb) for band, comb, lines in families]
         if not rated:
             return None

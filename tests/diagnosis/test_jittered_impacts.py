@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections import Counter
 from typing import Any
 
 import pytest
@@ -39,6 +41,19 @@ def test_healthy_machines_raise_no_alarm(parts: dict[str, float], seconds: float
     assert set(verdicts) == {"healthy"}
 
 
+@pytest.mark.parametrize("seconds", [1.0, 4.0])
+def test_no_rule_finds_significant_lines_in_noise_more_often_than_stated(seconds: float) -> None:
+    """With thresholds of depth that any line reaches, only significance is left: one in a hundred windows per fault."""
+    depths = {"outer_depth": 1e-6, "inner_depth": 1e-6, "roller_depth": 1e-6, "cage_depth": 1e-6}
+    p = DetectorParameters(**depths, false_alarm=0.01, cage_scatter=0.0)
+    count, found = 300 if seconds < 2.0 else 100, Counter[str]()
+    for seed in range(count):
+        one = machine(seed)
+        scores = diagnose_as_a_whole(one.healthy(seconds), one.rate, one.speed, one.orders, p).scores
+        found.update(fault for fault, score in scores.items() if score > 0.0)
+    assert max(found.values(), default=0) <= 0.01 * count + 3.0 * math.sqrt(0.01 * count), found
+
+
 @pytest.mark.parametrize("departure", [-0.015, 0.0, 0.015])
 @pytest.mark.parametrize("fault", ["outer_ring", "inner_ring", "roller"])
 @pytest.mark.parametrize("seconds", [1.0, 3.0])
@@ -50,6 +65,14 @@ def test_impacts_of_the_power_of_the_noise_are_named(fault: str, seconds: float,
     verdicts = [verdict(one, one.healthy(seconds, shaft=0.2, gear=0.3) + one.impacts(seconds, fault)) for one in machines]
     assert verdicts.count(fault) >= len(machines) - 1 >= 4, verdicts
     assert set(verdicts) <= {fault, "healthy"}, verdicts
+
+
+@pytest.mark.parametrize("departure", [-0.01, 0.01])
+def test_a_ball_whose_spin_wanders_is_named(departure: float) -> None:
+    """It loses its phase once per turn of the cage, so that no sharp line is at 2 BSF: without humps, half of them are named."""
+    machines = [machine(seed, departure=departure) for seed in range(8)]
+    verdicts = [verdict(one, one.healthy(8.0, shaft=0.2) + one.wandering_ball(8.0)) for one in machines]
+    assert verdicts.count("roller") >= 7, verdicts
 
 
 @pytest.mark.parametrize("gain", [0.01, 100.0])

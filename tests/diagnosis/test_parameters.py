@@ -39,6 +39,7 @@ PUBLISHED: dict[str, tuple[float, float]] = {
     "inner_depth": (0.0, 2.0),
     "roller_depth": (0.0, 2.0),
     "cage_depth": (0.0, 2.0),
+    "cage_scatter": (0.0, 3.0),
     "most_senseless": (0.0, 1.0),
     "silence": (0.0, 10000.0),
     "stuck_time": (1e-05, 1.0),

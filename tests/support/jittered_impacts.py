@@ -90,3 +90,22 @@ class Machine:
         np.add.at(excitation, places.astype(np.int64), load * self.random.normal(1.0, 0.15, len(places)))
         found = self.structure(excitation)
         return np.asarray(found / found.std(), np.float64)
+
+    def wandering_ball(self, seconds: float, *, spread: float = 0.01, load_zone: float = 0.3) -> Floats:
+        """Return the impacts of a ball whose spin wanders through the structure, of unit variance.
+
+        In each turn of the cage it strikes at 2 BSF within a ``load_zone`` [turns of the cage]. Its phase is lost outside, and its spin
+        scatters by ``spread`` (relative).
+        """
+        o, excitation = self.orders, np.zeros(round(seconds * self.rate))
+        turns = int(seconds * self.speed * o.ftf)
+        for turn in range(turns):
+            order = 2.0 * o.bsf * (1.0 + self.departure) * (1.0 + spread * self.random.normal())
+            interval = o.ftf / order
+            strikes = np.arange(self.random.uniform(0.0, interval), load_zone, interval)
+            load = np.cos(math.pi * (strikes / load_zone - 0.5))
+            places = (turn + strikes) / (o.ftf * self.speed) * self.rate
+            inside = places < len(excitation)
+            np.add.at(excitation, places[inside].astype(np.int64), load[inside])
+        found = self.structure(excitation)
+        return np.asarray(found / found.std(), np.float64)

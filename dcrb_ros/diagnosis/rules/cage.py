@@ -1,4 +1,9 @@
-"""Cage fault: lines at k FTF up to nearly BPFO, since a missing bar lets the same rollers leave their places in every turn of the cage."""
+"""Cage fault: lines at k FTF up to nearly BPFO, since a missing bar lets the same rollers leave their places in every turn of the cage.
+
+Healthy rollers that differ make the same lines. If the energies of Z rollers per pass scatter by c around their mean, independently, each
+line at k FTF that is no multiple of Z has the root mean square 2 c / sqrt(Z), and the mean sqrt(pi) c / sqrt(Z) (the amplitude has a
+Rayleigh distribution). Lines of a fault must be deeper.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dcrb_ros.bearing.frequencies import Orders
-from dcrb_ros.diagnosis.cage_lines import CLUSTERED, PERIODIC, cage_comb, clusters_at_spin, spin_of_clusters
+from dcrb_ros.diagnosis.cage_lines import CLUSTERED, PERIODIC, cage_comb, clusters_at_spin, rollers, spin_of_clusters
 from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence
 from dcrb_ros.diagnosis.line_search import Comb, LineFamily
@@ -26,6 +31,13 @@ class CageParameters(LineParameters):
 
     cage_depth: float = quantity(
         0.17, "-", "Modulation depth required of the lines at k FTF; impacts with a tenth of the power in the band make 0.17", 0.0, 2.0
+    )
+    cage_scatter: float = quantity(
+        0.7,
+        "-",
+        "Relative scatter of the energy of rollers in a healthy bearing; lines at k FTF that it explains are no evidence for the cage",
+        0.0,
+        3.0,
     )
 
 
@@ -57,6 +69,13 @@ class Cage(LineRule[CageParameters]):
         if excess >= 0.0 >= contrast:
             contrast = decibels(max(spin_of_clusters(there, lines)[0], 0.0) / PERIODIC)
         return min(excess, -contrast) if contrast > 0.0 else excess
+
+    def healthy_evidence(self, orders: Orders) -> float:
+        """Return the evidence of rollers whose energies scatter as in a healthy bearing [dB]; 0 if a baseline has their lines."""
+        if self.baseline is not None:
+            return 0.0
+        depth = math.sqrt(math.pi / rollers(orders)) * self.p.cage_scatter
+        return max(0.0, decibels(ratio(depth, self.depth)))
 
     def companions(self, lines: LineFamily, orders: Orders) -> Floats:
         """Return the harmonics of FTF, with BPFO among them."""

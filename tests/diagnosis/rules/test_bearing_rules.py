@@ -47,7 +47,7 @@ def comb(order: float, amplitude: float, count: int = 3) -> dict[float, float]:
     [
         (OuterRing(P), [Comb(6.72)]),
         (InnerRing(P), [Comb(9.28, sidebands=(-1.0, 0.0, 1.0))]),
-        (Roller(P), [Comb(6.1, sidebands=(-0.42, 0.0, 0.42))]),
+        (Roller(P), [Comb(6.1, sidebands=(-0.42, 0.0, 0.42)), Comb(6.1, harmonics=(1,))]),
         (Cage(P), [Comb(0.42, harmonics=tuple(range(1, 14)), leading=2)]),
     ],
     ids=["outer_ring", "inner_ring", "roller", "cage"],
@@ -87,7 +87,7 @@ def test_depth_and_significance_must_both_reach_their_thresholds() -> None:
     [
         (OuterRing(P), comb(6.72, 0.5)),
         (InnerRing(P), comb(9.28, 0.5)),
-        (Roller(P), comb(6.1, 0.5)),
+        (Roller(P), comb(6.1, 0.5) | {0.42: 0.3}),
         (Cage(P), comb(0.42, 0.5, 13)),
     ],
     ids=["outer_ring", "inner_ring", "roller", "cage"],
@@ -151,7 +151,27 @@ def test_a_roller_that_lost_spin_has_its_lines_beside_the_harmonics_of_the_cage(
     finding = Roller(P).finding(evidence((WHOLE, lines)))
     assert finding is not None
     assert (finding.excess > 0.0 and finding.lines.order == pytest.approx(order, rel=1e-3)) is found
-    assert Roller(P).families(ORDERS) == 2 * len(Roller(P).combs(ORDERS))
+    assert Roller(P).families(ORDERS) == 3  # at 2 BSF, at a slower spin, and the hump
+
+
+@pytest.mark.parametrize(("cage", "suspected"), [(0.19, True), (0.17, False), (0.0, False)])
+@pytest.mark.parametrize("harmonic", [1, 2])
+def test_the_cage_must_modulate_sharp_lines_of_a_roller(cage: float, suspected: bool, harmonic: int) -> None:
+    """FTF or its double has at least 0.36 of the line at 2 BSF, 0.18 of 0.5: otherwise no load zone carries the strikes."""
+    finding = Roller(P).finding(evidence((WHOLE, comb(6.1, 0.5) | {harmonic * 0.42: cage})))
+    assert finding is not None
+    assert (finding.excess >= 0.0) is suspected
+
+
+@pytest.mark.parametrize(("rolling", "expected"), [(16, 0.31), (9, 0.4136)])
+def test_rollers_that_differ_are_no_cage_fault(rolling: int, expected: float) -> None:
+    """Energies that scatter by 0.7 make lines of the mean depth 0.7 sqrt(pi / Z); the formula is checked against drawn energies."""
+    orders = Orders(ftf=0.42, bpfo=0.42 * rolling, bpfi=0.58 * rolling, bsf=3.05)
+    assert 0.17 * 10.0 ** (Cage(P).healthy_evidence(orders) / 10.0) == pytest.approx(expected, abs=5e-4)
+    energies = 1.0 + 0.7 * np.random.default_rng(1).uniform(-math.sqrt(3.0), math.sqrt(3.0), (20000, rolling))
+    lines = 2.0 * np.abs(np.fft.rfft(energies, axis=1)[:, 1 : rolling // 2]) / energies.sum(axis=1)[:, None]
+    assert lines.mean() == pytest.approx(expected, rel=0.1)
+    assert Cage(DetectorParameters(cage_scatter=0.0)).healthy_evidence(orders) == 0.0
 
 
 def test_even_or_falling_harmonics_of_the_cage_do_not_cluster() -> None:
