@@ -17,13 +17,13 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import j1
 
 from dcrb_ros.bearing.individual import individual_of, surface_seed
 from dcrb_ros.core.contacts.heights import HEIGHT, PART_HEIGHT, PART_SLOPE, SHARE, SLOPE, Profile, Smooth, interpolated, packed, unpacked
 from dcrb_ros.core.laws import hertz
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.faults.geometry import Damage, RacewayNotch, RollerNotch, SurfaceHeights
+from dcrb_ros.measurement.filter_cache import cached_at_start
 from dcrb_ros.measurement.random_streams import random_stream
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
@@ -43,6 +43,8 @@ HIGHEST_ROLLER_ORDER = 280
 """As many lobes per length as `HIGHEST_ORDER` on a raceway."""
 SHORT_ORDERS, SHORT_ROLLER_ORDERS = (WAVINESS_ORDERS[1], HIGHEST_ORDER), (20, HIGHEST_ROLLER_ORDER)
 """The order below them and the last order of ``surfaces.short_waves``: waves of the same lengths on raceways and rollers."""
+FIRST_WEIGHTS = 32
+"""Results of `contact_weight` in a process that are cached on disk [-]: more than a bearing with a dozen defects needs."""
 FINE = 4
 """Samples per node for damage, which has edges."""
 LEAST_HEIGHT = 1e-12
@@ -74,10 +76,22 @@ def averaged(heights: Floats, spacing: float, half_width: float) -> tuple[Floats
     return mean, np.fft.irfft(1j * wave * spectrum, count)[: len(heights)]
 
 
+@cached_at_start(FIRST_WEIGHTS)
 def contact_weight(phase: Floats) -> Floats:
     """Return 2 J_1(x)/x [-], the mean of a wave over a semi-ellipse, at x = wave number times half-width."""
+    from scipy.special import j1
+
     held = np.maximum(phase, 1e-9)
     return np.asarray(2.0 * j1(held) / held)
+
+
+@lru_cache(maxsize=256)
+def order_weights(first: int, last: int, radius: float, width: float) -> Floats:
+    """Return `contact_weight` of each order from the first to the last, on a radius and for a half-width [m]."""
+    orders = np.arange(first, last + 1, dtype=np.float64)
+    weights = contact_weight(orders / radius * width)
+    weights.setflags(write=False)  # shared by all callers
+    return weights
 
 
 def level_of_orders(orders: Floats, slope: float, reference: tuple[int, int], rms: float) -> Floats:
@@ -127,7 +141,9 @@ def raceway_waves(
     high = np.arange(WAVINESS_ORDERS[0], HIGHEST_ORDER + 1, dtype=np.float64)
     amplitudes = [level_of_orders(low, 1.0, ROUNDNESS_ORDERS, roundness), level_of_orders(high, exponent, WAVINESS_ORDERS, waviness)]
     orders = np.concatenate([low, high])
-    return waves(random, orders, np.concatenate(amplitudes), contact_weight(orders / radius * width), RACEWAY_NODES)
+    return waves(
+        random, orders, np.concatenate(amplitudes), order_weights(ROUNDNESS_ORDERS[0], HIGHEST_ORDER, radius, width), RACEWAY_NODES
+    )
 
 
 @lru_cache(maxsize=256)
@@ -138,7 +154,13 @@ def roller_waves(seed: int, name: str, radius: float, widths: tuple[float, float
     return tuple(
         part
         for width in widths
-        for part in waves(random_stream(seed, name), orders, amplitudes, contact_weight(orders / radius * width), ROLLER_NODES)
+        for part in waves(
+            random_stream(seed, name),
+            orders,
+            amplitudes,
+            order_weights(ROLLER_ORDERS[0], HIGHEST_ROLLER_ORDER, radius, width),
+            ROLLER_NODES,
+        )
     )
 
 
@@ -152,12 +174,12 @@ def short_waves(
     root mean square ``rms`` [m] at the last of the contacts.
     """
     between = np.arange(orders[0] + 1, orders[1] + 1, dtype=np.float64)
-    weights = contact_weight(between / radius * widths[-1])
+    weights = order_weights(orders[0] + 1, orders[1], radius, widths[-1])
     amplitudes = np.full(len(between), rms * math.sqrt(2.0 / float((weights**2).sum())))
     return tuple(
         part
         for width in widths
-        for part in waves(random_stream(seed, name), between, amplitudes, contact_weight(between / radius * width), nodes)
+        for part in waves(random_stream(seed, name), between, amplitudes, order_weights(orders[0] + 1, orders[1], radius, width), nodes)
     )
 
 

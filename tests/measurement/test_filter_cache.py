@@ -49,7 +49,7 @@ def test_designs_differ_in_the_last_bit_of_an_argument(made: list[float]) -> Non
 def test_another_version_is_designed_again(made: list[float], monkeypatch: pytest.MonkeyPatch) -> None:
     thirds = design(made)
     thirds(0.1)
-    monkeypatch.setattr(filter_cache, "_versions", lambda: b"another")
+    monkeypatch.setattr(filter_cache, "_versions", lambda sources: b"another")
     thirds(0.1)
     assert len(made) == 2
 
