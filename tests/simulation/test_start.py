@@ -14,7 +14,7 @@ from dcrb_ros.simulation.loop import Simulation
 
 block = next(Simulation(load_configuration({bench!r})).blocks())
 unused = "linalg", "optimize", "signal", "special", "fft", "ndimage"
-unused = *(f"scipy.{name}" for name in unused), "pandas", "matplotlib", "rosbags", "typer", "rich"
+unused = *("scipy." + name for name in unused), "pandas", "matplotlib", "rosbags", "typer", "rich"
 print(block.acceleration.tobytes().hex()[:4096], *(name for name in unused if name in sys.modules))
 """
 
