@@ -200,7 +200,7 @@ def roller_spin(bearing: Bearing, shaft_speed: float) -> float:
 @cached_at_start(FIRST_BEARINGS)
 def contact_forces(payload: Payload, outer: Floats, inner: Floats, rollers: Floats) -> Floats:
     """Return the magnitudes of `roller_forces`, shape (2, rows, rollers) [N]."""
-    return np.linalg.norm(roller_forces(payload, outer, inner, rollers), axis=-1)
+    return np.asarray(np.linalg.norm(roller_forces(payload, outer, inner, rollers), axis=-1))
 
 
 def initial_state(configuration: Configuration, payload: Payload) -> State:
