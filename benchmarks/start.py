@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import os
 import re
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -17,6 +18,12 @@ from typing import NamedTuple
 
 FIRST_BLOCK = "from dcrb_ros.settings.files import load_configuration as load; from dcrb_ros.simulation.loop import Simulation; "
 FIRST_BLOCK += "next(Simulation(load('healthy', ['cage.joint={}'])).blocks())"
+
+
+STARTED = 7
+"""Starts of which the median is printed."""
+RECORDED = 4.0
+"""Signal that `dcrb detect` receives [s]."""
 
 
 class Cost(NamedTuple):
@@ -57,12 +64,36 @@ def first_block(output: str) -> float:
     return float(re.findall(r"first block (\d+\.\d+) s", output)[0])
 
 
+def warm_starts() -> None:
+    """Print the processor time of the first block and of `dcrb detect`, medians of alternating processes with warm caches."""
+    with tempfile.TemporaryDirectory() as folder:
+        bag = str(Path(folder) / "bag")
+        cost([sys.executable, "-m", "dcrb_ros.cli.program", "simulate", "outer_ring_defect", "--duration", str(RECORDED), "--output", bag])
+        commands = {
+            "first block": [sys.executable, "-c", FIRST_BLOCK.format("pocket")],
+            f"`dcrb detect`, {RECORDED:g} s": [sys.executable, "-m", "dcrb_ros.cli.program", "detect", bag],
+        }
+        for command in commands.values():
+            cost(command)
+        measured = [{name: cost(command) for name, command in commands.items()} for _ in range(STARTED)]
+    for name in commands:
+        costs = [run[name] for run in measured]
+        wall, processor = statistics.median(c.wall for c in costs), statistics.median(c.processor for c in costs)
+        memory = statistics.median(c.memory for c in costs)
+        print(f"| {name}, median of {STARTED} | {wall:.1f} | {processor:.2f} | {memory:.0f} | |", flush=True)
+
+
 def main() -> None:
     """Print a table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--duration", type=float, default=30.0, help="simulated time of the node in real time [s]")
-    duration = parser.parse_args().duration
+    parser.add_argument("--warm", action="store_true", help="measure only starts with warm caches")
+    given = parser.parse_args()
+    duration = given.duration
     print("| process | wall [s] | processor [s] | memory [MB] | |\n|---|---|---|---|---|")
+    warm_starts()
+    if given.warm:
+        return
     for joint in ("pocket", "revolute"):
         command = [sys.executable, "-c", FIRST_BLOCK.format(joint)]
         with tempfile.TemporaryDirectory() as folder:

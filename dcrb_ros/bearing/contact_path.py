@@ -6,14 +6,15 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy.ndimage import minimum_filter1d
-from scipy.special import j1
 
 from dcrb_ros.core.laws import hertz
+from dcrb_ros.measurement.filter_cache import cached_at_start
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.loaded_contacts import heaviest, material_of
 
+FIRST_WEIGHTS = 32
+"""Results of `contact_weight` in a process that are cached on disk [-]: more than a bearing with a dozen defects needs."""
 AVERAGING_FORCE = 20e3
 """Force whose half-width averages the heights [N]."""
 BRIDGED = 1e-9
@@ -45,8 +46,11 @@ def averaged(heights: Floats, spacing: float, half_width: float) -> tuple[Floats
     return mean, np.fft.irfft(1j * wave * spectrum, count)[: len(heights)]
 
 
+@cached_at_start(FIRST_WEIGHTS)
 def contact_weight(phase: Floats) -> Floats:
     """Return 2 J_1(x)/x [-], the mean of a wave over a semi-ellipse, at x = wave number times half-width."""
+    from scipy.special import j1
+
     held = np.maximum(phase, 1e-9)
     return np.asarray(2.0 * j1(held) / held)
 
@@ -94,6 +98,8 @@ def contact_path(heights: Floats, spacing: float, radius: float, width: float) -
     rigid = envelope(raw, spacing, radius)
     if float((rigid - raw).max()) < BRIDGED:
         return ContactPath(*averaged(rigid, spacing, width), spacing)
+    from scipy.ndimage import minimum_filter1d
+
     sunk = minimum_filter1d(np.minimum(rigid, 0.0), 2 * round(width / spacing) + 1, mode="nearest")
     low, low_slope = averaged(sunk, spacing, EDGE_AVERAGE * width)
     high, high_slope = averaged(np.maximum(rigid, 0.0), spacing, width)

@@ -6,8 +6,6 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import least_squares, minimize
-from scipy.special import lambertw
 
 from dcrb_ros.bearing.surfaces import heights_at_contacts
 from dcrb_ros.core.contacts import arrays
@@ -16,6 +14,7 @@ from dcrb_ros.core.laws.calls import film_reach, normal_energy, normal_penetrati
 from dcrb_ros.core.laws.johnson import Johnson, johnson_stiffness
 from dcrb_ros.core.laws.site import Site
 from dcrb_ros.core.payload import SINK, Payload
+from dcrb_ros.measurement.filter_cache import cached_at_start
 from dcrb_ros.schema.arrays import Floats
 
 START_PENETRATION = 2e-5
@@ -32,6 +31,8 @@ EQUAL_WITHIN = 1e-9
 """Difference of positions below which rows of equal geometry get identical positions [m]; a notch in one row makes a larger one."""
 LEAST_CONTACT_FORCE = 1e-3
 """Smallest force of a free roller on the outer raceway, so that its position is defined [N]."""
+FIRST_BEARINGS = 4
+"""Bearings of a process whose equilibrium is cached on disk [-]."""
 RESOLUTION = 2.0**-43
 """Coordinates are rounded to a multiple of this [m], some mN at a raceway: the last bits of the search differ between processors, and idle
 rollers would amplify them to a different run."""
@@ -56,6 +57,8 @@ def normal_forces(law: Any, penetration: Floats, site: Site) -> tuple[Floats, Fl
     """
     if not isinstance(law, Johnson) or arrays.lubricated(site):
         return arrays.normal_forces(law, penetration, site)
+    from scipy.special import lambertw
+
     closed = penetration > 0.0
     depth = np.where(closed, penetration, 1.0)
     force = np.where(closed, -law.modulus * depth / lambertw(-math.e * depth / site.scale, -1).real, 0.0)
@@ -296,6 +299,16 @@ def static_equilibrium(payload: Payload, load: Floats, orbit: float = 0.0) -> Re
 
     The cages are at angle zero. A roller over a notch lies in it.
     """
+    rest = _Problem(payload, load, orbit).positions(_equilibrium(payload, load, orbit))
+    _make_equal_rows_identical(payload, rest)
+    return rest
+
+
+@cached_at_start(FIRST_BEARINGS)
+def _equilibrium(payload: Payload, load: Floats, orbit: float) -> Floats:
+    """Return the coordinates of the static equilibrium [m], multiples of `RESOLUTION`."""
+    from scipy.optimize import least_squares, minimize
+
     problem = _Problem(payload, load, orbit)
     scale = max(float(np.linalg.norm(load)) + payload.inner_ring_mass * payload.gravity, 1.0)
 
@@ -324,9 +337,8 @@ def static_equilibrium(payload: Payload, load: Floats, orbit: float = 0.0) -> Re
     for _ in range(2):
         laid = problem.resting_on_raceways(solution * MICROMETRE) / MICROMETRE
         solution = least_squares(residual, laid, jac=slope, method="lm", xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=MOST_STEPS).x
-    rest = problem.positions(np.round(solution * MICROMETRE / RESOLUTION) * RESOLUTION + 0.0)  # no negative zero
-    _make_equal_rows_identical(payload, rest)
-    return rest
+    rounded: Floats = np.round(solution * MICROMETRE / RESOLUTION) * RESOLUTION + 0.0  # no negative zero
+    return rounded
 
 
 def _make_equal_rows_identical(payload: Payload, rest: Rest) -> None:

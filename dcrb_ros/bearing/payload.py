@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.bearing.cage_rest import settled_cages
-from dcrb_ros.bearing.equilibrium import roller_forces, static_equilibrium
+from dcrb_ros.bearing.equilibrium import FIRST_BEARINGS, roller_forces, static_equilibrium
 from dcrb_ros.bearing.individual import individual_of
 from dcrb_ros.bearing.surfaces import build_surfaces
 from dcrb_ros.core.contacts.heights import Smooth
@@ -20,6 +20,7 @@ from dcrb_ros.core.laws.site import inner_site, outer_site, pair_site
 from dcrb_ros.core.layout.state import SHAFT_SPEED, State, empty_state
 from dcrb_ros.core.payload import EDGE, NOTCH, ROLLER_NOTCH, SINK, Notches, Payload
 from dcrb_ros.faults.geometry import BrokenBar, RacewayNotch, RollerNotch
+from dcrb_ros.measurement.filter_cache import cached_at_start
 from dcrb_ros.measurement.random_streams import random_stream
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
@@ -197,6 +198,12 @@ def roller_spin(bearing: Bearing, shaft_speed: float) -> float:
     return -0.5 * shaft_speed * bearing.inner_raceway_radius / bearing.roller_radius
 
 
+@cached_at_start(FIRST_BEARINGS)
+def contact_forces(payload: Payload, outer: Floats, inner: Floats, rollers: Floats) -> Floats:
+    """Return the magnitudes of `roller_forces`, shape (2, rows, rollers) [N]."""
+    return np.asarray(np.linalg.norm(roller_forces(payload, outer, inner, rollers), axis=-1))
+
+
 def initial_state(configuration: Configuration, payload: Payload) -> State:
     """Return the initial state: static equilibrium, with pure rolling (warm, settled) or with cage and rollers at rest (cold)."""
     bearing, operating = configuration.bearing, configuration.operating
@@ -208,10 +215,7 @@ def initial_state(configuration: Configuration, payload: Payload) -> State:
     rest = static_equilibrium(payload, state.load, orbit)
     state.outer_position[:], state.inner_position[:], state.cage_position[:, :2] = rest.outer, rest.inner, rest.cages
     state.roller_position[:] = rest.rollers
-    for force, contacts in zip(
-        (state.inner_force, state.outer_force), roller_forces(payload, rest.outer, rest.inner, rest.rollers), strict=True
-    ):
-        force[:] = np.linalg.norm(contacts, axis=-1)
+    state.inner_force[:], state.outer_force[:] = contact_forces(payload, rest.outer, rest.inner, rest.rollers)
     if operating.start == "settled":
         state.cage_position[:, :2] = settled_cages(payload, rest)
     if operating.start != "cold":

@@ -40,6 +40,15 @@ SHORT_ORDERS, SHORT_ROLLER_ORDERS = (WAVINESS_ORDERS[1], HIGHEST_ORDER), (20, HI
 """The order below them and the last order of ``surfaces.short_waves``: waves of the same lengths on raceways and rollers."""
 
 
+@lru_cache(maxsize=256)
+def order_weights(first: int, last: int, radius: float, width: float) -> Floats:
+    """Return `contact_weight` of each order from the first to the last, on a radius and for a half-width [m]."""
+    orders = np.arange(first, last + 1, dtype=np.float64)
+    weights = contact_weight(orders / radius * width)
+    weights.setflags(write=False)  # shared by all callers
+    return weights
+
+
 def level_of_orders(orders: Floats, slope: float, reference: tuple[int, int], rms: float) -> Floats:
     """Return the amplitudes [m] of orders that fall as n^-slope, for a root mean square over the reference orders [m]."""
     shape = orders**-slope
@@ -70,7 +79,9 @@ def raceway_waves(
     high = np.arange(WAVINESS_ORDERS[0], HIGHEST_ORDER + 1, dtype=np.float64)
     amplitudes = [level_of_orders(low, 1.0, ROUNDNESS_ORDERS, roundness), level_of_orders(high, exponent, WAVINESS_ORDERS, waviness)]
     orders = np.concatenate([low, high])
-    return waves(random, orders, np.concatenate(amplitudes), contact_weight(orders / radius * width), RACEWAY_NODES)
+    return waves(
+        random, orders, np.concatenate(amplitudes), order_weights(ROUNDNESS_ORDERS[0], HIGHEST_ORDER, radius, width), RACEWAY_NODES
+    )
 
 
 @lru_cache(maxsize=256)
@@ -81,7 +92,13 @@ def roller_waves(seed: int, name: str, radius: float, widths: tuple[float, float
     return tuple(
         part
         for width in widths
-        for part in waves(random_stream(seed, name), orders, amplitudes, contact_weight(orders / radius * width), ROLLER_NODES)
+        for part in waves(
+            random_stream(seed, name),
+            orders,
+            amplitudes,
+            order_weights(ROLLER_ORDERS[0], HIGHEST_ROLLER_ORDER, radius, width),
+            ROLLER_NODES,
+        )
     )
 
 
@@ -95,12 +112,12 @@ def short_waves(
     root mean square ``rms`` [m] at the last of the contacts.
     """
     between = np.arange(orders[0] + 1, orders[1] + 1, dtype=np.float64)
-    weights = contact_weight(between / radius * widths[-1])
+    weights = order_weights(orders[0] + 1, orders[1], radius, widths[-1])
     amplitudes = np.full(len(between), rms * math.sqrt(2.0 / float((weights**2).sum())))
     return tuple(
         part
         for width in widths
-        for part in waves(random_stream(seed, name), between, amplitudes, contact_weight(between / radius * width), nodes)
+        for part in waves(random_stream(seed, name), between, amplitudes, order_weights(orders[0] + 1, orders[1], radius, width), nodes)
     )
 
 

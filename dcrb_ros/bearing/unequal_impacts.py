@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import ndtr
 
 from dcrb_ros.bearing.damage_tables import COLUMNS, LEAST_HEIGHT, RACEWAY_NODES, RINGS, ROLLER_NODES, add_damage, rounded
 from dcrb_ros.bearing.individual import Individual, surface_seed
@@ -114,6 +113,8 @@ def mean_strength(elements: Floats, shaft: float, white: float) -> float:
     if white == 0.0:
         return float(np.maximum(means, 0.0).mean())
     ratio = means / white
+    from scipy.special import ndtr
+
     return float((means * ndtr(ratio) + white * np.exp(-0.5 * ratio**2) / math.sqrt(2.0 * math.pi)).mean())
 
 

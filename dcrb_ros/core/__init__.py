@@ -18,6 +18,8 @@ import llvmlite.binding
 import numba
 import platformdirs
 
+from dcrb_ros.core.blas_check import assume_blas
+
 
 def _folder_name() -> str:
     sources = Path(__file__).resolve().parent
@@ -65,6 +67,7 @@ def _choose_cache() -> Path:
 
 
 CACHE = _choose_cache()
+assume_blas()
 
 
 def compiled() -> bool:

@@ -115,7 +115,7 @@ class Fault(Group):
     @classmethod
     def parameter(cls) -> tuple[Any, Any]:
         """Return type and default of the parameter below each of the `keys`."""
-        return cls, cls()
+        return cls, cls.model_construct()  # without compiling the group by itself
 
     @classmethod
     def from_parameter(cls, value: Any) -> Fault:

@@ -1,10 +1,15 @@
-"""Filter designs cached on disk beside the compiled kernels: importing scipy.signal takes a quarter of the start-up time."""
+"""Results of scipy cached on disk beside the compiled kernels: importing scipy takes longer than everything else at a start.
+
+These are the designs of filters, the static equilibrium and the weights of the contacts.
+"""
 
 from __future__ import annotations
 
 import functools
 import hashlib
+import inspect
 import io
+import itertools
 import os
 import pickle
 import tempfile
@@ -20,6 +25,8 @@ from dcrb_ros.schema.arrays import Floats
 
 DIGEST_SIZE = 32
 """Bytes of the SHA-256 before the result in a file [-]."""
+MOST_RESULTS = 256
+"""Files in the cache of one function; the oldest are removed [-]."""
 
 P = ParamSpec("P")
 
@@ -27,21 +34,43 @@ P = ParamSpec("P")
 def cached_on_disk(design: Callable[P, Floats]) -> Callable[P, Floats]:
     """Cache the result of a function that depends on its arguments alone; a cached result has the same bits.
 
-    The file name is a hash of the arguments, the versions of numpy and scipy and the sources of this package, so that no result is stale.
+    The file name is a hash of the arguments, the versions of numpy and scipy and the sources that compute it, so that no result is stale.
     """
+
+    sources = Path(inspect.getfile(design)).parent
 
     @functools.wraps(design)
     def cached(*args: P.args, **kwargs: P.kwargs) -> Floats:
-        name = hashlib.sha256(_versions() + pickle.dumps((design.__qualname__, args, kwargs), protocol=5)).hexdigest()
+        name = hashlib.sha256(_versions(sources) + pickle.dumps((design.__qualname__, args, kwargs), protocol=5)).hexdigest()
         path = folder() / f"{design.__name__}-{name[:32]}.npy"
         with suppress(OSError, ValueError, EOFError):
             return _read(path)
         made = design(*args, **kwargs)
         with suppress(OSError):
             _write(made, path)
+            _keep_newest(path.parent, f"{design.__name__}-*.npy")
         return made
 
     return cached
+
+
+def cached_at_start(calls: int) -> Callable[[Callable[P, Floats]], Callable[P, Floats]]:
+    """Return a decorator that caches the results of the first calls of a process on disk.
+
+    A start that finds them needs no scipy. A worker that simulates many bearings computes the others, which takes no longer than writing
+    them, and leaves no file for each.
+    """
+
+    def decorate(compute: Callable[P, Floats]) -> Callable[P, Floats]:
+        from_disk, number = cached_on_disk(compute), itertools.count()
+
+        @functools.wraps(compute)
+        def cached(*args: P.args, **kwargs: P.kwargs) -> Floats:
+            return (from_disk if next(number) < calls else compute)(*args, **kwargs)
+
+        return cached
+
+    return decorate
 
 
 def _read(path: Path) -> Floats:
@@ -66,11 +95,19 @@ def folder() -> Path:
 
 
 @functools.cache
-def _versions() -> bytes:
+def _versions(sources: Path) -> bytes:
+    """Return a hash of the versions of numpy and scipy and of the sources in a folder; the core's are in the name of the cache's folder."""
     digest = hashlib.sha256(f"{scipy.__version__} {np.__version__}".encode())
-    for source in sorted(Path(__file__).parent.rglob("*.py")):
+    for source in sorted({*sources.rglob("*.py"), *Path(__file__).parent.rglob("*.py")}):
         digest.update(source.read_bytes())
     return digest.digest()
+
+
+def _keep_newest(cache: Path, pattern: str) -> None:
+    """Remove all but the newest files of a pattern."""
+    files = sorted(cache.glob(pattern), key=lambda file: file.stat().st_mtime, reverse=True)
+    for file in files[MOST_RESULTS:]:
+        file.unlink(missing_ok=True)
 
 
 def _write(made: Floats, path: Path) -> None:

@@ -36,7 +36,8 @@ class Refusing(ModelMetaclass):
 class Group(BaseModel, metaclass=Refusing):
     """A group of parameters: immutable, without unknown keys, silent conversions or NaN."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+    # A group is compiled once, as a part of the configuration, not once more by itself when its module is imported.
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False, defer_build=True)
 
 
 def quantity(

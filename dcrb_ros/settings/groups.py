@@ -21,26 +21,29 @@ from dcrb_ros.settings.thermal import Thermal
 
 
 class ParameterGroups(Group):
-    """The groups of a configuration, which the rules about several groups take."""
+    """The groups of a configuration, which the rules about several groups take.
 
-    bearing: Bearing = Bearing()
-    housing: Housing = Housing()
-    lubrication: Lubrication = Lubrication()
-    thermal: Thermal = Thermal()
-    surfaces: Surfaces = Surfaces()
-    contact: Contact = Contact()
-    friction: Friction = Friction()
-    cage: Cage = Cage()
-    operating: Operating = Operating()
-    faults: Faults = Faults()
-    impacts: Impacts = Impacts()
-    simulation: SimulationParameters = SimulationParameters()
-    structure: Structure = Structure()
-    background: Background = Background()
-    sensor: SensorParameters = SensorParameters()
-    tacho: Tacho = Tacho()
-    publishing: Publishing = Publishing()
-    recording: Recording = Recording()
+    The defaults are valid. To check each of them would compile each group once more by itself.
+    """
+
+    bearing: Bearing = Bearing.model_construct()
+    housing: Housing = Housing.model_construct()
+    lubrication: Lubrication = Lubrication.model_construct()
+    thermal: Thermal = Thermal.model_construct()
+    surfaces: Surfaces = Surfaces.model_construct()
+    contact: Contact = Contact.model_construct()
+    friction: Friction = Friction.model_construct()
+    cage: Cage = Cage.model_construct()
+    operating: Operating = Operating.model_construct()
+    faults: Faults = Faults.model_construct()
+    impacts: Impacts = Impacts.model_construct()
+    simulation: SimulationParameters = SimulationParameters.model_construct()
+    structure: Structure = Structure.model_construct()
+    background: Background = Background.model_construct()
+    sensor: SensorParameters = SensorParameters.model_construct()
+    tacho: Tacho = Tacho.model_construct()
+    publishing: Publishing = Publishing.model_construct()
+    recording: Recording = Recording.model_construct()
     time_scale: float = quantity(
         1.0,
         "-",

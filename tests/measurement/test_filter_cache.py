@@ -49,7 +49,7 @@ def test_designs_differ_in_the_last_bit_of_an_argument(made: list[float]) -> Non
 def test_another_version_is_designed_again(made: list[float], monkeypatch: pytest.MonkeyPatch) -> None:
     thirds = design(made)
     thirds(0.1)
-    monkeypatch.setattr(filter_cache, "_versions", lambda: b"another")
+    monkeypatch.setattr(filter_cache, "_versions", lambda sources: b"another")
     thirds(0.1)
     assert len(made) == 2
 
@@ -84,3 +84,25 @@ def test_a_read_only_cache_is_ignored(made: list[float]) -> None:
     assert thirds(0.3).tolist() == thirds(0.3).tolist()
     assert made == [0.3, 0.3]
     assert [path.name for path in filter_cache.folder().parent.iterdir()] == ["filters"]
+
+
+def test_only_the_first_results_of_a_process_are_cached(made: list[float]) -> None:
+    @filter_cache.cached_at_start(2)
+    def thirds(factor: float) -> Floats:
+        made.append(factor)
+        return np.array([factor / 3.0])
+
+    for factor in (0.1, 0.2, 0.3):
+        assert thirds(factor).tolist() == [factor / 3.0]
+
+    assert made == [0.1, 0.2, 0.3]
+    assert len(list(filter_cache.folder().iterdir())) == 2
+
+
+def test_the_oldest_results_are_removed(made: list[float], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(filter_cache, "MOST_RESULTS", 2)
+    thirds = design(made)
+    for factor in (0.1, 0.2, 0.3):
+        thirds(factor)
+
+    assert len(list(filter_cache.folder().iterdir())) == 2
