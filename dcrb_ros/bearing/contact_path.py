@@ -6,6 +6,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from dcrb_ros.core.laws import hertz
 from dcrb_ros.measurement.filter_cache import cached_at_start
@@ -98,9 +99,8 @@ def contact_path(heights: Floats, spacing: float, radius: float, width: float) -
     rigid = envelope(raw, spacing, radius)
     if float((rigid - raw).max()) < BRIDGED:
         return ContactPath(*averaged(rigid, spacing, width), spacing)
-    from scipy.ndimage import minimum_filter1d
-
-    sunk = minimum_filter1d(np.minimum(rigid, 0.0), 2 * round(width / spacing) + 1, mode="nearest")
+    steps = round(width / spacing)
+    sunk = sliding_window_view(np.pad(np.minimum(rigid, 0.0), steps, mode="edge"), 2 * steps + 1).min(axis=-1)
     low, low_slope = averaged(sunk, spacing, EDGE_AVERAGE * width)
     high, high_slope = averaged(np.maximum(rigid, 0.0), spacing, width)
     return ContactPath(low + high, low_slope + high_slope, spacing)
