@@ -59,12 +59,16 @@ class Case(NamedTuple):
         """Return the statistics of the lines of a kind of defect, of BPFO if the bearing is healthy."""
         return signal_statistics(self.values, self.rate, self.shaft, self.orders, self.elements, order_of(self.orders, kind))
 
-    def ratios(self, kind: str) -> tuple[float, float]:
-        """Return R of the lines of a kind of defect in the envelope of 2 to 20 kHz and in the kurtogram's bands [-]."""
+    def ratio(self, kind: str) -> float:
+        """Return R of the lines of a kind of defect in the envelope of 2 to 20 kHz [-]."""
+        squared, rate = squared_envelope(self.values, self.rate)
+        return line_ratio(squared, rate, lines_of(squared, rate).fitted(order_of(self.orders, kind) * self.shaft), self.shaft)
+
+    def kurtogram_ratio(self, kind: str) -> float:
+        """Return R of the lines of a kind of defect in the bands of the kurtogram [-]."""
         squared, rate = squared_envelope(self.values, self.rate)
         frequency = lines_of(squared, rate).fitted(order_of(self.orders, kind) * self.shaft)
-        kurtogram = kurtogram_ratio(self.values - self.values.mean(), self.rate, frequency, self.shaft)
-        return line_ratio(squared, rate, frequency, self.shaft), kurtogram
+        return kurtogram_ratio(self.values - self.values.mean(), self.rate, frequency, self.shaft)
 
 
 class Row(NamedTuple):
@@ -124,7 +128,7 @@ def healthy_of(rig: str, case: Case, cases: Mapping[str, tuple[Case, str, str]])
 def row_of(case: Case, healthy: Case | None, kind: str, verdict: str = "") -> Row:
     """Return the statistics of a signal, and the growth of its lines over those of the healthy bearing of the machine."""
     found = case.statistics(kind)
-    ratio, kurtogram = healthy.ratios(kind) if healthy is not None else (float("nan"), float("nan"))
+    ratio, kurtogram = (healthy.ratio(kind), healthy.kurtogram_ratio(kind)) if healthy is not None else (float("nan"), float("nan"))
     return Row(case.name, found, found.ratio / ratio, found.kurtogram_ratio / kurtogram, verdict)
 
 

@@ -20,7 +20,7 @@ SHOWN = {"outer": (("6205", 1), ("6205", 2), ("axle box", 1)), "inner": (("6205"
 def typical(folder: Path, rig: str, kind: str) -> Case:
     """Return the recording of a rig with a kind of defect whose R is the median, the lower one of two."""
     found = [case for case, its, truth in recordings(folder).values() if (its, truth) == (RIGS[rig][0], TRUTHS[kind])]
-    ranked = sorted(found, key=lambda case: case.ratios(kind)[0])
+    ranked = sorted(found, key=lambda case: case.ratio(kind))
     return ranked[(len(ranked) - 1) // 2]
 
 
