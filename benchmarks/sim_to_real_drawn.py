@@ -48,7 +48,7 @@ def machine_windows(rig: Rig, bench: str, machine: Mapping[str, Any], number: in
         faults = {key: within(value, random.random()) if isinstance(value, dict) else value for key, value in defects(kind).items()}
         run = simulate(bench, SETTLING + seconds, settings={**settings, **drawn(bench, settings, kind, number + 1), **faults})
         values = run.acceleration[round(SETTLING * run.sampling_rate) :, 1].astype(np.float64)
-        angle = np.unwrap(run.shaft_angle[-len(values) :])
+        angle = np.unwrap(run.shaft_angle[-len(values) :].astype(np.float64))
         parts.append((features(values - values.mean(), run.sampling_rate, angle, run.orders), truth, str(number)))
     return Windows.of(parts)
 
