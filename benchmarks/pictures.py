@@ -35,11 +35,26 @@ DETECTOR = "detector bags"
 OILED = ("samples oiled_healthy", "samples oiled_outer_ring_defect", "samples oiled_inner_ring_defect", "samples oiled_roller_defect")
 BURN_OFF = ("bench healthy", "file config/scenarios/burn_off.yaml", "samples thermal")
 REPORT = ("drawing dcrb_ros/exam/figure.py", DETECTOR, *OILED, "samples oiled_cage_fracture")
-SIM_TO_REAL = ("bench healthy", "samples oiled_healthy", "drawing benchmarks/sim_to_real_figure.py")
-REALISM = ("samples oiled_healthy", "samples oiled_outer_ring_defect", "drawing benchmarks/realism.py:draw")
+SIM_TO_REAL = (
+    "bench ball_bearing_6205",
+    "samples balls",
+    "samples balls_outer",
+    "drawing benchmarks/signal_draws.py",
+    "drawing benchmarks/sim_to_real_figure.py",
+)
+DRAWN_ROW = "drawing benchmarks/realism.py:draw_row"
+REALISM = ("samples oiled_healthy", "samples oiled_outer_ring_defect", DRAWN_ROW)
+SIGNALS = (
+    "bench ball_bearing_6205",
+    "samples balls_outer",
+    "drawing benchmarks/signal_draws.py",
+    "drawing dcrb_ros/measurement/housing_priors.py",
+    DRAWN_ROW,
+)
+SIGNALS_RUN = "python {root}/benchmarks/signal_pictures.py $MEASURED -o {images} --kinds "
 LIVES = ("file config/sweeps/twenty_lives.yaml", "drawing examples/remaining_life.py", "samples oiled_outer_ring_defect")
 CALIBRATION = ("bench healthy", "samples oiled_healthy", "drawing dcrb_ros/plots/comparison.py")
-SIM_TO_REAL_RUN = "python {root}/benchmarks/sim_to_real.py $MEASURED -o out --machines 64 --seconds 8 && "
+SIM_TO_REAL_RUN = "python {root}/benchmarks/sim_to_real.py $MEASURED -o out && "
 LIVES_RUN = "dcrb sweep twenty_lives -o lives && python {root}/examples/remaining_life.py lives && "
 ABOUT_FAN = (
     "channels: {{ax: a}}\\nsampling_rate: 48000\\nunit: g\\nspeed_rpm: 1796.0\\n"
@@ -119,6 +134,8 @@ PICTURES = {
     "sim-to-real-gap": Picture(SIM_TO_REAL_RUN + "cp out/gaps.png {file}", SIM_TO_REAL),
     "realism-healthy": Picture("python {root}/benchmarks/realism.py $MEASURED --pictures {images}", ("bench healthy", *REALISM)),
     "realism-outer": Picture("python {root}/benchmarks/realism.py $MEASURED --pictures {images}", ("bench outer_ring_defect", *REALISM)),
+    "signals-outer": Picture(SIGNALS_RUN + "outer", ("bench healthy", *SIGNALS)),
+    "signals-inner": Picture(SIGNALS_RUN + "inner", SIGNALS),
     "calibration-rig": Picture(
         f"cp $MEASURED/recordings/cw48_N_0_FE.npz fan.npz && printf '{ABOUT_FAN}' > about.yaml && dcrb import fan.npz --about about.yaml"
         " -o healthy_run && dcrb calibrate healthy_run --trust -o my_machine.yaml && cp my_machine.png {file}",

@@ -1,8 +1,8 @@
 """Statistics and pictures of simulated bearings beside measured ones, for docs/results/realism.md.
 
-``python benchmarks/realism.py MEASURED [--pictures DIRECTORY]``; MEASURED is a folder with ``recordings.csv``, which names rig, truth,
-sampling rate, unit, speed and orders of each recording, and ``recordings/NAME.npz`` with its samples as ``a``. Only statistics and pictures
-leave it.
+``python benchmarks/realism.py MEASURED`` prints the statistics; with ``--pictures DIRECTORY`` it draws the pictures instead. MEASURED is a
+folder with ``recordings.csv``, which names rig, truth, sampling rate, unit, speed and orders of each recording, and ``recordings/NAME.npz``
+with its samples as ``a``. Only statistics and pictures leave it.
 """
 
 from __future__ import annotations
@@ -10,11 +10,13 @@ from __future__ import annotations
 import argparse
 import csv
 from collections import defaultdict
+from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
 from scipy import signal
 
 from dcrb_ros.bearing.frequencies import Orders, characteristic_orders
@@ -40,6 +42,12 @@ SHOWN = ("cw48_N_0", "hitself_Normal_1200", "mfpt_O3", "hitself_OR5_1200")
 """Measured recordings in the pictures: two of healthy bearings, two of outer-ring faults."""
 BORE, OUTSIDE = 0.130, 0.250
 """Diameters of NJ(P)3226X1 [m]."""
+ROW_NAMES = (
+    "time [ms], acceleration over its rms [-]",
+    "frequency [kHz], power density over the power [1/Hz]",
+    "order over BPFO, depth [-]",
+)
+"""Axes of a row of a picture."""
 POINTS = (
     *((speed, 100e3, 60.0) for speed in (31.416, 62.832, 125.664, 188.496)),
     *((125.664, load, 60.0) for load in (5e3, 20e3, 50e3, 200e3)),
@@ -123,59 +131,83 @@ def operating_points() -> None:
         print(f"| {speed * 30 / np.pi:.0f} | {load / 1e3:g} | {temperature:g} | {slips} | {power:.0f} | {skf:.0f} | {power / skf:.2f} |")
 
 
+class Signal(Protocol):
+    """What a row of a picture needs of a signal."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def values(self) -> Floats: ...
+    @property
+    def rate(self) -> float: ...
+    @property
+    def shaft(self) -> float: ...
+
+
+def draw_row(row: Sequence[Axes], case: Signal, order: float) -> None:
+    """Draw a signal, its power spectrum and its squared envelope spectrum over multiples of an order [-]."""
+    rms = float(case.values.std())
+    count = round(0.1 * case.rate)
+    row[0].plot(np.arange(count) / case.rate * 1e3, case.values[:count] / rms, linewidth=0.5, color="#404040")
+    row[0].set_title(f"{case.name}, rms {rms:.2g} m/s²", fontsize="small", loc="left")
+    frequency, density = signal.welch(case.values / rms, case.rate, nperseg=4096)
+    row[1].semilogy(frequency / 1e3, density, linewidth=0.7, color="#0072B2")
+    row[1].set_xlim(0.0, 25.0)
+    row[1].set_ylim(1e-9, 1e-2)
+    squared, rate = squared_envelope(case.values, case.rate)
+    lines = lines_of(squared, rate)
+    orders = lines.spacing * np.arange(len(lines.depth)) / case.shaft
+    shown = orders < 3.5 * order
+    row[2].plot(orders[shown] / order, lines.depth[shown], linewidth=0.7, color="#D55E00")
+    row[2].set_ylim(0.0, 1.8 if lines.depth[shown].max() > 0.35 else 0.4)
+    for ax in row:
+        ax.grid(alpha=0.25, linewidth=0.6)
+        ax.tick_params(labelsize="x-small")
+
+
 def draw(path: Path, cases: list[Case]) -> None:
-    """Draw signals, their power spectra and their squared envelope spectra, a row for each case."""
+    """Draw a row for each case."""
     figure, axes = plt.subplots(len(cases), 3, figsize=(13.0, 2.1 * len(cases)), layout="constrained")
     for row, case in zip(axes, cases, strict=True):
-        rms = float(case.values.std())
-        count = round(0.1 * case.rate)
-        row[0].plot(np.arange(count) / case.rate * 1e3, case.values[:count] / rms, linewidth=0.5, color="#404040")
-        row[0].set_title(f"{case.name}, rms {rms:.2g} m/s²", fontsize="small", loc="left")
-        frequency, density = signal.welch(case.values / rms, case.rate, nperseg=4096)
-        row[1].semilogy(frequency / 1e3, density, linewidth=0.7, color="#0072B2")
-        row[1].set_xlim(0.0, 25.0)
-        row[1].set_ylim(1e-9, 1e-2)
-        squared, rate = squared_envelope(case.values, case.rate)
-        lines = lines_of(squared, rate)
-        order = lines.spacing * np.arange(len(lines.depth)) / case.shaft
-        shown = order < 3.5 * case.orders.bpfo
-        row[2].plot(order[shown] / case.orders.bpfo, lines.depth[shown], linewidth=0.7, color="#D55E00")
-        row[2].set_ylim(0.0, 1.8 if lines.depth[shown].max() > 0.35 else 0.4)
-        for ax in row:
-            ax.grid(alpha=0.25, linewidth=0.6)
-            ax.tick_params(labelsize="x-small")
-    names = (
-        "time [ms], acceleration over its rms [-]",
-        "frequency [kHz], power density over the power [1/Hz]",
-        "order over BPFO, depth [-]",
-    )
-    for ax, name in zip(axes[-1], names, strict=True):
+        draw_row(row, case, case.orders.bpfo)
+    for ax, name in zip(axes[-1], ROW_NAMES, strict=True):
         ax.set_xlabel(name, fontsize="small")
     figure.savefig(path, dpi=80)
     plt.close(figure)
 
 
-def main() -> None:
-    """Print the tables, and draw the pictures."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("measured", type=Path)
-    parser.add_argument("--pictures", type=Path)
-    given = parser.parse_args()
+def draw_pictures(folder: Path, pictures: Path) -> None:
+    """Draw two simulated individuals beside two measured bearings, healthy and with a defect of the outer ring."""
+    named = {case.name: case for cases in measured(folder).values() for case in cases}
+    shown = [named[name] for name in SHOWN]
+    for truth, name, theirs in (("healthy", "realism-healthy.png", shown[:2]), ("outer_ring", "realism-outer.png", shown[2:])):
+        draw(pictures / name, [*(simulated(BENCHES[truth], seed)[0] for seed in SEEDS[:2]), *theirs])
+
+
+def print_tables(folder: Path) -> None:
+    """Print the statistics of simulated and measured bearings, and friction over the operating points."""
     ours, rings = {}, {}
     for truth, bench in BENCHES.items():
         ours[truth], rings[truth] = map(list, zip(*(simulated(bench, seed) for seed in SEEDS), strict=True))
-    theirs = measured(given.measured)
+    theirs = measured(folder)
     for truth in BENCHES:
         both = {"simulated": ours[truth], "simulated, rigid box": rings[truth]}
         table(truth, both | {rig: cases for (its, rig), cases in theirs.items() if its == truth})
     at_speeds = {name: [simulated("healthy", seed, f"operating.speed={speed}")[1] for seed in SEEDS] for name, speed in SPEEDS.items()}
     table("healthy, rigid box", {"1200 rpm": rings["healthy"], **at_speeds})
     operating_points()
+
+
+def main() -> None:
+    """Print the tables, or draw the pictures."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("measured", type=Path)
+    parser.add_argument("--pictures", type=Path, help="folder of the pictures; then no tables are made")
+    given = parser.parse_args()
     if given.pictures:
-        named = {case.name: case for cases in theirs.values() for case in cases}
-        shown = [named[name] for name in SHOWN]
-        draw(given.pictures / "realism-healthy.png", [ours["healthy"][0], ours["healthy"][1], *shown[:2]])
-        draw(given.pictures / "realism-outer.png", [ours["outer_ring"][0], ours["outer_ring"][1], *shown[2:]])
+        draw_pictures(given.measured, given.pictures)
+    else:
+        print_tables(given.measured)
 
 
 if __name__ == "__main__":

@@ -25,6 +25,7 @@ from sim_to_real_data import (
     simulated_windows,
     sweep_tree,
 )
+from sim_to_real_drawn import drawn_windows
 from sim_to_real_figure import write_figure, write_gaps
 from sim_to_real_gap import Gap, gaps_of
 from sim_to_real_noise import noisy_windows
@@ -38,7 +39,8 @@ SPEED = "operating.speed"
 """Beginning of the keys that the calibration estimates from the angle of the shaft."""
 SHAPES = {"with band levels": (True, False), "without": (False, False), "that match": (True, True)}
 """Sets of features: with levels of bands, and only those that match the healthy machine."""
-UNCALIBRATED, CALIBRATED = "simulated, uncalibrated", "simulated, calibrated"
+UNCALIBRATED, RIGID, CALIBRATED = "simulated, uncalibrated", "simulated, rigid path", "simulated, calibrated"
+"""Trainings: machines of a laboratory drawn from ranges, the bench at the ring, and machines like the calibrated one."""
 OWN = "its own other bearings"
 """The training that shows what these features allow at most."""
 
@@ -46,9 +48,9 @@ Row = tuple[str, str, str, Score]
 """Rig, training, set of features and score."""
 
 
-def uncalibrated(rig: Rig, folder: Path, machines: int, seconds: float, workers: int) -> Windows:
-    """Return windows of the rig's bearing on the bench as shipped: rigid path, noise of a usual sensor."""
-    return simulated_windows(sweep_tree(rig, BENCH, settings_of(rig), {}, machines, seconds), folder / f"{rig.name}-uncalibrated", workers)
+def rigid(rig: Rig, folder: Path, machines: int, seconds: float, workers: int) -> Windows:
+    """Return windows of the rig's bearing at the ring, with equal impacts and the noise of a usual sensor."""
+    return simulated_windows(sweep_tree(rig, BENCH, settings_of(rig), {}, machines, seconds), folder / f"{rig.name}-rigid", workers)
 
 
 def calibrated(rig: Rig, healthy: list[Measured], folder: Path, machines: int, seconds: float, workers: int) -> Windows:
@@ -141,17 +143,18 @@ def main(arguments: list[str] | None = None) -> int:
     gaps: list[Gap] = []
     for rig in (rig for rig in RIGS if rig.name in given.rigs):
         size = given.output, given.machines, given.seconds, given.workers
-        trainings = {UNCALIBRATED: uncalibrated(rig, *size)}
+        drawn = drawn_windows(rig, BENCH, given.output / f"{rig.name}-uncalibrated", given.machines, given.seconds)
+        trainings = {UNCALIBRATED: drawn, RIGID: rigid(rig, *size)}
         healthy, _ = measured(given.measured, rig)
         if healthy:
             trainings[CALIBRATED] = calibrated(rig, healthy, *size)
-            trainings["simulated, noise of the machine"] = noisy_windows(given.output / f"{rig.name}-uncalibrated", healthy)
+            trainings["simulated, noise of the machine"] = noisy_windows(given.output / f"{rig.name}-rigid", healthy)
         trainings |= {f"measured on {name}": windows for name, windows in tests.items() if name != rig.name}
         known = measured_windows(healthy) if healthy else None
         rows += rows_of(rig, trainings, tests[rig.name], known)
         if known is not None:
             gains += gains_of(rig, trainings, tests[rig.name], known)
-            simulated = {name: trainings[name] for name in (UNCALIBRATED, CALIBRATED)}
+            simulated = {name: trainings[name] for name in (UNCALIBRATED, RIGID, CALIBRATED)}
             gaps += gaps_of(rig.name, simulated, tests[rig.name], known)
     table = "\n".join((markdown(rows), markdown_of_gains(gains), markdown_of_gaps(gaps)))
     (given.output / "table.md").write_text(table)

@@ -164,12 +164,9 @@ def settings_of(rig: Rig) -> dict[str, Any]:
     }
 
 
-def sweep_tree(rig: Rig, base: str, fixed: Mapping[str, Any], vary: Mapping[str, Any], machines: int, seconds: float) -> dict[str, Any]:
-    """Return a sweep over machines of a rig, each healthy and with a defect of each component."""
-    raceway = {"width": {"low": 1.5e-4, "high": 1.5e-3, "scale": "log"}, "depth": {"low": 1e-5, "high": 1e-4, "scale": "log"}}
-    spall = raceway | {"kind": "spall", "share": {"low": 0.3, "high": 1.0}, "azimuth": {"low": -1.0, "high": 1.0}}
-    ball = {"width": {"low": 1.5e-4, "high": 8e-4, "scale": "log"}, "depth": {"low": 1e-5, "high": 1e-4, "scale": "log"}}
-    drawn = {
+def conditions(rig: Rig) -> dict[str, dict[str, Any]]:
+    """Return the ranges of speed, load and bearing of a rig's machines."""
+    return {
         "operating.speed": dict(zip(("low", "high"), rig.speed, strict=True)),
         "operating.load": {**dict(zip(("low", "high"), rig.load, strict=True)), "scale": "log"},
         "operating.speed_fluctuation": {"low": 3e-4, "high": 3e-3, "scale": "log"},
@@ -177,18 +174,33 @@ def sweep_tree(rig: Rig, base: str, fixed: Mapping[str, Any], vary: Mapping[str,
         "surfaces.waviness": {"low": 1e-8, "high": 1e-7, "scale": "log"},
         "surfaces.run_out": {"low": 5e-7, "high": 5e-6, "scale": "log"},
     }
+
+
+def defects(kind: str) -> dict[str, Any]:
+    """Return the settings of a kind of defect, ``outer``, ``inner`` or ``ball``, with ranges of its size; none of ``healthy``."""
+    depth = {"low": 1e-5, "high": 1e-4, "scale": "log"}
+    if kind == "ball":
+        ball = {"width": {"low": 1.5e-4, "high": 8e-4, "scale": "log"}, "depth": depth}
+        return {f"faults.roller_1.{key}": value for key, value in ball.items()}
+    spall = {
+        "width": {"low": 1.5e-4, "high": 1.5e-3, "scale": "log"},
+        "depth": depth,
+        "kind": "spall",
+        "share": {"low": 0.3, "high": 1.0},
+        "azimuth": {"low": -1.0, "high": 1.0},
+    }
+    return {f"faults.{kind}_1.{key}": value for key, value in spall.items()} if kind != "healthy" else {}
+
+
+def sweep_tree(rig: Rig, base: str, fixed: Mapping[str, Any], vary: Mapping[str, Any], machines: int, seconds: float) -> dict[str, Any]:
+    """Return a sweep over machines of a rig, each healthy and with a defect of each component."""
     return {
         "base": base,
         "set": dict(fixed),
         "design": "latin_hypercube",
         "points": machines,
-        "vary": drawn | dict(vary),
-        "cases": {
-            "healthy": {},
-            "outer": {f"faults.outer_1.{key}": value for key, value in spall.items()},
-            "inner": {f"faults.inner_1.{key}": value for key, value in spall.items()},
-            "ball": {f"faults.roller_1.{key}": value for key, value in ball.items()},
-        },
+        "vary": conditions(rig) | dict(vary),
+        "cases": {kind: defects(kind) for kind in ("healthy", "outer", "inner", "ball")},
         "branch_at": 0.3,
         "settle": 0.15,
         "duration": seconds,

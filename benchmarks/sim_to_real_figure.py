@@ -9,6 +9,9 @@ import matplotlib.pyplot as plt
 from sim_to_real_gap import Gap
 from sim_to_real_scores import Score
 
+COLOURS = ("C0", "0.6", "C2")
+"""Colours of the trainings."""
+
 
 def write_figure(rows: Sequence[tuple[str, str, str, Score]], path: Path) -> None:
     """Write macro AUROC with its bounds by rig and training; of the sets of features the one without band levels."""
@@ -39,8 +42,9 @@ def write_gaps(gaps: Sequence[Gap], path: Path) -> None:
         rig, levels = rigs[number // 2], number % 2 == 0
         for k, training in enumerate(trainings):
             scores = [gap for gap in gaps if (gap.rig, gap.training) == (rig, training)]
-            positions = [row + 0.4 * k - 0.2 for row in range(len(scores))]
-            axis.bar(positions, [gap.level if levels else gap.shape for gap in scores], 0.38, color=("0.6", "C0")[k], label=training)
+            width = 0.8 / len(trainings)
+            positions = [row + width * (k + 0.5) - 0.4 for row in range(len(scores))]
+            axis.bar(positions, [gap.level if levels else gap.shape for gap in scores], 0.95 * width, color=COLOURS[k], label=training)
             axis.set_xticks(range(len(scores)), [gap.fault.replace("_", " ") for gap in scores], fontsize=8)
         axis.set_title(f"{rig}: {'band levels' if levels else 'all other features'}", fontsize=10)
         axis.grid(axis="y", alpha=0.3)

@@ -29,10 +29,10 @@ def gaps_of(rig: str, trainings: Mapping[str, Windows], test: Windows, healthy: 
     truth, values, count = np.array(test.truth), gain_free(test, True), gain_free(test, False).shape[1]
     gaps = []
     for training, windows in trainings.items():
-        simulated, truth = gain_free(windows, True), np.array(windows.truth)
+        simulated, its_truth = gain_free(windows, True), np.array(windows.truth)
         for fault in (name for name in CLASSES if name in test.truth):
             measured = gain_free(healthy, True) if fault == "healthy" else values[truth == fault]
-            apart = separations(measured, simulated[truth == fault])
+            apart = separations(measured, simulated[its_truth == fault])
             gaps.append(Gap(rig, training, fault, float(apart[:count].mean()), float(apart[count:].mean())))
     return gaps
 

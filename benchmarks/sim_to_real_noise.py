@@ -1,4 +1,4 @@
-"""Uncalibrated runs in the noise of the machine, with an arbitrary share of the bearing.
+"""Runs at the ring in the noise of the machine, with an arbitrary share of the bearing.
 
 Each simulated machine gets Gaussian noise with the spectrum of the healthy recording, and its bearing a share of the power from 1 to 100 %.
 """

@@ -75,11 +75,16 @@ class Lines(NamedTuple):
         return float(tried[np.argmax(np.log(np.maximum(depths, 1e-12)).sum(axis=0))])
 
 
-def squared_envelope(signal: Floats, rate: float) -> tuple[Floats, float]:
-    """Return the squared envelope between 2 and 20 kHz, or to 0.45 of the sampling rate if that is less, and its own rate [Hz]."""
-    band = Band(DEFAULT_BAND[0], min(DEFAULT_BAND[1], NYQUIST_SHARE * rate))
-    ((angles, squared),) = Demodulator((band,), round(rate), len(signal)).squared_envelopes(signal[:, None])
-    return squared, rate / float(angles[1])
+def wide_band(rate: float) -> Band:
+    """Return the band from 2 to 20 kHz, or to 0.45 of the sampling rate [Hz] if that is less."""
+    return Band(DEFAULT_BAND[0], min(DEFAULT_BAND[1], NYQUIST_SHARE * rate))
+
+
+def squared_envelope(signal: Floats, rate: float, band: Band | None = None) -> tuple[Floats, float]:
+    """Return the squared envelope of a band, by default `wide_band`, and its own sampling rate [Hz]."""
+    band = wide_band(rate) if band is None else band
+    ((positions, squared),) = Demodulator((band,), round(rate), len(signal)).squared_envelopes(signal[:, None])
+    return squared[positions < len(signal)], rate / float(positions[1])  # without the zeros behind the signal
 
 
 def lines_of(squared: Floats, rate: float) -> Lines:
@@ -107,15 +112,21 @@ def wander(squared: Floats, rate: float, frequency: float) -> float:
     return float(np.std(np.diff(phases)) / (2.0 * np.pi * order * frequency * hop / rate))
 
 
-def statistics(signal: npt.NDArray[np.floating], rate: float, shaft_frequency: float, orders: Orders) -> Statistics:
-    """Return the statistics of one axis, shape (samples,), at a sampling rate and a shaft frequency [Hz]."""
+def statistics(
+    signal: npt.NDArray[np.floating], rate: float, shaft_frequency: float, orders: Orders, order: float | None = None
+) -> Statistics:
+    """Return the statistics of one axis, shape (samples,), at a sampling rate and a shaft frequency [Hz].
+
+    The lines are those of BPFO, or of another kinematic ``order`` [-], as BPFI of a defect of the inner ring.
+    """
+    order = orders.bpfo if order is None else order
     values = np.asarray(signal, np.float64) - float(np.mean(signal))
     power = float((values**2).mean())
     squared, its_rate = squared_envelope(values, rate)
     lines = lines_of(squared, its_rate)
-    bpfo = lines.fitted(orders.bpfo * shaft_frequency)
+    bpfo = lines.fitted(order * shaft_frequency)
     depth = float(lines.at(bpfo))
-    ftf = bpfo * orders.ftf / orders.bpfo
+    ftf = bpfo * orders.ftf / order
     beside = lines.at(np.array([bpfo - shaft_frequency, bpfo + shaft_frequency]))
     spectrum = np.abs(fft.rfft(values * np.hanning(len(values)))) ** 2
     below = spectrum[: round(LOW * len(values) / rate)].sum() / spectrum.sum()
@@ -126,7 +137,7 @@ def statistics(signal: npt.NDArray[np.floating], rate: float, shaft_frequency: f
         bpfo_depth=depth,
         cage_depth=float(np.median(lines.at(CAGE_LINES * ftf))),
         sidebands=float(beside.mean()) / max(depth, 1e-12),
-        departure=bpfo / (orders.bpfo * shaft_frequency) - 1.0,
+        departure=bpfo / (order * shaft_frequency) - 1.0,
         wander=wander(squared, its_rate, bpfo),
         crest=10.0 * float(np.log10(np.percentile(squared, HIGH_PERCENTILE) / np.median(squared))),
         harmonics=(depth, float(lines.at(8.0 * bpfo))),

@@ -1,0 +1,105 @@
+"""Statistics of impacts of simulated bearings beside those of measured rigs, for docs/results/signals.md.
+
+``python benchmarks/signal_realism.py MEASURED -o FOLDER [--page FILE] [--machines 16]``; MEASURED is a folder as for `realism.py`. The
+statistics of each variant are kept in FOLDER, and a second call continues. ``--page`` rewrites the part of a page between its marks.
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import re
+import subprocess
+import time
+from collections import defaultdict
+from collections.abc import Iterator
+from pathlib import Path
+
+from signal_machines import RIGS, Row, measured_rows, read_rows, simulated_rows, write_rows
+from signal_page import aims_table, table
+
+from dcrb_ros.text.writing import write_whole
+
+KINDS = {
+    "outer": "Defects of the outer ring",
+    "inner": "Defects of the inner ring",
+    "ball": "Defects of balls",
+    "healthy": "Healthy bearings",
+}
+VARIANTS = {
+    "equal": {"ring": "ring, equal impacts", "sensor": "housing, equal impacts"},
+    "drawn": {"ring": "ring, unequal impacts", "sensor": "all"},
+}
+"""The parts of the model by drawing and place: housing, impacts that differ, and background."""
+SHOWN = tuple(name for names in VARIANTS.values() for name in names.values())
+MARKS = re.compile(r"(<!-- begin of the tables -->\n).*(<!-- end of the tables -->)", re.DOTALL)
+
+
+def key(bearing: str, variant: str, kind: str) -> str:
+    """Return the name of a group of signals."""
+    return f"{bearing}: {variant}: {kind}"
+
+
+def simulated(folder: Path, bearing: str, machines: int) -> dict[str, list[Row]]:
+    """Return the rows of all variants of a simulated bearing, continued from a folder."""
+    groups: dict[str, list[Row]] = defaultdict(list)
+    for seed, (drawing, variants) in itertools.product(range(1, machines + 1), VARIANTS.items()):
+        path = folder / f"{bearing.replace(' ', '-')}-{drawing}-{seed}.json"
+        if not path.exists():
+            found: dict[str, list[Row]] = defaultdict(list)
+            for place, kind, row in simulated_rows(bearing, seed, drawing):
+                found[key(bearing, variants[place], kind)].append(row)
+            write_rows(path, found)
+            print(f"{bearing}, {drawing}, machine {seed}", flush=True)
+        for name, rows in read_rows(path).items():
+            groups[name] += rows
+    return groups
+
+
+def measured(folder: Path, output: Path) -> dict[str, list[Row]]:
+    """Return the rows of the measured rigs by rig and kind of defect."""
+    path = output / "measured.json"
+    if not path.exists():
+        write_rows(path, {f"{rig}: {kind}": measured_rows(folder, rig, kind) for rig in RIGS for kind in KINDS})
+    return read_rows(path)
+
+
+def page(rigs: dict[str, list[Row]], groups: dict[str, list[Row]], machines: int) -> Iterator[str]:
+    """Yield the tables as lines of Markdown."""
+    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], stdout=subprocess.PIPE, text=True, check=True).stdout.strip()
+    date = time.strftime("%d %B %Y", time.gmtime()).lstrip("0")
+    yield f"`python benchmarks/signal_realism.py`, {machines} machines, {date}, commit `{commit}`."
+    yield ""
+    yield "## Expected ranges"
+    yield ""
+    yield from aims_table(lambda variant, kind: groups.get(key("6205", variant, kind), []), SHOWN)
+    for kind, title in KINDS.items():
+        yield from ("", f"## {title}", "")
+        shown = {rig: rigs[f"{rig}: {kind}"] for rig in RIGS if rigs[f"{rig}: {kind}"]}
+        shown |= {f"6205, {variant}": groups[key("6205", variant, kind)] for variant in SHOWN}
+        shown |= {f"axle box, {v}": groups[key("axle box", v, kind)] for v in SHOWN if groups.get(key("axle box", v, kind))}
+        yield from table(shown)
+    yield ""
+
+
+def main() -> None:
+    """Simulate what is missing, and print the tables or write them to a page."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("measured", type=Path)
+    parser.add_argument("-o", "--output", type=Path, default=Path("signals"))
+    parser.add_argument("--machines", type=int, default=16)
+    parser.add_argument("--boxes", type=int, default=8)
+    parser.add_argument("--page", type=Path)
+    given = parser.parse_args()
+    given.output.mkdir(parents=True, exist_ok=True)
+    rigs = measured(given.measured, given.output)
+    groups = simulated(given.output, "6205", given.machines) | simulated(given.output, "axle box", given.boxes)
+    text = "\n".join(page(rigs, groups, given.machines))
+    if given.page is None:
+        print(text)
+    else:
+        write_whole(given.page, MARKS.sub(lambda match: f"{match[1]}\n{text}\n{match[2]}", given.page.read_text(encoding="utf-8")))
+
+
+if __name__ == "__main__":
+    main()

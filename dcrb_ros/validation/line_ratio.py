@@ -1,0 +1,110 @@
+"""The lines of an envelope relative to the spectrum around them, and their growth from a healthy bearing to a faulty one."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+from scipy import fft
+
+from dcrb_ros.diagnosis.demodulation import Band, Demodulator, kurtosis
+from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.refusal import Refusal
+
+WINDOW, HOP = 1.0, 0.5
+"""Length and distance of the windows [s]."""
+HARMONICS = (1, 2, 3)
+NEAR = 0.02
+"""Relative distance from a harmonic within which the largest line counts [-]."""
+AROUND = 1.5
+"""Distance from a harmonic within which the median is taken [turns of the shaft]."""
+LARGEST_SHARE = 0.43
+"""Highest edge of the bands of a kurtogram relative to the sampling rate [-]: anti-alias filters act above it."""
+LEVELS = 5
+"""Levels of the tree of bands; each divides into two or into three [-]."""
+HANN_GAIN = 0.98
+"""Ratio of a line to the median of the spectrum around it for independent energies of scatter 1, per square root of the impacts [-]."""
+
+
+def line_ratio(squared: Floats, rate: float, frequency: float, shaft_frequency: float) -> float:
+    """Return R [-], the sum over three harmonics of a line over the median of the spectrum around it; the median of windows of 1 s.
+
+    Args:
+        squared: squared envelope, shape (samples,).
+        rate: its sampling rate [Hz].
+        frequency: fundamental of the line [Hz].
+        shaft_frequency: [Hz]
+
+    Raises:
+        Refusal: the envelope is shorter than a window.
+    """
+    count = round(WINDOW * rate)
+    if len(squared) < count:
+        raise Refusal(f"an envelope of {len(squared) / rate:.3g} s is shorter than the window of {WINDOW:g} s: analyse a longer recording")
+    starts = range(0, len(squared) - count + 1, round(HOP * rate))
+    return float(np.median([window_ratio(squared[start : start + count], rate, frequency, shaft_frequency) for start in starts]))
+
+
+def window_ratio(squared: Floats, rate: float, frequency: float, shaft_frequency: float) -> float:
+    """Return R [-] of one window; the arguments are those of `line_ratio`."""
+    amplitude = np.abs(fft.rfft((squared - squared.mean()) * np.hanning(len(squared))))
+    axis, ratio = np.arange(len(amplitude)) * rate / len(squared), 0.0
+    for harmonic in HARMONICS:
+        apart = np.abs(axis - harmonic * frequency)
+        ratio += float(amplitude[apart <= NEAR * harmonic * frequency].max() / np.median(amplitude[apart <= AROUND * shaft_frequency]))
+    return ratio
+
+
+def expected_ratio(rate: float, energy_scatter: float, time_scatter: float = 0.0) -> float:
+    r"""Return R [-] of a train without noise.
+
+    .. math:: R = 0.98 \sum_{k=1}^{3} \sqrt{N / (c_E^2 + (2 \pi k f \sigma_t)^2)}
+
+    with N impacts in the window of 1 s. The background between the lines is that of independent energies and times.
+
+    Args:
+        rate: impacts per second, f [Hz].
+        energy_scatter: standard deviation of the energies over their mean, c_E [-].
+        time_scatter: standard deviation of independent errors of the times, sigma_t [s].
+    """
+    turns = 2.0 * np.pi * np.array(HARMONICS) * rate * time_scatter
+    return float(HANN_GAIN * np.sqrt(rate * WINDOW / (energy_scatter**2 + turns**2)).sum())
+
+
+def kurtogram_ratio(signal: npt.NDArray[np.floating], rate: float, frequency: float, shaft_frequency: float) -> float:
+    """Return R [-] in the band with the largest spectral kurtosis, chosen anew in each window of 1 s; the median of the windows.
+
+    The bands are those of a 1/3-binary tree that ends at 0.43 of the sampling rate (Antoni 2007, "Fast computation of the kurtogram for
+    the detection of transient faults", Mech. Syst. Signal Process. 21). A band is wide enough for three harmonics of the line.
+
+    Args:
+        signal: shape (samples,).
+        rate: its sampling rate [Hz].
+        frequency: fundamental of the line [Hz].
+        shaft_frequency: [Hz]
+
+    Raises:
+        Refusal: the signal is shorter than a window, or no band contains three harmonics.
+    """
+    count, narrowest = round(WINDOW * rate), (HARMONICS[-1] + 1) * frequency
+    tree = kurtogram_bands(rate, narrowest)
+    if len(signal) < count or not tree:
+        raise Refusal(
+            f"{len(signal) / rate:.3g} s at {rate:g} Hz have no window of {WINDOW:g} s with a band of {narrowest:.4g} Hz: analyse a "
+            "longer recording or one with a higher sampling rate"
+        )
+    demodulator, ratios = Demodulator(tree, round(rate), count), []
+    for start in range(0, len(signal) - count + 1, round(HOP * rate)):
+        part = signal[start : start + count]
+        envelopes = demodulator.squared_envelopes((part - part.mean())[:, None])
+        positions, squared = max(envelopes, key=lambda one: float(kurtosis(one[1][None])[0]))
+        ratios.append(window_ratio(squared, rate / float(positions[1]), frequency, shaft_frequency))
+    return float(np.median(ratios))
+
+
+def kurtogram_bands(rate: float, narrowest: float) -> tuple[Band, ...]:
+    """Return the bands of the tree of a sampling rate [Hz] that are at least as wide as ``narrowest`` [Hz]."""
+    counts = [count for level in range(1, LEVELS + 1) for count in (2**level, 3 * 2 ** (level - 1))]
+    edges = (pairwise(np.linspace(0.0, LARGEST_SHARE * rate, count + 1)) for count in counts)
+    return tuple(Band(float(low), float(high)) for pairs in edges for low, high in pairs if high - low >= narrowest)
