@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numba import njit
 
@@ -78,3 +80,71 @@ def interpolated(known: Floats, at: Integers, position: Floats, weights: Floats,
             x += weight * known[first + tap, 0]
             y += weight * known[first + tap, 1]
         out[i, 0], out[i, 1] = x, y
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def near_sums(taps: Floats, known: Floats) -> Floats:
+    """Return the sums of ``taps``, shape (axes, taps), times the samples up to each one, shape (axes, samples - taps + 1).
+
+    Each sum adds its products from the newest sample back; parts of 512 sums stay in the cache of the processor.
+    """
+    axes, length = taps.shape
+    count = known.shape[1] - length + 1
+    sums = np.zeros((axes, count))
+    for axis in range(axes):
+        for first in range(0, count, 512):
+            part = sums[axis, first : min(first + 512, count)]
+            size = part.shape[0]
+            for tap in range(0, length - length % 4, 4):
+                a, b, c, d = taps[axis, tap], taps[axis, tap + 1], taps[axis, tap + 2], taps[axis, tap + 3]
+                newest = first + length - 1 - tap
+                now, one = known[axis, newest : newest + size], known[axis, newest - 1 : newest - 1 + size]
+                two, three = known[axis, newest - 2 : newest - 2 + size], known[axis, newest - 3 : newest - 3 + size]
+                for i in range(size):
+                    part[i] = part[i] + a * now[i] + b * one[i] + c * two[i] + d * three[i]
+            for tap in range(length - length % 4, length):
+                for i in range(size):
+                    part[i] += taps[axis, tap] * known[axis, first + length - 1 - tap + i]
+    return sums
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def product_sums(responses: Floats, inputs: Floats, newest: int) -> Floats:
+    """Return the sum of complex ``responses`` times ``inputs``, shape (axes, 2, bins).
+
+    Both have shape (frames, axes, 2, bins), real and imaginary parts, and an even number of frames. ``inputs`` is a ring: the newest frame
+    is multiplied by the first response, the one before it by the second, and so on.
+    """
+    frames, axes, _, bins = responses.shape
+    sums = np.zeros((axes, 2, bins))
+    for axis in range(axes):
+        real, imaginary = sums[axis, 0], sums[axis, 1]
+        for k in range(0, frames, 2):
+            first, second = (newest - k + frames) % frames, (newest - k - 1 + frames) % frames
+            a, b, c, d = responses[k, axis, 0], responses[k, axis, 1], inputs[first, axis, 0], inputs[first, axis, 1]
+            p, q, r, s = responses[k + 1, axis, 0], responses[k + 1, axis, 1], inputs[second, axis, 0], inputs[second, axis, 1]
+            for i in range(bins):
+                real[i] = real[i] + (a[i] * c[i] - b[i] * d[i]) + (p[i] * r[i] - q[i] * s[i])
+                imaginary[i] = imaginary[i] + (a[i] * d[i] + b[i] * c[i]) + (p[i] * s[i] + q[i] * r[i])
+    return sums
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def add_modes(tangent: Floats, loss: Floats, participation: Floats, response: Floats) -> None:
+    """Add the impulse responses of participation s^2 / (s^2 + loss w s + w^2) to ``response``, shape (axes, samples).
+
+    ``tangent`` is tan(pi f / rate) of each mode, and ``participation`` has shape (axes, modes). A mode ends once it has decayed to 1e-14.
+    """
+    axes, samples = response.shape
+    for mode in range(len(tangent)):
+        t, damping = tangent[mode], loss[mode] * tangent[mode]
+        scale = 1.0 / (1.0 + damping + t * t)
+        p, q = 2.0 * (1.0 - t * t) * scale, (damping - 1.0 - t * t) * scale
+        duration = min(samples, 2 + int(-64.5 / math.log(-q)))
+        before = last = 0.0
+        for i in range(duration):
+            force = scale if i == 0 or i == 2 else (-2.0 * scale if i == 1 else 0.0)
+            present = force + p * last + q * before
+            before, last = last, present
+            for axis in range(axes):
+                response[axis, i] += participation[axis, mode] * present

@@ -20,6 +20,7 @@ PER_STEP = _stages(
     "background:Background",
     "traction_drive:TractionDrive",
     "structure:AxleBox",
+    "housing:Housing",
     "path:MeasuredPath",
     "machine_noise:MachineNoise",
     "mount:Mount",

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dcrb_ros.measurement.filters import Filter, side_by_side, transmissibility
+from dcrb_ros.measurement.housing_priors import HousingName
 from dcrb_ros.measurement.random_streams import random_stream
 from dcrb_ros.measurement.stage import Parameters, Setup, Span, Stage
 from dcrb_ros.schema.arrays import Floats
@@ -28,18 +29,23 @@ MOST_MODES = 24
 
 
 class StructureParameters(Group):
-    """Modes of the axle box."""
+    """Modes of the axle box, and its housing."""
 
+    housing: HousingName = choice(
+        "none",
+        "Housing with many overlapping modes, drawn by structure.seed: none, laboratory (a bearing support on a plate) or axle_box (a "
+        "casting of 60 kg). With further modes it begins above the highest of them",
+    )
     modes: int = quantity(
         0, "-", "Number of modes of the axle box drawn at random, 500 to 8000 Hz, damping 1 to 5 %; 0 for a rigid path", 0, MOST_MODES
     )
-    seed: int = quantity(1, "-", "Seed of the random modes and of path_spread, independent of simulation.seed", 0, 2**31 - 1)
+    seed: int = quantity(1, "-", "Seed of the random modes, the housing and path_spread, independent of simulation.seed", 0, 2**31 - 1)
     frequencies: str = choice("", "Natural frequencies of the modes [Hz], such as '900, 2300, 5200', instead of random ones")
     dampings: str = choice("", "Damping ratios of these modes [-], such as '0.02, 0.03, 0.01'; empty for 0.02 each")
     coupling: float = quantity(
         0.7,
         "-",
-        "Share of the acceleration transmitted by the modes; the rest is transmitted directly",
+        "Share of the acceleration transmitted by the modes; the rest is transmitted directly. 1 in a housing",
         0.0,
         1.0,
         remedy="give a share, not per cent",
@@ -47,14 +53,14 @@ class StructureParameters(Group):
 
 
 class AxleBox(Stage):
-    """Acceleration through the modes of the axle box, which differ in X and Y."""
+    """Acceleration through the modes of the axle box, which differ in X and Y; in a housing, the stage of the housing includes them."""
 
     group, parameters = "structure", StructureParameters
 
     def __init__(self, setup: Setup, rate: float) -> None:
         super().__init__(setup, rate)
         structure = setup.parameters[StructureParameters]
-        present = (structure.modes > 0 or bool(structure.frequencies.strip())) and structure.coupling > 0.0
+        present = structure.housing == "none" and has_modes(structure) and structure.coupling > 0.0
         self._axes = [Filter(axis, columns=1) for axis in sections(structure, rate)] if present else []
 
     @classmethod
@@ -89,6 +95,11 @@ class Mode(NamedTuple):
     """Damping ratio [-]."""
     share: tuple[float, float]
     """Share of the acceleration in X and Y that goes through it [-]; the shares of all modes add up to 1."""
+
+
+def has_modes(structure: StructureParameters) -> bool:
+    """Return whether an axle box has given or drawn modes."""
+    return structure.modes > 0 or bool(structure.frequencies.strip())
 
 
 def modes(structure: StructureParameters) -> list[Mode]:
