@@ -3,6 +3,13 @@
 import numpy as np
 from trending import Trending, bands, lines
 
+VARIANTS = {
+    "autogram": {},
+    "autogram, three levels": {"levels": 3},
+    "autogram, factor 2": {"factor": 2.0},
+}
+"""Settings of each member of the family; the first has the published ones."""
+
 
 def autocorrelation(envelope, first):
     """Return the unbiased autocorrelation of a squared envelope at lags from ``first`` [samples] to half its length."""
@@ -18,20 +25,23 @@ def kurtosis_of(correlation):
     return len(above) * np.sum(above**2) / np.sum(above) ** 2
 
 
-def most_periodic(acceleration, strikes):
+def most_periodic(acceleration, strikes, levels=5):
     """Return edges and squared envelope of the best band; ``strikes`` is the number of impacts of the fastest defect in the signal [-].
 
     A band is wide enough to separate these impacts. Lags below three quarters of their period are left out: there, an impact
     correlates with itself.
     """
-    usable = [band for band in bands(acceleration) if len(band[2]) >= 4.0 * strikes]
+    usable = [band for band in bands(acceleration, levels) if len(band[2]) >= 4.0 * strikes]
     return max(usable, key=lambda band: kurtosis_of(autocorrelation(band[2], int(0.75 * len(band[2]) / strikes))))
 
 
 class Autogram(Trending):
     """Report the part whose lines have grown most, in the band that is most impulsive and periodic: single impacts do not attract it."""
 
+    levels = 5
+    """Levels of the tree of bands [-]."""
+
     def features(self, acceleration, angle):
         """Return the lines of every part relative to the spectrum around them."""
         strikes = max(self.orders.values()) * abs(angle[-1] - angle[0]) / (2.0 * np.pi)
-        return lines(most_periodic(acceleration, strikes)[2], angle, self.orders, relative=True)
+        return lines(most_periodic(acceleration, strikes, self.levels)[2], angle, self.orders, relative=True)

@@ -24,6 +24,13 @@ FAULTS = {
     "roller": {"roller_1": {"row": 1, "roller": 3, "depth": 2e-5}},
 }
 
+VARIANTS = {
+    "classifier": {},
+    "classifier, certain": {"certain": 0.9},
+    "classifier, majority": {"certain": 0.4},
+}
+"""Settings of each member of the family; the first has the published ones."""
+
 
 def used(names):
     """Return the places of the used features."""
@@ -38,7 +45,8 @@ def inputs(values):
 class Classifier:
     """Report the class with the largest probability, after two windows with the same result."""
 
-    def __init__(self, orders, rate):
+    def __init__(self, orders, rate, certain=CERTAIN):
+        self.certain = certain
         self.extractor, self.rate = FeatureExtractor(orders, rate, axes=("y",)), rate
         self.places, model = used(self.extractor.names), json.loads(MODEL.read_text())
         self.classes = model["classes"]
@@ -59,7 +67,7 @@ class Classifier:
             if np.isfinite(values[self.places]).all():
                 p = dict(zip(self.classes, self.probabilities(values), strict=True))
                 likely = max(p, key=p.get)
-                now = likely if p[likely] > CERTAIN else "healthy"
+                now = likely if p[likely] > self.certain else "healthy"
                 self.verdict = now if now == self.before else "healthy" if self.verdict == "waiting" else self.verdict
                 self.before = now
                 score = float(np.log10((1.0 - p["healthy"] + 1e-9) / (p["healthy"] + 1e-9)))

@@ -1,4 +1,5 @@
-"""Run all example detectors and the shipped one in an exam, and write the leaderboard: python compare.py EXAM OUTPUT.
+"""Run the published member of every family of example detectors and the shipped one in an exam, and write the leaderboard:
+python compare.py EXAM OUTPUT.
 
 With --measured DIR they also run on measured recordings, and the rank correlation between both is printed.
 """
@@ -7,24 +8,33 @@ import argparse
 import subprocess
 import sys
 import time
+from importlib import import_module
+from inspect import isabstract, isclass
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-DETECTORS = {
-    "zero rule": "zero_rule.py:ZeroRule",
-    "rms and kurtosis": "rms_kurtosis.py:RmsKurtosis",
-    "ISO 20816 band alarm": "iso_band.py:IsoBand",
-    "naive BPFO": "naive_bpfo.py:NaiveBpfo",
-    "squared envelope, fixed band": "squared_envelope.py:SquaredEnvelope",
-    "fast kurtogram": "kurtogram.py:Kurtogram",
-    "autogram": "autogram.py:Autogram",
-    "MOMEDA": "momeda.py:Momeda",
-    "CYCBD": "cycbd.py:Cycbd",
-    "classifier": "classifier.py:Classifier",
-    "shipped detector": "",
-}
-"""File and class of every detector by its name; none for the shipped one."""
+SHIPPED = "shipped detector"
 DCRB = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()"]
+
+
+def families() -> dict[str, str]:
+    """Return file and class of every family by the name of its published member.
+
+    A family is a file with `VARIANTS`; its detector is the class of the file that is complete and has a method ``update``.
+    """
+    sys.path.insert(0, str(HERE))
+    found = {}
+    for file in sorted(HERE.glob("*.py")):
+        if "VARIANTS =" not in file.read_text(encoding="utf-8") or file.stem == Path(__file__).stem:
+            continue
+        module = import_module(file.stem)
+        (kind,) = (
+            name
+            for name, value in vars(module).items()
+            if isclass(value) and value.__module__ == file.stem and hasattr(value, "update") and not isabstract(value)
+        )
+        found[next(iter(module.VARIANTS))] = f"{file.name}:{kind}"
+    return found
 
 
 def main() -> None:
@@ -47,7 +57,7 @@ def main() -> None:
 def evaluate(what: list[str], output: Path, workers: str) -> None:
     """Write an entry of every detector into a folder."""
     output.mkdir(parents=True, exist_ok=True)
-    for name, place in DETECTORS.items():
+    for name, place in {**families(), SHIPPED: ""}.items():
         began = time.monotonic()
         entry = output / f"{name.lower().replace(' ', '-').replace(',', '')}.json"
         entry.unlink(missing_ok=True)

@@ -11,6 +11,13 @@ CYCLES = 5
 ITERATIONS = 3
 """Steps of the iteration; the indicator rises by less than 1 % in later ones [-]."""
 
+VARIANTS = {
+    "CYCBD": {},
+    "CYCBD, factor 2": {"factor": 2.0},
+    "CYCBD, factor 6": {"factor": 6.0},
+}
+"""Settings of each member of the family; the first has the published ones."""
+
 
 def cyclostationarity(acceleration, turns, order):
     """Return the indicator of second-order cyclostationarity of the best filter; 1 for a stationary signal [-].

@@ -3,8 +3,12 @@
 import numpy as np
 from trending import Trending
 
-ZONE_B = 4.5e-3
-"""Upper limit of zone B of a medium machine on a rigid foundation [m/s], as in ISO 10816-1 class II to III."""
+VARIANTS = {
+    "ISO 20816 band alarm": {},
+    "ISO 20816 band alarm, class I": {"zone_b": 1.8e-3},
+    "ISO 20816 band alarm, class IV": {"zone_b": 7.1e-3},
+}
+"""Settings of each member of the family; the first has the published ones."""
 
 
 class IsoBand(Trending):
@@ -14,6 +18,8 @@ class IsoBand(Trending):
     """
 
     factor = 1.0
+    zone_b = 4.5e-3
+    """Upper limit of zone B [m/s] of a large machine on a rigid foundation, class III of ISO 10816-1."""
 
     def features(self, acceleration, angle):
         """Return the rms velocity relative to the alarm."""
@@ -22,6 +28,6 @@ class IsoBand(Trending):
         velocity = np.fft.rfft(acceleration)[band] / (2.0 * np.pi * frequency[band])
         level = np.sqrt(2.0 * np.sum(np.abs(velocity) ** 2)) / len(acceleration)  # Parseval
         if len(self.healthy) < self.learning:
-            self.alarm = max(level, getattr(self, "alarm", 0.0) - 0.25 * ZONE_B) + 0.25 * ZONE_B
+            self.alarm = max(level, getattr(self, "alarm", 0.0) - 0.25 * self.zone_b) + 0.25 * self.zone_b
             return {"outer_ring": 1.0}
         return {"outer_ring": level / self.alarm}

@@ -8,6 +8,13 @@ from trending import Trending
 TAPS = 64
 """Length of the filter [samples]."""
 
+VARIANTS = {
+    "MOMEDA": {},
+    "MOMEDA, factor 1.25": {"factor": 1.25},
+    "MOMEDA, factor 2": {"factor": 2.0},
+}
+"""Settings of each member of the family; the first has the published ones."""
+
 
 def multi_d_norm(acceleration, period):
     """Return the multi D-norm of the best filter for impulses at a period [samples], over all positions of the first impulse [-].
@@ -34,9 +41,9 @@ class Momeda(Trending):
 
     factor = 1.5
 
-    def __init__(self, orders, rate):
-        super().__init__(orders, rate)
-        self.filter = butter(4, 2000.0, "highpass", fs=rate, output="sos")
+    def __init__(self, orders, rate, **settings):
+        super().__init__(orders, rate, **settings)
+        self.filter = butter(4, min(2000.0, 0.25 * rate), "highpass", fs=rate, output="sos")
 
     def features(self, acceleration, angle):
         """Return the multi D-norm at the mean period of every part, the largest of three within its slip."""

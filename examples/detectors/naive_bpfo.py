@@ -6,6 +6,13 @@ A healthy bearing has one, too: its compliance varies as rollers pass the load.
 import numpy as np
 from trending import Trending, lines
 
+VARIANTS = {
+    "naive BPFO": {},
+    "naive BPFO, 6 dB": {"factor": 2.0},
+    "naive BPFO, 18 dB": {"factor": 8.0},
+}
+"""Settings of each member of the family; the first has the published ones."""
+
 
 class NaiveBpfo(Trending):
     """Report an outer ring defect if the line at BPFO is 12 dB above the spectrum around it; there is no healthy level."""
@@ -13,8 +20,8 @@ class NaiveBpfo(Trending):
     factor = 4.0
     learning = 0
 
-    def __init__(self, orders, rate):
-        super().__init__(orders, rate)
+    def __init__(self, orders, rate, **settings):
+        super().__init__(orders, rate, **settings)
         self.verdict, self.healthy = "healthy", [{"outer_ring": 1.0}]
 
     def features(self, acceleration, angle):

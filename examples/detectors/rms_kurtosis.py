@@ -3,6 +3,13 @@
 import numpy as np
 from trending import Trending
 
+VARIANTS = {
+    "rms and kurtosis": {},
+    "rms and kurtosis, factor 1.5": {"factor": 1.5},
+    "rms and kurtosis, factor 4": {"factor": 4.0},
+}
+"""Settings of each member of the family; the first has the published ones."""
+
 
 class RmsKurtosis(Trending):
     """Report the most frequent fault, an outer ring defect, if the rms has doubled or the kurtosis has.

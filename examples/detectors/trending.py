@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from itertools import pairwise
 
 import numpy as np
 from scipy.signal.windows import tukey
 
-from dcrb_ros import Diagnosis
+from dcrb_ros import Diagnosis, Refusal
 
 HARMONICS = 3
 """Harmonics of a characteristic order that are added [-]."""
@@ -21,8 +22,11 @@ HIGHEST = 0.43
 """Upper end of the bands relative to the sampling rate [-]: the anti-aliasing filter rules above."""
 
 
-class Trending:
-    """A detector that reports the feature that has grown most since the first windows; a subclass computes the features of a window."""
+class Trending(ABC):
+    """A detector that reports the feature that has grown most since the first windows; a subclass computes the features of a window.
+
+    The public class attributes of numbers and texts are its settings; keyword arguments of the constructor replace their values.
+    """
 
     window, hop = 1.0, 0.5
     """Length of a window, and time from one to the next [s]."""
@@ -33,15 +37,20 @@ class Trending:
     fewest_turns = 4.0
     """Revolutions that a window must contain [-]."""
 
-    def __init__(self, orders, rate):
+    def __init__(self, orders, rate, **settings):
         self.orders, self.rate = orders.as_dict(), rate
+        allowed = settings_of(type(self))
+        for name, value in settings.items():
+            if name not in allowed:
+                raise Refusal(f"{type(self).__name__} has no setting {name!r}. Choose among {', '.join(allowed)}.")
+            setattr(self, name, value)
         self.length, self.step = int(self.window * rate), int(self.hop * rate)
         self.acceleration, self.angle = np.zeros(0), np.zeros(0)
         self.next_index, self.healthy, self.before, self.verdict = None, [], "healthy", "waiting"
 
+    @abstractmethod
     def features(self, acceleration, angle):
         """Return a positive number for each verdict; ``acceleration`` is radial [m/s^2], ``angle`` is unwrapped [rad]."""
-        raise NotImplementedError
 
     def update(self, index, acceleration, shaft_angle):
         """Take a block; return a diagnosis at the end of a window."""
@@ -54,9 +63,12 @@ class Trending:
             return None
         window, angle = self.acceleration[-self.length :], np.unwrap(self.angle[-self.length :])
         self.acceleration, self.angle = window[self.step :], self.angle[-self.length :][self.step :]
-        score = None
-        if abs(angle[-1] - angle[0]) >= self.fewest_turns * 2.0 * np.pi:
-            score = self.judge(self.features(window - window.mean(), angle))
+        score, turning = None, abs(angle[-1] - angle[0]) >= self.fewest_turns * 2.0 * np.pi
+        if turning and np.ptp(window) > 0.0:  # a constant is a broken sensor, which allows no judgement
+            with np.errstate(divide="ignore", invalid="ignore"):
+                found = self.features(window - window.mean(), angle)
+            if np.isfinite(list(found.values())).all():
+                score = self.judge(found)
         last = self.next_index - 1
         scores = {} if score is None else {"outer_ring": score}  # the exam takes the largest, whatever its name
         return Diagnosis(last, last / self.rate, self.verdict, "growth over the healthy level", scores=scores)
@@ -73,6 +85,12 @@ class Trending:
         self.verdict = now if now == self.before else self.verdict
         self.before = now
         return 20.0 * np.log10(max(grown[largest], 1e-6) / self.factor)
+
+
+def settings_of(detector):
+    """Return the names of the settings of a class of detectors: its public class attributes that are numbers or texts."""
+    names = {name for kind in detector.__mro__ for name, value in vars(kind).items() if isinstance(value, (int, float, str))}
+    return sorted(name for name in names if not name.startswith("_"))
 
 
 def over_angle(signal, angle):
@@ -95,7 +113,8 @@ def lines(signal, angle, orders, *, relative=False):
         for line in first * np.arange(1, HARMONICS + 1):
             near = np.abs(order - line) <= max(SLIP * line, 1.0 / turns)
             around = np.abs(order - line) <= 1.5
-            found[verdict] += spectrum[near].max() / (np.median(spectrum[around]) if relative else 1.0)
+            if near.any():  # otherwise the line is beyond the spectrum
+                found[verdict] += spectrum[near].max() / (np.median(spectrum[around]) if relative else 1.0)
     return found
 
 

@@ -1,5 +1,10 @@
 """The zero rule: every bearing is healthy. Whatever scores no better has learnt nothing."""
 
+VARIANTS = {
+    "zero rule": {},
+}
+"""Settings of each member of the family; the first has the published ones."""
+
 
 class ZeroRule:
     """Report ``healthy`` for every block."""
