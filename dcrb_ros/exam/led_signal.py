@@ -70,6 +70,8 @@ class LedSignal(Generic[Judged]):
     """The healthy recording; None if there is none."""
     longest: float
     """Longest part of the recording under evaluation [s]."""
+    longest_lead: float = LEAD
+    """Longest part of the healthy recording [s]."""
     bearing: None = None
 
     @property
@@ -105,7 +107,7 @@ class LedSignal(Generic[Judged]):
 
         if self.lead is None:
             return np.zeros(0)
-        signal, rate = self.lead.longest_part(LEAD), self.recording.rate
+        signal, rate = self.lead.longest_part(self.longest_lead), self.recording.rate
         common = gcd(self.lead.rate, rate)
         return np.asarray(signal if self.lead.rate == rate else resample_poly(signal, rate // common, self.lead.rate // common), np.float64)
 

@@ -188,7 +188,7 @@ def whole_scenarios(folder: Path, speed: str) -> ScenarioSet[MeasuredRecording]:
     return _scenario_set(speed, recordings, scenarios)
 
 
-def led_scenarios(folder: Path, speed: str) -> ScenarioSet[LedSignal]:
+def led_scenarios(folder: Path, speed: str) -> ScenarioSet[LedSignal[MeasuredRecording]]:
     """Return the recordings of a folder, each after a healthy one of the same machine and bearing type where the table has one."""
     recordings = read_measured(folder, speed)
     signals = [LedSignal(recording, healthy_lead(recording, recordings), LONGEST) for recording in recordings]
