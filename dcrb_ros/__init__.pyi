@@ -41,6 +41,7 @@ from dcrb_ros.settings.configuration import Configuration as Configuration
 from dcrb_ros.settings.files import load_configuration as load_configuration
 from dcrb_ros.settings.parameters import Bearing as Bearing
 from dcrb_ros.simulation.ground_truth import GroundTruth as GroundTruth
+from dcrb_ros.simulation.healthy_level import healthy_level as healthy_level
 from dcrb_ros.simulation.loop import Simulation as Simulation
 from dcrb_ros.simulation.run import SimulationResult as SimulationResult
 from dcrb_ros.simulation.run import simulate as simulate

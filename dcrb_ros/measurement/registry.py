@@ -23,6 +23,7 @@ PER_STEP = _stages(
     "housing:Housing",
     "path:MeasuredPath",
     "machine_noise:MachineNoise",
+    "machine_background:MachineBackground",
     "mount:Mount",
     "bandwidth:Bandwidth",
     "rattle:Rattle",

@@ -15,7 +15,7 @@ TOLERANCE = 0.25
 """Largest change of the share of a split by machines that are kept apart by default [-]: three sensors do not make three splits."""
 REMEDIES = {
     BEARING_ID: ("bearing", "vary surfaces.seed, with surfaces.law: profile"),
-    MACHINE: ("machine", "vary structure.seed, with structure.modes above 0"),
+    MACHINE: ("machine", "vary structure.seed, with a structure.housing or structure.modes above 0"),
 }
 """Noun of each identity, and how to get more of them."""
 

@@ -13,7 +13,8 @@ IDENTITIES: Mapping[str, tuple[str, ...]] = {
 """Groups of parameters that make the individual bearing, and those that make the machine around it with its sensor."""
 SURFACES, PROFILE, SURFACES_SEED = "surfaces.law", "profile", "surfaces.seed"
 STRUCTURE_SEED, DRAWN_PATH = "structure.seed", ("structure.modes", "structure.frequencies", "structure.path_spread")
-"""The seed of the path, and the parameters of which one is set if anything is drawn from it."""
+"""The seed of the path, and the parameters of which one is set if anything is drawn from it, unless a housing is."""
+HOUSING, NO_HOUSING = "structure.housing", "none"
 TRUTH: Mapping[str, tuple[type, str]] = {
     BEARING_ID: (str, "shared by the runs of one individual bearing, at any speed and load"),
     MACHINE: (str, "shared by the runs of one machine: housing, path, background and sensor"),
@@ -42,7 +43,7 @@ def _has_effect(key: str, values: Mapping[str, Any]) -> bool:
     """Return whether a parameter, if it is a seed, determines any of the others."""
     if key == SURFACES_SEED:
         return bool(values[SURFACES] == PROFILE)
-    return key != STRUCTURE_SEED or any(values[name] for name in DRAWN_PATH)
+    return key != STRUCTURE_SEED or values[HOUSING] != NO_HOUSING or any(values[name] for name in DRAWN_PATH)
 
 
 def drawn_by_noise(bearing: Mapping[str, Any], defaults: Mapping[str, Any]) -> bool:

@@ -169,3 +169,12 @@ def test_an_added_condition_that_joins_two_splits_is_refused_or_named() -> None:
     with pytest.raises(Refusal, match=r"the added conditions share a (bearing|machine) with two splits: give a new folder"):
         divided([first, joined], Shares(apart=BOTH))  # type: ignore[arg-type]
     assert len(divided([first, joined], Shares()).shared) == 1
+
+
+def test_every_seed_of_a_housing_is_another_machine() -> None:
+    tree = {"base": "healthy", "duration": 0.1, "cases": CASES, "vary": {"structure.seed": [1, 2, 3]}}
+    machines = [
+        {run.truth["machine"] for run in Plan(sweep_of({**tree, "set": {"structure.housing": housing}}, "sweep.yaml")).runs()}
+        for housing in ("none", "axle_box")
+    ]
+    assert [len(found) for found in machines] == [1, 3]

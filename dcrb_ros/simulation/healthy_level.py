@@ -1,0 +1,85 @@
+"""The level of the healthy bearing at the sensor, to which a background refers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dcrb_ros.schema.numbers import duration_within
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.simulation.run import LONGEST, simulate
+
+STARTING = 0.2
+"""Time that a run takes to settle [s]."""
+FASTEST_SAMPLING = 60000
+"""Highest sampling rate at which the level is measured [Hz]: its pass band just exceeds the 20 kHz of the definition."""
+REPLACED = ("faults", "background", "sensor", "publishing", "recording", "tacho")
+"""Groups that a machine has no part in."""
+
+
+def healthy_level(
+    configuration: Configuration | str | Path = "healthy",
+    duration: float = 1.0,
+    *,
+    settings: Mapping[str, Any] | Sequence[str] | str = (),
+) -> float:
+    """Simulate a machine without faults and background and return its level for ``structure.healthy_level``.
+
+    The level belongs to a machine: bearing, operating point and path. A fault, whose configuration gets the level, keeps it.
+
+    Parameters
+    ----------
+    configuration
+        A `Configuration`, the name of a shipped one or a YAML file; its faults, background and sensor errors are left out.
+    duration
+        Simulated time after 0.2 s to settle, up to 3599 s [s].
+    settings
+        Parameters to change, as for `simulate`.
+
+    Returns
+    -------
+    float
+        Rms of the acceleration up to 20 kHz, the mean of the powers in X and Y [m/s^2].
+
+    Raises
+    ------
+    Refusal
+        An unknown configuration or parameter, a value out of range, or a duration that is not above 0 and at most 3599 s.
+
+    Examples
+    --------
+    >>> import dcrb_ros
+    >>> machine = {"structure.housing": "axle_box", "structure.seed": 3}
+    >>> level = dcrb_ros.healthy_level("healthy", 0.3, settings=machine)
+    >>> settings = {**machine, "structure.healthy_level": level, "structure.background": 3.0, "structure.floor": 0.1}
+    >>> dcrb_ros.simulate("outer_ring_defect", 0.1, settings=settings)
+    <SimulationResult: 0.1 s at 51.2 kHz (5120 samples), shaft at 20.02 Hz, outer_1: 2 mm wide>
+    """
+    duration = duration_within("duration =", duration, LONGEST - 1.0, "one second is enough")
+    given = load_configuration(configuration, settings)
+    kept = given.model_dump()
+    rate = _sampling_rate(given.step_rate)
+    machine = {
+        **{
+            name: group
+            for name, group in kept.items()
+            if name not in ("faults", "background", "sensor", "publishing", "recording", "tacho")
+        },
+        "structure": kept["structure"] | {"healthy_level": 0.0, "background": 0.0, "background_lines": 0.0, "floor": 0.0},
+        "sensor": {"preset": "ideal", "sampling_rate": rate},
+        "publishing": {"preview_rate": next(divisor for divisor in range(200, 9, -1) if rate % divisor == 0)},
+    }
+    run = simulate(Configuration.model_validate(machine), STARTING + duration)
+    settled = run.acceleration[round(STARTING * rate) :].astype(float)
+    return float(np.sqrt(np.mean(settled**2)))
+
+
+def _sampling_rate(step_rate: int) -> int:
+    """Return the highest rate of whole steps up to 60 kHz [Hz]."""
+    return next(
+        step_rate // factor for factor in range(2, step_rate) if step_rate % factor == 0 and step_rate // factor <= FASTEST_SAMPLING
+    )

@@ -1,0 +1,29 @@
+"""Machines that a calibration draws at a ring and in a housing."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from dcrb_ros import load_configuration
+from dcrb_ros.bearing.waveform import Waveform
+from dcrb_ros.calibration.calibration import Calibration
+from dcrb_ros.calibration.estimate import PathLevel
+from dcrb_ros.calibration.files import vary
+
+
+def calibration(housing: str) -> Calibration:
+    """Return a calibration whose path deviates by 2 dB."""
+    configuration = load_configuration("healthy", {"structure.housing": housing, "structure.path_y": "1400 0.03 1600 0.05"})
+    measured = Waveform.__new__(Waveform)
+    level = PathLevel("y", 1000.0, 3.0, 1.0, 5.0, 0.9, chance=2.0)
+    return Calibration(configuration, (), {}, (level,), (), (), measured, (("y", np.zeros(1), np.zeros(1)),))
+
+
+@pytest.mark.parametrize(("housing", "spread"), [("none", 2.0), ("axle_box", 0.0)])
+def test_drawn_machines_differ_by_the_spread_of_the_path_or_by_the_housing(housing: str, spread: float) -> None:
+    found = calibration(housing)
+    drawn = found.draw(3)
+    assert drawn["structure.path_spread"] == spread
+    assert load_configuration(found.configuration, drawn).structure.seed == drawn["structure.seed"]
+    assert ("structure.path_spread" in vary(found)) is (spread > 0.0)
