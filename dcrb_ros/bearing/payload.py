@@ -12,7 +12,7 @@ from dcrb_ros.bearing.cage_rest import settled_cages
 from dcrb_ros.bearing.equilibrium import roller_forces, static_equilibrium
 from dcrb_ros.bearing.individual import individual_of
 from dcrb_ros.bearing.surfaces import build_surfaces
-from dcrb_ros.core.contacts.heights import Profile
+from dcrb_ros.core.contacts.heights import Smooth
 from dcrb_ros.core.laws import LUBRICATION_LAWS, NORMAL_LAWS, TRACTION_LAWS, lugre
 from dcrb_ros.core.laws.calls import film_at
 from dcrb_ros.core.laws.pereira import pereira_coefficients
@@ -107,7 +107,7 @@ def build_payload(configuration: Configuration) -> Payload:
     azimuth, clearance = start_azimuths(c, individual.pocket_places), c.cage.pocket_clearance + individual.pocket_clearance
     damage = c.faults.damage(b, c.contact.edge_radius if c.contact.notch == "edge" else 0.0)
     surfaces, highest = build_surfaces(c, damage)
-    damage = [] if isinstance(surfaces, Profile) else damage
+    damage = damage if isinstance(surfaces, Smooth) else []
     raceway_notches = [notch for notch in damage if isinstance(notch, RacewayNotch)]
     roller_notches = [notch for notch in damage if isinstance(notch, RollerNotch)]
     tangent = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=-1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dcrb_ros.bearing.surfaces import COLUMNS, RACEWAY_NODES, ROLLER_NODES, add_damage
+from dcrb_ros.bearing.damage_tables import COLUMNS, RACEWAY_NODES, ROLLER_NODES, add_damage
 from dcrb_ros.core.contacts.heights import HEIGHT, PART_HEIGHT, SHARE
 from dcrb_ros.faults.fault import Fault
 from dcrb_ros.settings.configuration import Configuration

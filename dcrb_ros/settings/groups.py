@@ -5,6 +5,7 @@ from __future__ import annotations
 from dcrb_ros.faults import Faults
 from dcrb_ros.schema.fields import Group, quantity
 from dcrb_ros.settings.contact import Contact, Friction, Lubrication
+from dcrb_ros.settings.impacts import Impacts
 from dcrb_ros.settings.parameters import (
     Bearing,
     Cage,
@@ -32,6 +33,7 @@ class ParameterGroups(Group):
     cage: Cage = Cage()
     operating: Operating = Operating()
     faults: Faults = Faults()
+    impacts: Impacts = Impacts()
     simulation: SimulationParameters = SimulationParameters()
     structure: Structure = Structure()
     background: Background = Background()

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from dcrb_ros.bearing.surfaces import averaged, contact_path, envelope, notch_heights, reduced_radii
+from dcrb_ros.bearing.contact_path import averaged, contact_path, envelope, notch_heights, reduced_radii
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
@@ -51,7 +51,7 @@ def felt_rows() -> Iterator[ReportRow]:
     yield about(CHAPTER, "Depth of a notch of 2 mm for a rigid roller, outer and inner raceway", depths, (28.75, 39.67), 1e-3, "um")
     felt = contact_path(heights, distance, outer, 0.2845e-3)
     yield about(
-        CHAPTER, "The same for a contact of a half-width of 0.2845 mm, outer raceway", -1e6 * float(felt.height.min()), 22.4, 5e-3, "um"
+        CHAPTER, "The same for a contact of a half-width of 0.2845 mm, outer raceway", -1e6 * float(felt.height.min()), 28.75, 5e-3, "um"
     )
     widths, length = np.array([0.2e-3, 0.5e-3]), 1e-3
     yield about(

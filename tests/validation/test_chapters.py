@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from dcrb_ros.bearing import runtime_change, surfaces
+from dcrb_ros.bearing import damage_tables, runtime_change
+from dcrb_ros.bearing.contact_path import ContactPath
 from dcrb_ros.core.laws import film, film_thickness, fluid_traction, rolling_resistance, squeeze, viscosity
 from dcrb_ros.faults.shapes import brinelling
 from dcrb_ros.schema.arrays import Floats
@@ -85,9 +86,9 @@ def test_a_table_whose_slopes_are_not_those_of_its_heights_falls_short(monkeypat
 
 @pytest.mark.parametrize("misplaced", ["rounded", "cut off at the first node"])
 def test_a_spall_that_does_not_move_with_its_azimuth_falls_short(misplaced: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    add = surfaces.add_window
+    add = damage_tables.add_window
 
-    def wrong(table: Floats, columns: tuple[int, int], path: surfaces.ContactPath, azimuth: float, radius: float) -> None:
+    def wrong(table: Floats, columns: tuple[int, int], path: ContactPath, azimuth: float, radius: float) -> None:
         if misplaced == "rounded":
             add(table, columns, path, round(azimuth, 3), radius)
             return
@@ -95,16 +96,16 @@ def test_a_spall_that_does_not_move_with_its_azimuth_falls_short(misplaced: str,
         add(part, columns, path, azimuth, radius)
         table += part if azimuth > 0.0 else np.where(np.arange(len(part))[:, None] < len(part) // 2, part, 0.0)
 
-    monkeypatch.setattr(surfaces, "add_window", wrong)
+    monkeypatch.setattr(damage_tables, "add_window", wrong)
     assert height_rows.shift_change() > height_rows.SINGLE
 
 
 def test_shares_growth_and_dents_are_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     assert short(height_rows.height_rows()) == set()
-    add, refit = surfaces.add_to_raceway, runtime_change.refitted
+    add, refit = damage_tables.add_to_raceway, runtime_change.refitted
     with monkeypatch.context() as patch:
         patch.setattr(
-            surfaces, "add_to_raceway", lambda table, row, path, azimuth, raceway, _: add(table, row, path, azimuth, raceway, 1.0)
+            damage_tables, "add_to_raceway", lambda table, row, path, azimuth, raceway, _: add(table, row, path, azimuth, raceway, 1.0)
         )
         assert "Samples with a spall over 1e-6 of the length, over the effect of a whole one" in short(height_rows.share_rows())
     with monkeypatch.context() as patch:  # the bearing's clearance changes by 2 um with the spall

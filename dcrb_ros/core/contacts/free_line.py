@@ -7,7 +7,8 @@ from typing import Any, NamedTuple
 
 from dcrb_ros.core.contacts.films import contact_site, raceway_site
 from dcrb_ros.core.contacts.force_line import elastic, lasting_line
-from dcrb_ros.core.contacts.surface import tilted, uneven
+from dcrb_ros.core.contacts.surface import uneven
+from dcrb_ros.core.contacts.tilt import tilted
 from dcrb_ros.core.jit import NO, piece
 from dcrb_ros.core.laws.calls import film_resistance, load_memory, traction_line
 from dcrb_ros.core.laws.site import Site

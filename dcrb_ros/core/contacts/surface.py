@@ -19,26 +19,19 @@ from dcrb_ros.core.arithmetic import angle_of
 from dcrb_ros.core.contacts.films import raceway_site
 from dcrb_ros.core.contacts.force_line import elastic
 from dcrb_ros.core.contacts.heights import TURN, Profile, Smooth, between, interpolated, marked, place_of, read_node
+from dcrb_ros.core.contacts.impacts import Impacts, mark_strength, mark_under, write_unequal_part
 from dcrb_ros.core.contacts.lines import RingMotion, replace_lines
-from dcrb_ros.core.jit import kernel, piece
+from dcrb_ros.core.contacts.tilt import write_tilt
+from dcrb_ros.core.jit import piece
 from dcrb_ros.core.laws.calls import load_memory
 from dcrb_ros.core.laws.registry import BY_CONSTANTS, Registered, by_law
 from dcrb_ros.core.layout.contacts import RacewayContact
-from dcrb_ros.core.layout.records import SingleFloats
 from dcrb_ros.core.layout.state import OUTER, SHAFT_ANGLE, SHAFT_SPEED, State
 from dcrb_ros.core.layout.workspace import Workspace
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.core.solver.classification import filled
 
 INNER_RING, OUTER_RING = 0, 1
-
-
-@kernel
-def tilted(nx: float, ny: float, slope: float) -> tuple[float, float]:
-    """Return a unit vector turned towards its left by a small slope [-]."""
-    square = slope * slope
-    by_length = 1.0 - square * (0.5 - 0.375 * square)
-    return (nx - slope * ny) * by_length, (ny + slope * nx) * by_length
 
 
 @piece
@@ -75,6 +68,38 @@ def write_free_profile(profile: Profile, payload: Payload, state: State, work: W
 
 
 @piece
+def write_free_unequal(impacts: Impacts, payload: Payload, state: State, work: Workspace) -> None:
+    """Write the same with marks on balls whose axes of spin change."""
+    write_free_profile(impacts, payload, state, work)
+    rollers, step, nodes, time = state.rollers[0], work.rollers[0], work.outer[0], state.tick[0] * payload.step
+    for mark in range(impacts.marked.size):
+        c = impacts.marked[mark]
+        strength = mark_strength(impacts, OUTER_RING, mark, time)
+        if strength > 0.0 and step.near_outer[c] > 0.0:
+            height, slope = mark_under(impacts, OUTER_RING, mark, nodes.roller_node[c], nodes.roller_way[c])
+            dx, dy = step.x[c] - state.position[OUTER, 0], step.y[c] - state.position[OUTER, 1]
+            vx, vy = rollers.vx[c] - work.mean_velocity[OUTER, 0], rollers.vy[c] - work.mean_velocity[OUTER, 1]
+            orbit = (vy * dx - vx * dy) / (dx * dx + dy * dy)
+            step.height[c] += strength * height
+            step.sink_speed[c] -= strength * slope * (orbit - rollers.spin[c])
+
+
+@piece
+def add_inner_marks(impacts: Impacts, payload: Payload, state: State, work: Workspace, contact: RacewayContact, ring: RingMotion) -> None:
+    """Add marks on balls whose axes of spin change to the penetrations at the inner raceway."""
+    bound, step, time = work.bound[0], work.inner[0], state.tick[0] * payload.step
+    for mark in range(impacts.marked.size):
+        strength = mark_strength(impacts, INNER_RING, mark, time)
+        for k in range(work.row_ends[work.row_ends.size - 1]):
+            if strength > 0.0 and bound.roller[k] == impacts.marked[mark]:
+                height, slope = mark_under(impacts, INNER_RING, mark, step.roller_node[k], step.roller_way[k])
+                rx, ry = contact.radial_x[k], contact.radial_y[k]
+                orbit = ((bound.predicted_vy[k] - ring.mean[1]) * rx - (bound.predicted_vx[k] - ring.mean[0]) * ry) / contact.distance[k]
+                contact.penetration[k] += strength * height
+                contact.sink_speed[k] -= strength * slope * (orbit - bound.predicted_rim[k] / payload.roller_radius)
+
+
+@piece
 def add_bound_profile(profile: Profile, payload: Payload, state: State, work: Workspace, contact: RacewayContact, ring: RingMotion) -> None:
     """Add the heights under bound rollers at a raceway to their penetrations, and tilt their normals."""
     if ring.inner:
@@ -92,7 +117,7 @@ def add_bound_profile(profile: Profile, payload: Payload, state: State, work: Wo
     for k in range(end):
         if contact.share[k] > 0.0:
             c = bound.roller[k]
-            write_part(profile.parts[OUTER_RING, bound.row[k]], contact, k, nodes.node[c], nodes.way[c])
+            write_damage(profile, payload, state, contact, k, OUTER_RING, bound.row[k], c, nodes.node[c], nodes.way[c])
 
 
 @piece
@@ -127,25 +152,20 @@ def add_inner_profile(profile: Profile, payload: Payload, state: State, work: Wo
         contact.penetration[k] = -1.0
     for k in range(end):
         if contact.share[k] > 0.0:
-            write_part(profile.parts[INNER_RING, bound.row[k]], contact, k, step.node[k], step.way[k])
+            write_damage(profile, payload, state, contact, k, INNER_RING, bound.row[k], bound.roller[k], step.node[k], step.way[k])
+    add_marks(profile, payload, state, work, contact, ring)
 
 
 @piece
-def write_part(parts: SingleFloats, contact: RacewayContact, k: int, node: int, way: float) -> None:
+def write_part(
+    profile: Profile, payload: Payload, state: State, contact: RacewayContact, k: int, ring: int, row: int, c: int, node: int, way: float
+) -> None:
     """Write height and tilt of a defect over a share of the length, between a node and the next one, and that share."""
+    parts = profile.parts[ring, row]
     i, j, spacing = node, node + 1 if node + 1 < parts.shape[0] else 0, TURN / parts.shape[0]
     contact.share[k] = max(parts[i, 2], parts[j, 2])
     contact.part_height[k], slope = interpolated(parts[i, 0], parts[j, 0], parts[i, 1], parts[j, 1], spacing, way)
     contact.part_tilt[k] = slope / contact.distance[k]
-
-
-@piece
-def write_tilt(contact: RacewayContact, k: int, slope: float, speed: float) -> None:
-    """Tilt the normal of a contact by a slope [-] along the raceway, which turns at a speed [rad/s]."""
-    contact.tilt[k] = slope
-    nx, ny = tilted(contact.radial_x[k], contact.radial_y[k], slope)
-    contact.normal_x[k], contact.normal_y[k] = nx, ny
-    contact.surface_speed_normal[k] = speed * contact.distance[k] * (contact.radial_x[k] * ny - contact.radial_y[k] * nx)
 
 
 @piece
@@ -193,6 +213,10 @@ def _nothing_bound(profile: Smooth, payload: Payload, state: State, work: Worksp
     return None
 
 
+def _no_marks(profile: Profile, payload: Payload, state: State, work: Workspace, contact: RacewayContact, ring: RingMotion) -> None:
+    return None
+
+
 def _false(profile: Smooth) -> bool:
     return False
 
@@ -211,9 +235,17 @@ _OF_PROFILE: dict[str, Callable[..., Any]] = {
     "write_free_heights": write_free_profile,
     "add_bound_heights": add_bound_profile,
     "add_parts": linearize_parts,
+    "write_damage": write_part,
+    "add_marks": _no_marks,
     "uneven": _true,
 }
+_OF_IMPACTS: dict[str, Callable[..., Any]] = _OF_PROFILE | {
+    "write_free_heights": write_free_unequal,
+    "write_damage": write_unequal_part,
+    "add_marks": add_inner_marks,
+}
 BY_CONSTANTS[Smooth], BY_CONSTANTS[Profile] = Registered(None, _OF_SMOOTH), Registered(None, _OF_PROFILE)
+BY_CONSTANTS[Impacts] = Registered(None, _OF_IMPACTS)
 
 
 @by_law
@@ -236,6 +268,18 @@ def add_parts(
     ring: RingMotion,
 ) -> None:
     """Replace force, normal and friction where a defect takes a part of the roller's length."""
+
+
+@by_law
+def write_damage(
+    surfaces: Any, payload: Payload, state: State, contact: RacewayContact, k: int, ring: int, row: int, c: int, node: int, way: float
+) -> None:
+    """Write height and tilt of the damage under contact ``k`` of roller ``c`` with a raceway, and the share of the length it takes."""
+
+
+@by_law
+def add_marks(surfaces: Any, payload: Payload, state: State, work: Workspace, contact: RacewayContact, ring: RingMotion) -> None:
+    """Add damage of rollers that has tables of its own to the penetrations at the inner raceway."""
 
 
 @by_law
