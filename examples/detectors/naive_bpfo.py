@@ -8,7 +8,7 @@ from trending import Trending, lines
 
 VARIANTS = {
     "naive BPFO": {},
-    "naive BPFO, 6 dB": {"factor": 2.0},
+    "naive BPFO, 15 dB": {"factor": 5.6},
     "naive BPFO, 18 dB": {"factor": 8.0},
 }
 """Settings of each member of the family; the first has the published ones."""

@@ -51,6 +51,8 @@ def compute(windows: Windows) -> Floats:
     for k, (signal, turns) in enumerate(zip(windows.acceleration, windows.turns, strict=True)):
         row: list[float] = []
         edges = ((WIDE[0] * windows.rate, WIDE[1] * windows.rate), (max(1.0, float(impulsive.low[k])), float(impulsive.high[k])))
+        if edges[1][1] <= edges[1][0]:  # a constant has no impulsive band
+            edges = (edges[0], edges[0])
         for low, high in edges:
             spectrum = envelope_order_spectrum(signal, turns, windows.rate, low, high)
             search = LineSearch(spectrum)

@@ -1,0 +1,29 @@
+"""Demodulation of the band whose squared envelope is most unequal, by the Gini index (Miao, Zhao, Lin and Lei 2017)."""
+
+import numpy as np
+from spectra import Demodulation, usable_bands
+from trending import bands
+
+VARIANTS = {
+    "Gini index": {},
+    "Gini index, three levels": {"levels": 3},
+    "Gini index, no reference": {"reference": "noise"},
+}
+"""Settings of each member of the family; the first has the published ones."""
+
+
+def gini(values):
+    """Return 1 - 2 sum_k v_k (N - k + 1/2) / (N |v|_1) of the sorted values: 0 if equal, near 1 for one impact (Hurley and Rickard) [-]."""
+    ordered, count = np.sort(np.abs(values)), len(values)
+    return 1.0 - 2.0 * np.sum(ordered * (count - np.arange(1, count + 1) + 0.5)) / (count * max(ordered.sum(), 1e-300))
+
+
+class GiniIndex(Demodulation):
+    """Report the part whose lines have grown most in the band of the largest Gini index: less attracted by one outlier than kurtosis."""
+
+    levels = 5
+    """Levels of the tree of bands [-]."""
+
+    def demodulated(self, acceleration, angle):
+        """Return the squared envelope of the band with the largest Gini index."""
+        return max(usable_bands(bands(acceleration, self.levels), self.orders, angle), key=gini)
