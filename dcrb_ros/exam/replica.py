@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,11 +18,14 @@ from dcrb_ros.exam.measured import MeasuredRecording, read_table
 from dcrb_ros.exam.replica_geometry import bearing_settings, geometry_of
 from dcrb_ros.exam.replica_priors import (
     AZIMUTH,
+    BACKGROUND,
     DEPTH,
     EQUAL_GAINS,
+    FLOOR,
     GAIN,
     GAIN_KNOWN,
-    HOUSING,
+    HOUSINGS,
+    LINES,
     LOAD,
     PARTS,
     SEEDS,
@@ -35,8 +39,13 @@ from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.simulation.healthy_level import healthy_level
 
 BENCH = "ball_bearing_6205"
+BALLS = "hertz"
+"""Contact law of a bench with balls."""
+LEVEL_TIME = 0.3
+"""Time over which the level of a healthy machine is simulated, to which its background refers [s]."""
 FAULTS = {"outer_ring": "outer_1", "inner_ring": "inner_1", "roller": "roller_1"}
 """Defect of the bench for each verdict that a replica can have."""
 FASTEST_PREVIEW = 200
@@ -82,6 +91,11 @@ class ReplicaPlan:
         if unknown is not None:
             raise Refusal(f"the part '{unknown}' is unknown: leave out one of {', '.join(PARTS)}{nearest(unknown, PARTS)}")
 
+    @property
+    def left_out(self) -> frozenset[str]:
+        """Parts that are left out; a background needs a path."""
+        return frozenset(self.without) | ({"background"} if "path" in self.without else set())
+
 
 def replica_tree(table: Path, plan: ReplicaPlan, speed: str = "lines") -> dict[str, Any]:
     """Return the exam file of a replica as a tree for YAML; equal tables and plans give equal trees.
@@ -100,10 +114,11 @@ def replica_tree(table: Path, plan: ReplicaPlan, speed: str = "lines") -> dict[s
         raise Refusal(
             f"{table}: {strange.name} is {strange.truth}, which has no replica: leave it out (known: healthy, {', '.join(FAULTS)})"
         )
+    levels = _HealthyLevels(bench)
     scenarios = [
         scenario
         for recording in recordings
-        for scenario in _counterparts(table, recording, recordings, columns[recording.name], bench, plan)
+        for scenario in _counterparts(table, recording, recordings, columns[recording.name], bench, plan, levels)
     ]
     shortest = min(scenario["duration"] for scenario in scenarios)
     tree = {
@@ -140,6 +155,7 @@ def _counterparts(
     columns: ReplicaColumns,
     bench: Configuration,
     plan: ReplicaPlan,
+    levels: _HealthyLevels,
 ) -> Iterator[dict[str, Any]]:
     """Yield the scenarios of a recording."""
     try:
@@ -163,7 +179,7 @@ def _counterparts(
             "twin": False,
             "required": recording.truth != "roller",
             "tags": {"rig": recording.rig, "recording": recording.name, "machine": machine},
-            "set": {**fixed, **_drawn_settings(recording, machine, columns, bench, plan)},
+            "set": {**fixed, **_drawn_settings(recording, machine, columns, bench, plan, partial(levels.level, machine, fixed))},
         }
 
 
@@ -180,31 +196,54 @@ def _rate_settings(rate: int, bench: Configuration) -> Mapping[str, Any]:
 
 
 def _drawn_settings(
-    recording: MeasuredRecording, machine: str, columns: ReplicaColumns, bench: Configuration, plan: ReplicaPlan
+    recording: MeasuredRecording,
+    machine: str,
+    columns: ReplicaColumns,
+    bench: Configuration,
+    plan: ReplicaPlan,
+    levels: Callable[[float, Mapping[str, Any]], float],
 ) -> dict[str, Any]:
-    """Return what is drawn for a recording of a simulated machine."""
-    truth = recording.truth
-    of_machine = dict(drawn("machine", truth, seed_of(plan.seed, machine), plan.without))
-    of_bearing = dict(drawn("bearing", truth, seed_of(plan.seed, machine, recording.bearing), plan.without))
-    of_file = dict(drawn("file", truth, seed_of(plan.seed, machine, recording.name), plan.without))
-    equal = of_machine.pop(GAIN_KNOWN) < EQUAL_GAINS if columns.gain_known is None else columns.gain_known
-    gain = 1.0 if equal else of_file.pop(GAIN)
-    of_file.pop(GAIN, None)
-    of_machine.pop(GAIN_KNOWN, None)
-    load = of_machine.pop(LOAD) * bench.operating.load if columns.load is None else columns.load
-    settings: dict[str, Any] = {
-        "operating.speed": 2.0 * math.pi * recording.speed,
-        "operating.load": load,
+    """Return what is drawn for a recording of a simulated machine; ``levels`` returns its healthy level at a speed, for its parameters."""
+    truth, kind = recording.truth, "balls" if bench.contact.law == BALLS else "rollers"
+    of_machine = drawn("machine", truth, kind, seed_of(plan.seed, machine), plan.left_out)
+    of_bearing = drawn("bearing", truth, kind, seed_of(plan.seed, machine, recording.bearing), plan.left_out)
+    gain = drawn("file", truth, kind, seed_of(plan.seed, machine, recording.name), plan.left_out)[GAIN]
+    equal, load = of_machine.pop(GAIN_KNOWN) < EQUAL_GAINS, of_machine.pop(LOAD) * bench.operating.load
+    gain = 1.0 if (equal if columns.gain_known is None else columns.gain_known) else gain
+    fault = {name: of_bearing.pop(name) for name in (WIDTH, DEPTH, SHARE, AZIMUTH) if name in of_bearing}
+    speed = 2.0 * math.pi * recording.speed
+    settings = {
+        "operating.speed": speed,
+        "operating.load": load if columns.load is None else columns.load,
+        **({} if "path" in plan.left_out else {"structure.housing": HOUSINGS[kind]}),
+        **of_machine,
+        **of_bearing,
+    }
+    if "background" not in plan.left_out:
+        settings["structure.healthy_level"] = gain * levels(speed, settings)
+    return {
+        **settings,
         "structure.gain_x": gain,
         "structure.gain_y": gain,
         "sensor.range": max(1.0, RANGE * gain),
         "sensor.adc_bits": 0,
-        **({} if "path" in plan.without else HOUSING),
-        **of_machine,
         "sensor.noise_density": of_machine["sensor.noise_density"] * gain,
+        **dict(_fault_settings(truth, fault, recording, bench)),
     }
-    fault = {name: of_bearing.pop(name) for name in (WIDTH, DEPTH, SHARE, AZIMUTH) if name in of_bearing}
-    return settings | of_bearing | of_file | dict(_fault_settings(truth, fault, recording, bench))
+
+
+class _HealthyLevels:
+    """The levels of healthy simulated machines, each simulated once at the speed of its first recording and proportional to the speed."""
+
+    def __init__(self, bench: Configuration) -> None:
+        self._bench, self._known = bench, dict[str, float]()
+
+    def level(self, machine: str, fixed: Mapping[str, Any], speed: float, settings: Mapping[str, Any]) -> float:
+        """Return the level of a machine at a speed [rad/s], [m/s^2]; ``settings`` are those of its first recording."""
+        if machine not in self._known:
+            healthy = {key: value for key, value in {**fixed, **settings}.items() if key not in (BACKGROUND, LINES, FLOOR)}
+            self._known[machine] = healthy_level(self._bench, LEVEL_TIME, settings=healthy) / abs(speed)
+        return self._known[machine] * abs(speed)
 
 
 def _fault_settings(

@@ -5,12 +5,13 @@ All are wide, and none was fitted to the order of detectors. `PRIORS` is the tab
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
 
-from dcrb_ros.measurement.housing_priors import Beta, Lognormal, Uniform
+from dcrb_ros.measurement.housing_priors import AXLE_BOX, FLOORS, LABORATORY, Beta, Lognormal, Normal, Uniform
 
 Owner = Literal["machine", "bearing", "file"]
 """Whether a value is drawn once for a machine, for a bearing on it, or for a recording."""
@@ -45,7 +46,8 @@ class Seed(NamedTuple):
         return int(random.integers(1, SEEDS))
 
 
-class Prior(NamedTuple):
+@dataclass(frozen=True)
+class Prior:
     """What is drawn."""
 
     key: str
@@ -58,10 +60,13 @@ class Prior(NamedTuple):
     """Part of `PARTS` to which it belongs; empty if it always applies."""
     truths: tuple[str, ...] = ()
     """Verdicts for which it is drawn; all of them if empty."""
+    bench: Literal["any", "balls", "rollers"] = "any"
+    """Kind of bench for which it is drawn: a ball bearing on a laboratory rig, or a roller bearing in an axle box."""
 
 
 RINGS = ("outer_ring", "inner_ring")
 LOAD, GAIN, GAIN_KNOWN, WIDTH, DEPTH, SHARE, AZIMUTH = "load", "gain", "gain known", "width", "depth", "share", "azimuth"
+BACKGROUND, LINES, FLOOR = "structure.background", "structure.background_lines", "structure.floor"
 PRIORS: tuple[Prior, ...] = (
     Prior(LOAD, "machine", LogUniform(0.5, 5.0), "of the bench's load", "unknown on CWRU and HIT; 110 to 1340 N on MFPT"),
     Prior("operating.speed_fluctuation", "machine", LogUniform(3e-4, 3e-3), "-", "motors without a flywheel"),
@@ -76,23 +81,53 @@ PRIORS: tuple[Prior, ...] = (
     Prior(DEPTH, "bearing", LogUniform(1e-5, 1e-4), "m", "spalls and seeded pits", "", (*RINGS, "roller")),
     Prior(SHARE, "bearing", Uniform(0.3, 1.0), "-", "axial share of the track", "", RINGS),
     Prior(AZIMUTH, "bearing", Uniform(-1.0, 1.0), "rad", "in or beside the load zone", "", ("outer_ring",)),
+    Prior(
+        "impacts.spread", "bearing", Lognormal(0.5, 1.8), "-", "scatter of impacts of three rigs; at most 1.3", "impacts", RINGS, "balls"
+    ),
+    Prior("impacts.spread", "bearing", Lognormal(0.25, 1.8), "-", "a choice: longer lines of contact", "impacts", RINGS, "rollers"),
+    Prior("impacts.element_share", "bearing", Beta(1.0, 2.5), "-", "cage lines of three rigs", "impacts", RINGS, "balls"),
+    Prior("impacts.element_share", "bearing", Beta(1.0, 3.0), "-", "a choice", "impacts", RINGS, "rollers"),
+    Prior("impacts.shaft_share", "bearing", Beta(1.0, 5.0), "-", "sidebands of outer rings", "impacts", RINGS, "balls"),
+    Prior("impacts.shaft_share", "bearing", Beta(1.0, 4.0), "-", "a choice", "impacts", RINGS, "rollers"),
+    Prior("impacts.axial_share", "machine", Uniform(0.1, 0.6), "-", "sidebands of inner rings", "impacts", (), "balls"),
+    Prior("impacts.axial_share", "machine", Uniform(0.0, 0.1), "-", "a choice", "impacts", (), "rollers"),
+    Prior("impacts.time_spread", "bearing", Lognormal(4e-5, 3.0), "s", "jitter of three rigs", "impacts", RINGS, "balls"),
+    Prior("impacts.time_spread", "bearing", Lognormal(5e-5, 2.0), "s", "a choice", "impacts", RINGS, "rollers"),
+    Prior("impacts.spin_memory", "bearing", LogUniform(0.02, 2.0), "s", "a choice", "impacts", ("roller",), "balls"),
+    Prior(BACKGROUND, "machine", LABORATORY.background, "dB", "over the healthy bearing", "background", (), "balls"),
+    Prior(BACKGROUND, "machine", AXLE_BOX.background, "dB", "over the healthy bearing", "background", (), "rollers"),
+    Prior(LINES, "machine", LABORATORY.lines, "-", "share of lines on CWRU and HIT", "background", (), "balls"),
+    Prior(LINES, "machine", AXLE_BOX.lines, "-", "a choice", "background", (), "rollers"),
+    Prior(FLOOR, "bearing", FLOORS["outer"], "-", "quiet quarter between impacts on CWRU", "background", ("outer_ring",)),
+    Prior(FLOOR, "bearing", FLOORS["inner"], "-", "the same", "background", ("inner_ring",)),
+    Prior(FLOOR, "bearing", FLOORS["roller"], "-", "the same", "background", ("roller",)),
 )
 """What is drawn for every replica."""
-HOUSING = {"structure.housing": "laboratory"}
-"""Housing of every replica with a path; see `dcrb_ros.measurement.housing_priors`."""
+HOUSINGS = {"balls": "laboratory", "rollers": "axle_box"}
+"""Housing of a replica with a path, by the kind of its bench; see `dcrb_ros.measurement.housing_priors`."""
+MOST_SPREAD = 1.3
+"""Largest spread of the strength of impacts [-]."""
 EQUAL_GAINS = 0.5
 """Probability that all files of a machine have one gain [-]."""
 
 
-def drawn(owner: Owner, truth: str, random: np.random.Generator, without: Iterable[str] = ()) -> Mapping[str, Any]:
-    """Return a value of every prior of an owner that applies to a truth; parts that are left out change no other value."""
-    left_out, values = set(without), {}
+def drawn(owner: Owner, truth: str, bench: str, random: np.random.Generator, without: Iterable[str] = ()) -> dict[str, Any]:
+    """Return a value of every prior of an owner that applies to a truth and a kind of bench.
+
+    Parts that are left out change no other value.
+    """
+    left_out, values = set(without), dict[str, Any]()
     for prior in PRIORS:
         if prior.owner != owner:
             continue
         value = prior.distribution.drawn(random)
-        if prior.part not in left_out and (not prior.truths or truth in prior.truths):
+        if prior.part not in left_out and prior.bench in ("any", bench) and (not prior.truths or truth in prior.truths):
             values[prior.key] = value
+    if "impacts.spread" in values:
+        values["impacts.spread"] = min(values["impacts.spread"], MOST_SPREAD)
+        shares = values["impacts.element_share"] + values["impacts.shaft_share"]
+        for key in ("impacts.element_share", "impacts.shaft_share"):
+            values[key] /= max(1.0, shares * (1.0 + 1e-9))
     return values
 
 
@@ -105,6 +140,8 @@ def described(distribution: Distribution) -> str:
             return f"{low:g} to {high:g}, uniform"
         case Lognormal(median, factor):
             return f"{median:g}, lognormal, factor {factor:g}, clipped at two"
+        case Normal(mean, deviation):
+            return f"{mean:g} ± {deviation:g}, normal"
         case Beta(a, b):
             return f"Beta({a:g}, {b:g})"
     return "a random seed"
