@@ -5,6 +5,7 @@ All are wide, and none was fitted to the order of detectors. `PRIORS` is the tab
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple, Protocol
@@ -12,6 +13,7 @@ from typing import Any, Literal, NamedTuple, Protocol
 import numpy as np
 
 from dcrb_ros.measurement.housing_priors import AXLE_BOX, FLOORS, LABORATORY, Beta, Lognormal, Normal, Uniform
+from dcrb_ros.text.markdown import table
 
 Owner = Literal["machine", "bearing", "file"]
 """Whether a value is drawn once for a machine, for a bearing on it, or for a recording."""
@@ -147,9 +149,25 @@ def described(distribution: Distribution) -> str:
     return "a random seed"
 
 
+def prior_table() -> str:
+    """Return the priors as a Markdown table, for the documentation."""
+    heads = ("value", "drawn for each", "distribution", "unit", "applies to", "part", "reason")
+    rows = (
+        (
+            f"`{prior.key}`" if "." in prior.key else prior.key,
+            prior.owner,
+            described(prior.distribution),
+            prior.unit,
+            ", ".join(filter(None, (*prior.truths, prior.bench if prior.bench != "any" else ""))) or "all",
+            prior.part or "-",
+            prior.reason,
+        )
+        for prior in PRIORS
+    )
+    return table(heads, rows)
+
+
 def seed_of(*words: object) -> np.random.Generator:
     """Return the random generator of some words, alike on every machine."""
-    import hashlib
-
     digest = hashlib.sha256("\n".join(map(str, words)).encode()).digest()
     return np.random.Generator(np.random.PCG64(int.from_bytes(digest[:16], "big")))
