@@ -36,8 +36,8 @@ def compared(given: argparse.Namespace, without: tuple[str, ...]) -> Comparison:
     recordings = given.measured / "recordings.csv"
     plan = ReplicaPlan(machines=given.machines, counterparts=given.counterparts, longest=given.longest, without=without)
     exam = exam_of(replica_tree(recordings, plan), "replica")
-    members, broken = families_of(given.detectors)
     folder = checked_folder(given.recordings)
+    members, broken = families_of(given.detectors, folder)
     return compare_with_field(recordings, exam, [*shipped_members(), *members], broken, folder, Limits(), given.workers, no_progress)
 
 

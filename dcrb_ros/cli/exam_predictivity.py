@@ -81,8 +81,8 @@ def predictivity(
     count, given = worker_count(workers), _checked(table)
     exam = exam_of(replica_tree(given, ReplicaPlan()), f"the replica of {table}") if replica is None else read_exam(replica)
     origin_of(exam, given)
-    members, broken = families_of(detectors) if detectors is not None else ([], [])
     folder = checked_folder(recordings or default_folder())
+    members, broken = families_of(detectors, folder) if detectors is not None else ([], [])
     announce_compilation(quiet=quiet)
     comparison = compare_with_field(
         given, exam, [*shipped_members(), *members], broken, folder, Limits(), count, partial(progress_of, quiet=quiet)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import functools
 import hashlib
 import inspect
 import json
@@ -16,6 +17,7 @@ from typing import Any
 from dcrb_ros.exam.plugin import VARIANTS, load_module
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.writing import write_whole
 
 PATIENCE = 120.0
 """Time that the import of a file may take [s]."""
@@ -50,11 +52,11 @@ class BrokenFamily:
     reason: str
 
 
-def families_of(folder: Path) -> tuple[list[Member], list[BrokenFamily]]:
+def families_of(folder: Path, kept: Path | None = None) -> tuple[list[Member], list[BrokenFamily]]:
     """Return the members of all families of a folder, and the files that cannot be used.
 
     A file with exactly one complete class that has a method ``update`` is a family; files without one are helpers. Every file is imported
-    in a process of its own.
+    in a process of its own, unless what it contains is read from the folder ``kept``.
 
     Raises:
         Refusal: there is no such folder, or it has no family.
@@ -64,12 +66,13 @@ def families_of(folder: Path) -> tuple[list[Member], list[BrokenFamily]]:
     members: list[Member] = []
     broken: list[BrokenFamily] = []
     for file in sorted(folder.glob("*.py")):
+        digest = _file_digest(file)
         try:
-            about = _about(str(file))
+            about = _kept_about(file, digest, kept)
         except Refusal as refusal:
             broken.append(BrokenFamily(file.stem, str(refusal)))
             continue
-        members += _members(file.stem, f"{file}:{about['class']}", about, _file_digest(file)) if about["class"] else []
+        members += _members(file.stem, f"{file}:{about['class']}", about, digest) if about["class"] else []
     if not members:
         raise Refusal(f"{folder} has no detector: give files with one class that has update(index, acceleration, shaft_angle)")
     return members, broken
@@ -86,6 +89,21 @@ def _members(family: str, given: str, about: dict[str, Any], digest: str) -> Ite
     for number, (name, settings) in enumerate((about["variants"] or {family: ""}).items()):
         whole = hashlib.sha256("\n".join((package, digest, given.rpartition(":")[2], name, settings)).encode()).hexdigest()
         yield Member(name, family, f"{given}[{name}]" if about["variants"] else given, whole, number == 0)
+
+
+def _kept_about(file: Path, digest: str, kept: Path | None) -> dict[str, Any]:
+    """Return class and variants of a file with a digest, from the folder ``kept`` where it has them."""
+    if kept is None:
+        return _about(str(file))
+    path = kept / f"family-{hashlib.sha256(f'{package_digest()} {digest} {file.name}'.encode()).hexdigest()[:32]}.json"
+    try:
+        about = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        about = None
+    if not isinstance(about, dict) or set(about) != {"class", "variants"}:
+        about = _about(str(file))
+        write_whole(path, json.dumps(about) + "\n")
+    return about
 
 
 def _about(file: str) -> dict[str, Any]:
@@ -161,6 +179,7 @@ def _imported(file: Path, known: set[Path]) -> set[Path]:
     return known
 
 
+@functools.cache
 def package_digest() -> str:
     """Return the digest of the sources of this package on which verdicts may depend, and of its version."""
     package = Path(__file__).parents[1]

@@ -21,7 +21,7 @@ def test_an_order_that_is_kept_has_no_violation() -> None:
 
 
 def test_the_violation_is_the_lost_mark_of_the_worst_choice() -> None:
-    # Real marks 0, 1 and 0.4; the prediction swaps the first two: both lose 1, the third pair of either is in order or loses less.
+    # The prediction exchanges the first two, which loses 1 for both; the third is below the second in reality and above it predicted.
     assert mean_maximum_rank_violation(column(1.0, 0.0, 0.5), column(0.0, 1.0, 0.4))[0] == pytest.approx((1.0 + 1.0 + 0.6) / 3.0)
 
 

@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from dcrb_ros.bearing.frequencies import Orders
+from dcrb_ros.cli.app import main
 from dcrb_ros.exam.detector_families import families_of, shipped_members
 from dcrb_ros.exam.evaluation import no_progress
 from dcrb_ros.exam.limits import Limits
@@ -21,6 +23,7 @@ from dcrb_ros.schema.refusal import Refusal
 
 pytestmark = pytest.mark.slow
 
+ORDERS = Orders(0.4, 3.6, 5.4, 2.4)
 CLASSES = ("healthy", "outer_ring", "inner_ring")
 
 
@@ -136,7 +139,7 @@ def test_families_are_files_with_a_complete_detector(tmp_path: Path) -> None:
     ]
     assert [one.name for one in broken] == ["broken"]
     assert "not today" in broken[0].reason
-    made = load_plugin(members[1].given)(read_orders(), 12000)
+    made = load_plugin(members[1].given)(ORDERS, 12000)
     assert made.update(0, np.zeros((1, 2)), np.zeros(1)) == "outer_ring"
     with pytest.raises(Refusal, match="no member 'loud'"):
         load_plugin(f"{tmp_path / 'detectors' / 'calm.py'}:Calm[loud]")
@@ -147,19 +150,15 @@ def test_families_are_files_with_a_complete_detector(tmp_path: Path) -> None:
         families_of(tmp_path / "empty")
 
 
-def read_orders() -> object:
-    from dcrb_ros.bearing.frequencies import Orders
-
-    return Orders(0.4, 3.6, 5.4, 2.4)
-
-
 def test_a_changed_file_or_helper_is_another_detector(tmp_path: Path) -> None:
     folder = folder_of_detectors(tmp_path / "detectors")
 
     def digests() -> dict[str, str]:
-        return {one.name: one.digest for one in families_of(folder)[0]}
+        return {one.name: one.digest for one in families_of(folder, tmp_path)[0]}
 
     first = digests()
+    assert len(list(tmp_path.glob("family-*.json"))) == 4
+    assert digests() == first
     assert len(set(first.values())) == 3
     (folder / "shared_code.py").write_text("ANSWER = 'inner_ring'\n")
     second = digests()
@@ -172,7 +171,7 @@ def test_the_shipped_detector_is_a_family() -> None:
     assert members[0].name == "shipped detector"
     assert [one.published for one in members].count(True) == 1
     for one in members:
-        assert load_plugin(one.given)(read_orders(), 12000).update(0, np.zeros((10, 2)), np.zeros(10)) is None
+        assert load_plugin(one.given)(ORDERS, 12000).update(0, np.zeros((10, 2)), np.zeros(10)) is None
 
 
 def measured_folder(folder: Path) -> Path:
@@ -220,6 +219,54 @@ def test_a_recording_that_is_not_there_is_refused(tmp_path: Path) -> None:
     (folder / "recordings" / "struck_1.npz").unlink()
     with pytest.raises(Refusal, match="is not there: restore this recording, or leave struck_1 out"):
         measured_tasks(read_measured(folder), 1.0)
+
+
+def test_a_replica_is_compared_on_the_command_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "measured"
+    (folder / "recordings").mkdir(parents=True)
+    lines = ["name,rig,truth,sampling_rate,unit,speed_rpm_documented,speed_rpm_from_lines,FTF,BPFO,BPFI,BSF,seconds"]
+    for number, (name, truth) in enumerate((("calm_1", "healthy"), ("calm_2", "healthy"), ("outer_1", "outer_ring"))):
+        np.savez(folder / "recordings" / f"{name}.npz", a=np.random.default_rng(number).normal(size=12000).astype(np.float32))
+        lines.append(f"{name},rig,{truth},12000,g,1800,1800,0.39828,3.5848,5.4152,2.35695,1")
+    (folder / "recordings.csv").write_text("\n".join(lines) + "\n")
+    detectors = folder_of_detectors(tmp_path / "detectors")
+    (detectors / "loud.py").write_text(
+        "class Loud:\n    def __init__(self, orders, rate): pass\n    def update(self, *block): return 'inner_ring'\n"
+    )
+    made, drawing = str(tmp_path / "replica.yaml"), tmp_path / "scatter.png"
+    options = ("--machines", "1", "--counterparts", "1", "--longest", "1", "--without", "path", "--without", "impacts", "-o", made)
+    assert dcrb("exam", "replica", str(folder), *options, monkeypatch=monkeypatch) == 0
+    capsys.readouterr()
+    common = ("--replica", made, "--detectors", str(detectors), "--recordings", str(tmp_path / "kept"), "--workers", "1", "--quiet")
+    # Two of the files cannot be used, so the status is 1; the others are compared all the same.
+    assert dcrb("exam", "predictivity", str(folder), *common, "--json", "--figure", str(drawing), monkeypatch=monkeypatch) == 1
+    out, err = capsys.readouterr()
+    about = json.loads(out)
+    marks = {one["name"]: (one["exam"], one["field"]) for one in about["detectors"]}
+    assert (marks["published"], marks["other"], marks["loud"]) == ((0.5, 0.5), (0.5, 0.5), (0.0, 0.0))
+    assert about["recordings"] == about["counterparts"] == 3
+    assert {one["name"] for one in about["left_out"]} == {"broken", "failing"}
+    assert "failing is left out" in err
+    assert drawing.stat().st_size > 1000
+    runs = (detectors / "calm.runs").read_text()
+    (detectors / "broken.py").unlink()
+    (detectors / "failing.py").unlink()
+    (detectors / "calm.runs").rename(tmp_path / "calm.runs")
+    assert dcrb("exam", "predictivity", str(folder), *common, monkeypatch=monkeypatch) == 0
+    assert len(runs) == 12
+    assert "| all (3) |" in capsys.readouterr().out
+    (folder / "recordings.csv").write_text("\n".join(lines[:3]) + "\n")
+    assert dcrb("exam", "predictivity", str(folder), *common, monkeypatch=monkeypatch) == 2
+    assert "was made from another table" in capsys.readouterr().err
+
+
+def dcrb(*arguments: str, monkeypatch: pytest.MonkeyPatch) -> int:
+    monkeypatch.setattr("sys.argv", ["dcrb", *arguments])
+    with pytest.raises(SystemExit) as end:
+        main()
+    return int(str(end.value.code or 0))
 
 
 def test_the_json_has_every_figure() -> None:
