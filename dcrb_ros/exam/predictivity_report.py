@@ -81,10 +81,10 @@ def compare_with_field(
     tasks: list[Task[Any]] = [*first, *second]
     found = answers_of(members, tasks, recordings, limits, workers, progress("judged", len(members)))
     kept = [member for member in members if member.name in found.answers]
-    marks = _marks(kept, found.answers, first, second)
     both = [*broken, *found.broken]
-    if len({member.family for member in kept}) < len({member.family for member in members}) and not kept:
-        raise Refusal(f"no detector is left: {both[0].name} {both[0].reason}")
+    if not kept:
+        raise Refusal("; ".join(["no detector is left to compare", *(f"{one.name}: {one.reason}" for one in both[:1])]))
+    marks = _marks(kept, found.answers, first, second)
     return Comparison(marks, tuple(predictivities(marks)), tuple(predictivities(marks.representatives)), tuple(both), origin, len(second))
 
 
