@@ -221,6 +221,7 @@ def test_a_recording_that_is_not_there_is_refused(tmp_path: Path) -> None:
         measured_tasks(read_measured(folder), 1.0)
 
 
+@pytest.mark.timeout(1800)  # kernels may have to be compiled
 def test_a_replica_is_compared_on_the_command_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
