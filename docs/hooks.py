@@ -13,6 +13,7 @@ from mkdocs.exceptions import PluginError
 
 from dcrb_ros.cli.app import app
 from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.exam.replica_priors import prior_table
 from dcrb_ros.messages.topics import topic_table
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.documentation import parameter_table
@@ -20,6 +21,7 @@ from dcrb_ros.settings.documentation import parameter_table
 PARAMETERS = "<!-- parameters -->"
 DETECTOR_PARAMETERS = "<!-- detector parameters -->"
 COMMANDS = "<!-- commands -->"
+PRIORS = "<!-- priors -->"
 TOPICS = "<!-- topics -->"
 TABLE = re.compile("<table>.*?</table>", re.DOTALL)
 CODE = re.compile("<code>[^<]*</code>")
@@ -35,6 +37,8 @@ def on_page_markdown(markdown: str, **_: Any) -> str:
         markdown = markdown.replace(DETECTOR_PARAMETERS, parameter_table(DetectorParameters))
     if TOPICS in markdown:
         markdown = markdown.replace(TOPICS, topic_table())
+    if PRIORS in markdown:
+        markdown = markdown.replace(PRIORS, prior_table())
     if COMMANDS in markdown:
         markdown = markdown.replace(COMMANDS, command_reference())
     return markdown

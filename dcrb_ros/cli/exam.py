@@ -7,13 +7,14 @@ from typing import Annotated
 
 import typer
 
+from dcrb_ros.cli.exam_predictivity import add_to
 from dcrb_ros.cli.literal_help import Commands
 from dcrb_ros.cli.options import Force
 from dcrb_ros.cli.output_file import replacing
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.writing import whole_file, write_whole
 
-app = Commands(help="Seal, open and verify exams drawn from a secret seed; make a leaderboard.")
+app = Commands(help="Seal, open and verify exams drawn from a secret seed; make a leaderboard; compare an exam with measured recordings.")
 Sealed = Annotated[Path, typer.Argument(help="The sealed exam, which has been published.")]
 Secret = Annotated[Path, typer.Argument(help="The file with the secret seed.")]
 
@@ -162,3 +163,6 @@ def agreement(
     console().print(table)
     for name, value in (("Kendall's tau-b", ranks.kendall), ("Spearman's rho", ranks.spearman)):
         print(f"{name} {value.value:.2f} ({CONFIDENCE:.0%} bootstrap interval {value.low:.2f} to {value.high:.2f})")
+
+
+add_to(app)

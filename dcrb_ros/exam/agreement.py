@@ -10,8 +10,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import rankdata
 
+from dcrb_ros.exam.correlation import kendall_tau, spearman_rho
 from dcrb_ros.exam.entry import Entry
 from dcrb_ros.exam.exam_score import RESAMPLES, SEED, draws, headline_score, interval, scores
 from dcrb_ros.exam.profile import HEADLINE_PROFILE
@@ -68,27 +68,6 @@ def agreement(exam: Sequence[Entry], measured: Sequence[Entry]) -> Agreement:
         Interval(float(kendall_tau(*at)[0]), *interval(kendall_tau(drawn, shares_drawn))),
         Interval(float(spearman_rho(*at)[0]), *interval(spearman_rho(drawn, shares_drawn))),
     )
-
-
-def kendall_tau(first: Floats, second: Floats) -> Floats:
-    """Return tau-b of each column of two arrays of shape (detectors, samples); 0 where one side has no order.
-
-    tau-b is the number of pairs in the same order less that of pairs in opposite order, over the geometric mean of the pairs that are not
-    tied on either side.
-    """
-    above, below = np.triu_indices(len(first), 1)
-    return _correlation(np.sign(first[above] - first[below]), np.sign(second[above] - second[below]))
-
-
-def spearman_rho(first: Floats, second: Floats) -> Floats:
-    """Return the correlation of the ranks of each column of two arrays of shape (detectors, samples); 0 where one side has no order."""
-    return _correlation(*(rankdata(values, axis=0) - 0.5 * (len(values) + 1) for values in (first, second)))
-
-
-def _correlation(first: Floats, second: Floats) -> Floats:
-    """Return the correlation of each column of two arrays with zero mean; 0 where one is constant."""
-    part, whole = (first * second).sum(axis=0), np.sqrt((first**2).sum(axis=0) * (second**2).sum(axis=0))
-    return np.asarray(np.divide(part, whole, out=np.zeros_like(part), where=whole > 0.0), np.float64)
 
 
 def macro_recall(entry: Entry) -> float:

@@ -61,6 +61,22 @@ class Entry(Group):
     twin: bool = True
 
 
+class ReplicaOrigin(Group):
+    """From which table, and how, the replica of measured recordings was made; see `dcrb_ros.exam.replica`."""
+
+    table_sha256: str
+    speed: str
+    """Column of speeds: lines or documented."""
+    seed: int
+    machines: int
+    counterparts: int
+    longest: float
+    """Longest part of a recording [s]."""
+    without: list[str]
+    """Parts that are left out."""
+    dcrb_ros: str
+
+
 class ExamFile(Group):
     """An exam as written in its file."""
 
@@ -74,6 +90,8 @@ class ExamFile(Group):
     """Parameters by operating point; `base` among them is the configuration of this point."""
     criteria: Criteria = Criteria()
     seal: str = choice("", "Hash published before a sealed exam, written by dcrb exam open")
+    replica: ReplicaOrigin | None = None
+    """Origin of a replica, written by dcrb exam replica."""
     scenarios: list[Entry]
 
 
@@ -87,6 +105,8 @@ class Exam:
     cases: tuple[Case, ...]
     seal: str = ""
     """Hash that was published before the exam was held; empty if it was not sealed."""
+    replica: ReplicaOrigin | None = None
+    """Origin of a replica; None of any other exam."""
 
 
 def shipped_exams() -> dict[str, Path]:
@@ -126,7 +146,7 @@ def exam_of(tree: Any, source: str) -> Exam:
         if case.expectation.name in names:
             raise Refusal(f"{source}: two scenarios are called '{case.expectation.name}': give them different names")
         names.add(case.expectation.name)
-    return Exam(file.exam, file.about, file.criteria, tuple(with_twins(cases)), file.seal)
+    return Exam(file.exam, file.about, file.criteria, tuple(with_twins(cases)), file.seal, file.replica)
 
 
 def _sentence(error: ValidationError, tree: Mapping[str, Any]) -> str:

@@ -34,6 +34,8 @@ class Expectation:
     """Start of the signal [s]; a recording may start in the middle of a run."""
     bearing_onset: float | None = None
     """Onset of a bearing fault hidden by a sensor fault [s]; None if the bearing is healthy."""
+    last_verdict: bool = False
+    """Whether the answer is the last verdict from the onset on, instead of the most frequent one; also of a healthy bearing."""
     speeds: tuple[Knot, ...] = ()
     """Times [s] and speeds [rad/s] between which the speed is linear; if empty, it is constant at the tag ``speed``."""
 

@@ -1,6 +1,6 @@
 """Measured recordings with known truth: a table of files.
 
-The shipped detector judges each as a whole. A detector in Python first receives a healthy recording of the same bearing.
+The shipped detector judges each as a whole. A detector in Python first receives a healthy recording of the same machine.
 """
 
 from __future__ import annotations
@@ -8,22 +8,20 @@ from __future__ import annotations
 import csv
 import hashlib
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
-from math import gcd, isclose
 from pathlib import Path
 
 import numpy as np
 
 from dcrb_ros.bearing.frequencies import CHARACTERISTIC_FREQUENCIES, Orders
-from dcrb_ros.bearing.temperature_readings import TemperatureReadings
-from dcrb_ros.bearing.waveform import Piece
 from dcrb_ros.diagnosis.detector import FaultDetector
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exam.criteria import Criteria, DelayLimits
 from dcrb_ros.exam.evaluation import Outcome, Scenario, ScenarioSet, Signal, named
 from dcrb_ros.exam.expectation import Expectation
+from dcrb_ros.exam.led_signal import LedSignal, expectation, healthy_lead
 from dcrb_ros.messages.received_diagnosis import decode_diagnosis
 from dcrb_ros.messages.topics.diagnosis import encode_diagnosis
 from dcrb_ros.schema.arrays import Floats
@@ -34,8 +32,10 @@ from dcrb_ros.schema.verdicts import FAULT_CLASSES
 from dcrb_ros.stream.diagnosis import Diagnosis
 
 TABLE = "recordings.csv"
+OPTIONAL_COLUMNS = ("speed_rpm_from_lines", "machine", "bearing")
+"""Columns that the table may have: the measured speed, the physical rig and the bearing of each recording; see `read_measured`."""
 COLUMNS = ("name", "rig", "truth", "sampling_rate", "unit", "speed_rpm_documented", *CHARACTERISTIC_FREQUENCIES)
-"""Columns that the table must have; `speed_rpm_from_lines` is optional."""
+"""Columns that the table must have."""
 SPEEDS = {"lines": "speed_rpm_from_lines", "documented": "speed_rpm_documented"}
 LONGEST = 60.0
 """Longest part of a recording that is judged [s]: the longest window of the detector."""
@@ -45,12 +45,6 @@ UNLIMITED = 1e6
 """Delays and silences do not count: there is one verdict per recording [s]."""
 FOUND = 0.9
 """Share of the outer and inner-ring faults that must be named."""
-LEAD = 5.0
-"""Longest part of a healthy recording before the one under evaluation [s]."""
-PIECE = 0.05
-"""Length of a block [s]."""
-SAME_BEARING = 1e-3
-"""Largest relative difference between the orders of one bearing in two rows of the table [-]."""
 
 
 @dataclass(frozen=True)
@@ -67,6 +61,10 @@ class MeasuredRecording:
     """Speed of the shaft [Hz]."""
     orders: Orders
     file: Path
+    machine: str
+    """Physical rig: a rig that is recorded in two ways is one machine."""
+    bearing: str
+    """Bearing on the machine; recordings of one bearing are not independent."""
 
     def samples(self) -> Floats:
         """Return the acceleration, shape (samples,) [m/s^2].
@@ -91,12 +89,20 @@ class MeasuredRecording:
 
 
 def read_measured(folder: Path, speed: str = "lines") -> list[MeasuredRecording]:
-    """Return the recordings of a folder with a table ``recordings.csv`` and files ``recordings/NAME.npz``.
+    """Return the recordings of a folder with a table ``recordings.csv`` and files ``recordings/NAME.npz``, which are not opened.
+
+    A column ``machine`` names the physical rig. Without it, the machine is the rig without a number of kHz at its end that is the sampling
+    rate: ``cwru12`` and ``cwru48`` are one machine recorded at 12 and 48 kHz. A column ``bearing`` names the bearing. Without it,
+    recordings of a machine and a truth whose names agree up to the last underscore are of one bearing.
 
     Raises:
         Refusal: the table is missing, lacks a column, or has an invalid value.
     """
-    table = folder / TABLE
+    return read_table(folder / TABLE, speed)
+
+
+def read_table(table: Path, speed: str = "lines") -> list[MeasuredRecording]:
+    """Return the recordings of a table; see `read_measured`."""
     try:
         with table.open(encoding="utf-8", newline="") as stream:
             rows = list(csv.DictReader(stream))
@@ -130,9 +136,15 @@ def _row(table: Path, line: int, row: dict[str, str], speed: str) -> MeasuredRec
     if row["unit"] not in ACCELERATION_UNITS:
         raise Refusal(f"{table}, line {line}: unit = {row['unit']} is unknown: give one of {', '.join(ACCELERATION_UNITS)}")
     name = row["name"]
-    return MeasuredRecording(
-        name, row["rig"], row["truth"], rate, row["unit"], frequency, orders, table.parent / "recordings" / f"{name}.npz"
-    )
+    machine = row.get("machine") or _machine(row["rig"], rate)
+    bearing = row.get("bearing") or f"{row['truth']} {name.rpartition('_')[0] or name}"
+    file = table.parent / "recordings" / f"{name}.npz"
+    return MeasuredRecording(name, row["rig"], row["truth"], rate, row["unit"], frequency, orders, file, machine, f"{machine} {bearing}")
+
+
+def _machine(rig: str, rate: int) -> str:
+    """Return the name of a rig without a number of kHz at its end that is the sampling rate [Hz]."""
+    return rig.removesuffix(f"{rate / 1000.0:g}") or rig
 
 
 def diagnose(recording: MeasuredRecording, parameters: DetectorParameters, *, gain: float = 1.0, seconds: float = LONGEST) -> Diagnosis:
@@ -169,79 +181,6 @@ class ShippedOnce:
         return Outcome([decode_diagnosis(encode_diagnosis(diagnose(recording, self.parameters)))])
 
 
-@dataclass(frozen=True)
-class LedSignal:
-    """A measured recording after a healthy one of the same bearing, from which a detector learns what healthy is.
-
-    The shaft turns on without a jump, at the speed of each.
-    """
-
-    recording: MeasuredRecording
-    lead: MeasuredRecording | None
-    """The healthy recording; None if there is none."""
-    bearing: None = None
-
-    @property
-    def orders(self) -> Orders:
-        """Characteristic orders of the bearing."""
-        return self.recording.orders
-
-    @property
-    def sampling_rate(self) -> int:
-        """[Hz]"""
-        return self.recording.rate
-
-    def temperatures(self) -> TemperatureReadings:
-        """Return no reading."""
-        return TemperatureReadings.none()
-
-    def pieces(self) -> Iterator[Piece]:
-        """Yield the blocks of both recordings."""
-        rate, before, values = self.recording.rate, self._before(), self.recording.longest_part()
-        samples = np.concatenate([before, values])
-        frequency = np.concatenate(
-            [np.full(len(before), self.lead.speed if self.lead else 0.0), np.full(len(values), self.recording.speed)]
-        )
-        angle = np.mod(np.cumsum(frequency) * (2.0 * np.pi / rate), 2.0 * np.pi)
-        length = max(1, int(PIECE * rate))
-        for begin in range(0, len(samples), length):
-            part = samples[begin : begin + length].astype(np.float32)
-            yield Piece(begin, np.column_stack([part, part]), angle[begin : begin + length].astype(np.float32), 0.0)
-
-    def _before(self) -> Floats:
-        """Return the samples of the healthy recording at the sampling rate of the other one [m/s^2]."""
-        from scipy.signal import resample_poly
-
-        if self.lead is None:
-            return np.zeros(0)
-        signal, rate = self.lead.samples()[: round(LEAD * self.lead.rate)], self.recording.rate
-        common = gcd(self.lead.rate, rate)
-        return np.asarray(signal if self.lead.rate == rate else resample_poly(signal, rate // common, self.lead.rate // common), np.float64)
-
-    def expectation(self) -> Expectation:
-        """Return what is expected: an alarm in the healthy lead is false, and the last verdict counts, whenever it comes."""
-        onset, rate = len(self._before()) / self.recording.rate, self.recording.rate
-        return expectation(self.recording, (round(onset * rate) + len(self.recording.longest_part())) / rate, onset)
-
-
-def healthy_lead(recording: MeasuredRecording, recordings: Sequence[MeasuredRecording]) -> MeasuredRecording | None:
-    """Return another, healthy recording of the same bearing at the nearest speed; None if there is none.
-
-    The same bearing has the same orders. A higher sampling rate is reduced, so that rates may differ; a lower one cannot be used.
-    """
-    candidates = [
-        other
-        for other in recordings
-        if other.truth == "healthy" and other.name != recording.name and other.rate >= recording.rate and _same_bearing(other, recording)
-    ]
-    return min(candidates, key=lambda other: (abs(other.speed - recording.speed), other.name), default=None)
-
-
-def _same_bearing(first: MeasuredRecording, second: MeasuredRecording) -> bool:
-    pairs = zip(first.orders.as_dict().values(), second.orders.as_dict().values(), strict=True)
-    return all(isclose(a, b, rel_tol=SAME_BEARING) for a, b in pairs)
-
-
 def whole_scenarios(folder: Path, speed: str) -> ScenarioSet[MeasuredRecording]:
     """Return the recordings of a folder, each judged as a whole."""
     recordings = read_measured(folder, speed)
@@ -249,10 +188,10 @@ def whole_scenarios(folder: Path, speed: str) -> ScenarioSet[MeasuredRecording]:
     return _scenario_set(speed, recordings, scenarios)
 
 
-def led_scenarios(folder: Path, speed: str) -> ScenarioSet[LedSignal]:
-    """Return the recordings of a folder, each after a healthy one of the same bearing where the table has one."""
+def led_scenarios(folder: Path, speed: str) -> ScenarioSet[LedSignal[MeasuredRecording]]:
+    """Return the recordings of a folder, each after a healthy one of the same machine and bearing type where the table has one."""
     recordings = read_measured(folder, speed)
-    signals = [LedSignal(recording, healthy_lead(recording, recordings)) for recording in recordings]
+    signals = [LedSignal(recording, healthy_lead(recording, recordings), LONGEST) for recording in recordings]
     scenarios = [Scenario(named(s.recording.name, s.expectation), partial(_itself, s)) for s in signals]
     return _scenario_set(speed, recordings, scenarios)
 
@@ -274,13 +213,6 @@ def measured_criteria() -> Criteria:
     """Return the criteria: no false alarm, and nine of ten faults of the rings named; when does not count."""
     delays = DelayLimits(**dict.fromkeys(DelayLimits.model_fields, UNLIMITED))
     return Criteria(delay=delays, found=FOUND, smallest_width=0.0, silence=UNLIMITED)
-
-
-def expectation(recording: MeasuredRecording, end: float, onset: float = 0.0) -> Expectation:
-    """Return what is expected of a recording that begins at ``onset`` and ends at ``end`` [s]; ball faults are not required."""
-    # Envelope analysis cannot name most ball faults (Smith and Randall 2015), so they enter the statistics only.
-    tags: dict[str, str | float] = {"rig": recording.rig}
-    return Expectation(recording.name, recording.truth, end, onset, tags, required=recording.truth != "roller")
 
 
 def files_hash(recordings: Sequence[MeasuredRecording]) -> str:

@@ -6,12 +6,15 @@ import importlib
 import importlib.metadata
 import importlib.util
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from dcrb_ros.exam.running_detector import DetectorFactory
 from dcrb_ros.schema.refusal import Refusal, nearest
 
+VARIANTS = "VARIANTS"
+"""Mapping in the module of a detector from the name of each member of its family to the settings of the class."""
 GROUP = "dcrb_ros.detectors"
 """Group of the entry points with which an installed package offers detectors."""
 
@@ -19,26 +22,36 @@ GROUP = "dcrb_ros.detectors"
 def load_plugin(given: str) -> DetectorFactory:
     """Return the detector class given as ``module:Class``, ``file.py:Class`` or the name of an entry point.
 
+    ``file.py:Class[MEMBER]`` has the settings ``VARIANTS["MEMBER"]`` of its module as keyword arguments.
+
     Raises:
-        Refusal: there is no such module, file, class or entry point, or it cannot be imported or called.
+        Refusal: there is no such module, file, class, member or entry point, or it cannot be imported or called.
     """
-    module_name, colon, name = given.rpartition(":")
+    bare, bracket, member = given.removesuffix("]").partition("[") if given.endswith("]") else (given, "", "")
+    module_name, colon, name = bare.rpartition(":")
     if not colon:
         offered = {point.name: point for point in importlib.metadata.entry_points(group=GROUP)}
         if given not in offered:
             known = f"; installed are {', '.join(offered)}{nearest(given, offered)}" if offered else ""
             raise Refusal(f"--python {given} is not an installed detector: give MODULE:CLASS or FILE.py:CLASS{known}")
         module_name, _, name = offered[given].value.partition(":")
-    module = _module(given, module_name)
+    module = load_module(given, module_name)
     factory: DetectorFactory | None = getattr(module, name, None)
     if factory is None or not callable(factory):
         raise Refusal(
             f"--python {given}: {module_name} has no class {name}{nearest(name, vars(module))}: give the name of a detector class in it"
         )
-    return factory
+    if not bracket:
+        return factory
+    variants = getattr(module, VARIANTS, {})
+    if member not in variants:
+        known = f"{', '.join(variants) or 'none'}{nearest(member, variants)}"
+        raise Refusal(f"--python {given}: {module_name} has no member '{member}' in {VARIANTS} (known: {known}): give one of them")
+    return partial(factory, **variants[member])
 
 
-def _module(given: str, name: str) -> Any:
+def load_module(given: str, name: str) -> Any:
+    """Return the module of a name or a file; see `load_plugin`."""
     try:
         if not name.endswith(".py"):
             return importlib.import_module(name)

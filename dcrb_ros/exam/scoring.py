@@ -35,7 +35,7 @@ class ScenarioResult:
 
     expectation: Expectation
     answer: str
-    """Most frequent verdict after the delay limit; in a healthy scenario, over the whole signal."""
+    """Most frequent verdict after the delay limit; in a healthy scenario, over the whole signal. See `Expectation.last_verdict`."""
     delay: float | None
     """Detection delay: time from the onset to the correct verdict [s]; None if it was late or missing, or nothing is to be detected."""
     alarm_delay: float | None
@@ -88,7 +88,7 @@ def score_scenario(
     alarms = tuple(_false_alarms(expectation, ordered))
     correct = _correct_verdicts(expectation, criteria)
     delay = _delay(ordered, correct, onset, limit) if expectation.faulty else None
-    last = [d for d in ordered if not expectation.faulty or d.time >= onset + limit] or ordered[-1:]
+    last = _last_verdict(expectation, ordered) if expectation.last_verdict else _after_limit(expectation, ordered, onset + limit)
     # All correct verdicts count as one answer, so that together they can outvote a wrong one.
     answer = _answer([replace(d, verdict=expectation.verdict) if d.verdict in correct else d for d in last])
     scores = [d.score for d in ordered if d.score is not None and (d.time >= onset or not expectation.faulty)]
@@ -111,6 +111,17 @@ def score_scenario(
         tuple(ordered),
         failure,
     )
+
+
+def _after_limit(expectation: Expectation, diagnoses: Sequence[ReceivedDiagnosis], limit: float) -> Sequence[ReceivedDiagnosis]:
+    """Return the diagnoses from the delay limit on [s], or the last one; all of them if the bearing is healthy."""
+    return [d for d in diagnoses if not expectation.faulty or d.time >= limit] or diagnoses[-1:]
+
+
+def _last_verdict(expectation: Expectation, diagnoses: Sequence[ReceivedDiagnosis]) -> Sequence[ReceivedDiagnosis]:
+    """Return the last diagnosis from the onset on that is not "waiting"; the last one of all if there is none, or nothing."""
+    judged = [d for d in diagnoses if d.time >= expectation.onset]
+    return [d for d in judged if d.verdict != WAITING][-1:] or judged[-1:]
 
 
 def _correct_verdicts(expectation: Expectation, criteria: Criteria) -> frozenset[str]:

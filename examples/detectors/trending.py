@@ -6,6 +6,7 @@ from abc import ABC, abstractmethod
 from itertools import pairwise
 
 import numpy as np
+from scipy.signal.windows import tukey
 
 from dcrb_ros import Diagnosis, Refusal
 
@@ -15,6 +16,10 @@ SLIP = 0.02
 """Deviation of a characteristic order by slip [-]."""
 PER_TURN = 128
 """Samples per revolution of a signal over the shaft angle [-]."""
+TAPER = 0.05
+"""Share of a window over which it is faded in, and out [-]: the jump between its ends would be an impact in every band."""
+HIGHEST = 0.43
+"""Upper end of the bands relative to the sampling rate [-]: the anti-aliasing filter rules above."""
 
 
 class Trending(ABC):
@@ -116,10 +121,10 @@ def lines(signal, angle, orders, *, relative=False):
 def bands(acceleration, levels=5):
     """Yield low and high edge, relative to the sampling rate, and the squared envelope of each band of a 1/3-binary tree.
 
-    Each level halves the bands, or cuts them into three. The complex envelope of a band is its part of the Fourier transform, moved to 0;
-    the edges are smooth so that an impact stays short.
+    The tree ends at `HIGHEST`. Each level halves the bands, or cuts them into three. The complex envelope of a band is its part of the
+    Fourier transform of the tapered window, moved to 0; the edges are smooth so that an impact stays short.
     """
-    transform = np.fft.rfft(acceleration)
+    transform = np.fft.rfft(acceleration * tukey(len(acceleration), 2.0 * TAPER))[: int(HIGHEST * len(acceleration)) + 1]
     for level in range(1, levels + 1):
         for count in (2**level, 3 * 2 ** (level - 1)):
             edges = np.linspace(1, len(transform) - 1, count + 1).astype(int)

@@ -17,18 +17,21 @@ from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exam.agreement import macro_recall
 from dcrb_ros.exam.entry import read_entry
 from dcrb_ros.exam.evaluation import evaluate
+from dcrb_ros.exam.led_signal import LedSignal, healthy_lead
 from dcrb_ros.exam.measured import (
     COLUMNS,
-    LedSignal,
+    LONGEST,
     MeasuredRecording,
     ShippedOnce,
     diagnose,
-    healthy_lead,
     led_scenarios,
+    measured_criteria,
     read_measured,
     whole_scenarios,
 )
 from dcrb_ros.exam.plugin_process import ProcessDetector
+from dcrb_ros.exam.scoring import NO_ANSWER, score_scenario
+from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.schema.refusal import Refusal
 
 pytestmark = pytest.mark.slow
@@ -141,8 +144,8 @@ def test_no_gain_changes_a_verdict_on_a_measured_recording(gain: float) -> None:
         assert diagnose(one, DetectorParameters(), gain=gain).verdict == diagnose(one, DetectorParameters()).verdict, one.name
 
 
-def recording(name: str, truth: str, rate: int, speed: float, orders: Orders) -> MeasuredRecording:
-    return MeasuredRecording(name, "rig", truth, rate, "g", speed, orders, Path(f"{name}.npz"))
+def recording(name: str, truth: str, rate: int, speed: float, orders: Orders, machine: str = "rig") -> MeasuredRecording:
+    return MeasuredRecording(name, "rig", truth, rate, "g", speed, orders, Path(f"{name}.npz"), machine, name)
 
 
 def test_a_recording_follows_a_healthy_one_of_the_same_bearing() -> None:
@@ -150,15 +153,38 @@ def test_a_recording_follows_a_healthy_one_of_the_same_bearing() -> None:
     faulty = recording("faulty", "outer_ring", 12000, 29.0, ours)
     slow, near = recording("slow", "healthy", 48000, 10.0, ours), recording("near", "healthy", 48000, 30.0, ours)
     useless = [recording("coarse", "healthy", 6000, 29.0, ours), recording("else", "healthy", 48000, 29.0, other)]
+    useless += [recording("elsewhere", "healthy", 48000, 29.0, ours, "another machine"), recording("worn", "roller", 48000, 29.0, ours)]
     assert healthy_lead(faulty, [*useless, slow, near, faulty]) == near
     assert healthy_lead(near, [*useless, slow, near]) == slow
     assert healthy_lead(faulty, [*useless, faulty]) is None
 
 
+def test_a_rig_that_is_recorded_at_two_rates_is_one_machine(tmp_path: Path) -> None:
+    at = folder(tmp_path, rig="bench12")
+    table = (at / "recordings.csv").read_text()
+    assert [one.machine for one in read_measured(at)] == ["bench", "bench"]
+    (at / "recordings.csv").write_text(table.replace("bench12", "bench7"))
+    assert [one.machine for one in read_measured(at)] == ["bench7", "bench7"]
+    (at / "recordings.csv").write_text("\n".join(f"{line},{name}" for line, name in zip(table.split(), ("machine", "a", "b"), strict=True)))
+    assert [one.machine for one in read_measured(at)] == ["a", "b"]
+    assert [one.bearing for one in read_measured(at)] == ["a healthy calm", "b outer_ring struck"]
+
+
+@measured
+def test_measured_recordings_follow_healthy_ones_of_their_own_rig() -> None:
+    recordings = read_measured(MEASURED)
+    leads = {one.name: getattr(healthy_lead(one, recordings), "name", None) for one in recordings}
+    assert leads["cw48_N_0"] is None
+    assert {leads[one.name] for one in recordings if one.rig == "cwru12"} == {"cw48_N_0"}
+    assert leads["hitself_OR5_900"] == "hitself_Normal_900"
+    assert {leads[one.name] for one in recordings if one.rig == "mfpt"} == {None}
+    assert len({one.bearing for one in recordings if one.truth == "inner_ring"}) == 4 + 3 + 1
+
+
 def test_detectors_in_python_hear_the_healthy_bearing_first(tmp_path: Path) -> None:
     at = folder(tmp_path)
     calm, struck = read_measured(at)
-    signal = LedSignal(struck, calm)
+    signal = LedSignal(struck, calm, LONGEST)
     pieces = list(signal.pieces())
     assert (signal.expectation().onset, signal.expectation().end) == pytest.approx((2.0, 4.0))
     assert [piece.first_index for piece in pieces[:3]] == [0, 600, 1200]
@@ -182,6 +208,25 @@ def test_detectors_in_python_hear_the_healthy_bearing_first(tmp_path: Path) -> N
     assert answers["calm"] == ("healthy", 0.0)
     assert answers["struck"][1] == pytest.approx(2.0)
     assert report.results[1].alarm_delay is not None
+
+
+@pytest.mark.parametrize(("verdicts", "answer"), [("cccccca", "outer_ring"), ("aaaaaac", "healthy"), ("cccccaw", "outer_ring")])
+def test_the_last_verdict_is_the_answer_for_a_healthy_bearing_too(verdicts: str, answer: str, tmp_path: Path) -> None:
+    calm, struck = read_measured(folder(tmp_path))
+    of = {"c": "healthy", "a": "outer_ring", "w": "waiting"}
+    for signal in (LedSignal(calm, None, LONGEST), LedSignal(struck, calm, LONGEST)):
+        expected = signal.expectation()
+        times = np.linspace(expected.onset + 0.1, expected.end - 0.1, len(verdicts))
+        received = [ReceivedDiagnosis(float(time), of[letter]) for time, letter in zip(times, verdicts, strict=True)]
+        assert score_scenario(expected, received, measured_criteria()).answer == answer
+
+
+def test_verdicts_on_the_lead_are_no_answer(tmp_path: Path) -> None:
+    calm, struck = read_measured(folder(tmp_path))
+    for recording_after in (struck, calm):
+        expected = LedSignal(recording_after, calm, LONGEST).expectation()
+        early = [ReceivedDiagnosis(expected.onset - 0.1, "outer_ring")]
+        assert score_scenario(expected, early, measured_criteria()).answer == NO_ANSWER
 
 
 def test_python_and_an_entry_go_with_measured_recordings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

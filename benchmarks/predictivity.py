@@ -1,0 +1,104 @@
+"""How well replicas of measured recordings predict the marks of detectors on them, with and without each part of the simulation.
+
+``python benchmarks/predictivity.py MEASURED``; MEASURED is a folder with ``recordings.csv`` and ``recordings/NAME.npz``. It rewrites
+docs/results/predictivity.md. A second call reads simulated recordings and answers from ``--recordings``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from dcrb_ros.exam.detector_families import families_of, shipped_members
+from dcrb_ros.exam.evaluation import no_progress
+from dcrb_ros.exam.exam_file import exam_of
+from dcrb_ros.exam.limits import Limits
+from dcrb_ros.exam.predictivity_figure import write_predictivity_figure
+from dcrb_ros.exam.predictivity_report import HEADS, Comparison, compare_with_field, markdown, rows
+from dcrb_ros.exam.recording_cache import checked_folder, default_folder
+from dcrb_ros.exam.replica import ReplicaPlan, replica_tree
+from dcrb_ros.text.markdown import table
+from dcrb_ros.text.writing import write_whole
+
+ROOT = Path(__file__).parents[1]
+VARIANTS = {
+    "rigid path, equal impacts": ("path", "impacts"),
+    "path": ("impacts", "background"),
+    "path and impacts": ("background",),
+    "path, impacts and background": (),
+}
+"""Parts that are left out, by what is there; the last is the whole replica."""
+
+
+def compared(given: argparse.Namespace, without: tuple[str, ...]) -> Comparison:
+    """Return the comparison of a replica without some parts."""
+    recordings = given.measured / "recordings.csv"
+    plan = ReplicaPlan(machines=given.machines, counterparts=given.counterparts, longest=given.longest, without=without)
+    exam = exam_of(replica_tree(recordings, plan), "replica")
+    folder = checked_folder(given.recordings)
+    members, broken = families_of(given.detectors, folder)
+    return compare_with_field(recordings, exam, [*shipped_members(), *members], broken, folder, Limits(), given.workers, no_progress)
+
+
+def page(comparisons: dict[str, Comparison]) -> str:
+    """Return the results page."""
+    whole = comparisons[list(comparisons)[-1]]
+    parts = [(name, *rows(one.families[:1])[0][1:]) for name, one in comparisons.items()]
+    members = [(name, *rows(one.members[:1])[0][1:]) for name, one in comparisons.items()]
+    return "\n".join(
+        [
+            "# Predictivity of the exam",
+            "",
+            "Written by `make predictivity`. [Does an exam predict your rig?](../how-to/predict-your-rig.md) explains the method and the",
+            "figures.",
+            "",
+            "## Parts of the simulation",
+            "",
+            "All recordings; over the families, each with its published settings:",
+            "",
+            table(("replica", *HEADS[1:]), parts),
+            "",
+            "Over all members:",
+            "",
+            table(("replica", *HEADS[1:]), members),
+            "",
+            "## The whole replica",
+            "",
+            markdown(whole),
+            "",
+        ]
+    )
+
+
+def main() -> int:
+    """Compare every variant and write the page and its figure."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("measured", type=Path)
+    parser.add_argument("-o", "--output", type=Path, default=ROOT / "docs" / "results" / "predictivity.md")
+    parser.add_argument("--figure", type=Path, default=ROOT / "docs" / "images" / "predictivity.png")
+    parser.add_argument("--detectors", type=Path, default=ROOT / "examples" / "detectors")
+    parser.add_argument("--recordings", type=Path, default=default_folder())
+    parser.add_argument("--machines", type=int, default=6)
+    parser.add_argument("--counterparts", type=int, default=3)
+    parser.add_argument("--longest", type=float, default=5.0)
+    parser.add_argument("--workers", type=int, default=1)
+    parser.add_argument("--only", nargs="+", choices=list(VARIANTS), default=list(VARIANTS))
+    given = parser.parse_args()
+    if not (given.measured / "recordings.csv").is_file():
+        print(
+            f"{given.measured} has no recordings.csv, so nothing is compared: the recordings are not part of the repository",
+            file=sys.stderr,
+        )
+        return 0
+    comparisons = {}
+    for name in given.only:
+        comparisons[name] = compared(given, VARIANTS[name])
+        print(f"{name}\n{markdown(comparisons[name])}", flush=True)
+    write_whole(given.output, page(comparisons))
+    write_predictivity_figure(comparisons[given.only[-1]], given.figure)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,129 @@
+"""`dcrb exam replica` and `dcrb exam predictivity`: does the order of detectors in an exam carry over to measured recordings?"""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from dcrb_ros.cli.literal_help import Commands
+from dcrb_ros.cli.options import Force, JsonOutput, Quiet, Workers, worker_count
+from dcrb_ros.cli.output_file import replacing
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.writing import write_whole
+
+if TYPE_CHECKING:
+    from dcrb_ros.exam.predictivity_report import Comparison
+
+Table = Annotated[Path, typer.Argument(help="Table of measured recordings (recordings.csv); the files are in recordings/ beside it.")]
+
+
+def replica(
+    table: Table,
+    output: Annotated[Path, typer.Option("--output", "-o", help="Exam file to write.")],
+    seed: Annotated[int, typer.Option(help="Seed of everything that is drawn.")] = 1,
+    machines: Annotated[int, typer.Option(help="Simulated machines for each measured one, 1 to 64.")] = 6,
+    counterparts: Annotated[int, typer.Option(help="Counterparts of each faulty recording, at most one on each machine.")] = 3,
+    longest: Annotated[float, typer.Option(help="Longest part of a recording that is compared [s], 1 to 60.")] = 5.0,
+    bench: Annotated[str, typer.Option(help="Configuration on which the bearings are scaled.")] = "ball_bearing_6205",
+    without: Annotated[list[str] | None, typer.Option(help="Part to leave out: path, impacts or background; may be repeated.")] = None,
+    speed: Annotated[str, typer.Option(help="Column of speeds: lines or documented.")] = "lines",
+    force: Force = False,
+) -> None:
+    """Write an exam of simulated counterparts of measured recordings; no recording is opened.
+
+    Example: dcrb exam replica measured/recordings.csv -o replica.yaml
+    """
+    import yaml
+
+    from dcrb_ros.exam.replica import ReplicaPlan, replica_tree
+
+    _check_speed(speed)
+    plan = ReplicaPlan(seed, machines, counterparts, longest, bench, tuple(without or ()))
+    tree = replica_tree(_checked(table), plan, speed)
+    with replacing("--output", output, force=force):
+        write_whole(output, yaml.safe_dump(tree, sort_keys=False))
+    print(f"{output}: {len(tree['scenarios'])} scenarios; compare it with dcrb exam predictivity {table} --replica {output}")
+
+
+def predictivity(
+    table: Table,
+    replica: Annotated[Path | None, typer.Option(help="Exam of dcrb exam replica. Default: one with the default options.")] = None,
+    detectors: Annotated[
+        Path | None, typer.Option(help="Folder of detectors, one family in each file, beside the shipped detector.", file_okay=False)
+    ] = None,
+    recordings: Annotated[
+        Path | None, typer.Option(help="Folder that keeps simulated recordings and answers. Default: a folder in the user's cache.")
+    ] = None,
+    workers: Workers = 0,
+    as_json: JsonOutput = False,
+    figure: Annotated[Path | None, typer.Option(help="Also draw exam over field to this file (.png, .svg or .pdf).")] = None,
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="Also write the tables as Markdown to this file.")] = None,
+    quiet: Quiet = False,
+) -> None:
+    """Compare the marks of detectors on simulated counterparts with those on measured recordings.
+
+    Exit status 0, 1 if a detector failed and was left out, 2 if the input is invalid.
+
+    Example: dcrb exam predictivity measured/recordings.csv --detectors examples/detectors
+    """
+    from dcrb_ros.cli.evaluation import progress_of
+    from dcrb_ros.cli.first_start import announce_compilation
+    from dcrb_ros.exam.detector_families import families_of, shipped_members
+    from dcrb_ros.exam.exam_file import exam_of, read_exam
+    from dcrb_ros.exam.limits import Limits
+    from dcrb_ros.exam.predictivity_report import compare_with_field, markdown, origin_of
+    from dcrb_ros.exam.recording_cache import checked_folder, default_folder
+    from dcrb_ros.exam.replica import ReplicaPlan, replica_tree
+
+    count, given = worker_count(workers), _checked(table)
+    exam = exam_of(replica_tree(given, ReplicaPlan()), f"the replica of {table}") if replica is None else read_exam(replica)
+    origin_of(exam, given)
+    folder = checked_folder(recordings or default_folder())
+    members, broken = families_of(detectors, folder) if detectors is not None else ([], [])
+    announce_compilation(quiet=quiet)
+    comparison = compare_with_field(
+        given, exam, [*shipped_members(), *members], broken, folder, Limits(), count, partial(progress_of, quiet=quiet)
+    )
+    if output is not None:
+        write_whole(output, markdown(comparison))
+    if figure is not None:
+        from dcrb_ros.exam.predictivity_figure import write_predictivity_figure
+
+        write_predictivity_figure(comparison, figure)
+    _print(comparison, as_json)
+    for one in comparison.broken:
+        typer.echo(f"dcrb: {one.name} is left out: {one.reason}", err=True)
+    if comparison.broken:
+        raise typer.Exit(1)
+
+
+def _print(comparison: Comparison, as_json: bool) -> None:
+    import json
+
+    from dcrb_ros.exam.predictivity_report import as_json as tree
+    from dcrb_ros.exam.predictivity_report import markdown
+
+    print(json.dumps(tree(comparison), indent=2) if as_json else markdown(comparison))
+
+
+def _checked(table: Path) -> Path:
+    """Return a table, also of the folder that contains it."""
+    from dcrb_ros.exam.measured import TABLE
+
+    return table / TABLE if table.is_dir() else table
+
+
+def _check_speed(speed: str) -> None:
+    from dcrb_ros.exam.measured import SPEEDS
+
+    if speed not in SPEEDS:
+        raise Refusal(f"--speed {speed} is unknown: give {' or '.join(SPEEDS)}")
+
+
+def add_to(app: Commands) -> None:
+    """Add both commands to `dcrb exam`."""
+    app.command()(replica)
+    app.command()(predictivity)

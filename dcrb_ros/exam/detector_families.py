@@ -1,0 +1,195 @@
+"""Families of detectors: the files of a folder, each a detector class with the settings of its members."""
+
+from __future__ import annotations
+
+import ast
+import functools
+import hashlib
+import inspect
+import json
+import subprocess
+import sys
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from dcrb_ros.exam.plugin import VARIANTS, load_module
+from dcrb_ros.runtime.version import __version__
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.writing import write_whole
+
+PATIENCE = 120.0
+"""Time that the import of a file may take [s]."""
+PROGRAM = "import sys; sys.path[:] = {path!r}; from dcrb_ros.exam.detector_families import main; main()"
+SHIPPED_MODULE = "dcrb_ros.exam.shipped_family"
+SHIPPED_FAMILY = "shipped detector"
+SOURCES = ("bearing", "diagnosis", "exam", "messages", "schema", "stream", "settings")
+"""Packages on which verdicts on a given signal may depend; a change of one of their sources makes verdicts outdated."""
+UNRELATED = ("predictivity", "replica", "leaderboard", "agreement", "correlation", "report", "entry", "exam_", "figure", "junit", "sealing")
+"""Beginnings of the names of modules of the exam that take no part in a verdict."""
+
+
+@dataclass(frozen=True)
+class Member:
+    """A detector with its settings."""
+
+    name: str
+    family: str
+    given: str
+    """The class and the member as `load_plugin` takes them."""
+    digest: str
+    """Digest of everything on which its verdicts on a signal depend."""
+    published: bool
+    """Whether it has the published settings: the first of its family."""
+
+
+@dataclass(frozen=True)
+class BrokenFamily:
+    """A file that cannot be imported, or is no family."""
+
+    name: str
+    reason: str
+
+
+def families_of(folder: Path, kept: Path | None = None) -> tuple[list[Member], list[BrokenFamily]]:
+    """Return the members of all families of a folder, and the files that cannot be used.
+
+    A file with exactly one complete class that has a method ``update`` is a family; files without one are helpers. Every file is imported
+    in a process of its own, unless what it contains is read from the folder ``kept``.
+
+    Raises:
+        Refusal: there is no such folder, or it has no family.
+    """
+    if not folder.is_dir():
+        raise Refusal(f"there is no folder {folder}: give a folder of detectors, one family in each file")
+    members: list[Member] = []
+    broken: list[BrokenFamily] = []
+    for file in sorted(folder.glob("*.py")):
+        digest = _file_digest(file)
+        try:
+            about = _kept_about(file, digest, kept)
+        except Refusal as refusal:
+            broken.append(BrokenFamily(file.stem, str(refusal)))
+            continue
+        members += _members(file.stem, f"{file}:{about['class']}", about, digest) if about["class"] else []
+    if not members:
+        raise Refusal(f"{folder} has no detector: give files with one class that has update(index, acceleration, shaft_angle)")
+    return members, broken
+
+
+def shipped_members() -> list[Member]:
+    """Return the members of the family of the shipped detector."""
+    about = class_and_variants(SHIPPED_MODULE)
+    return list(_members(SHIPPED_FAMILY, f"{SHIPPED_MODULE}:{about['class']}", about, ""))
+
+
+def _members(family: str, given: str, about: dict[str, Any], digest: str) -> Iterator[Member]:
+    package = package_digest()
+    for number, (name, settings) in enumerate((about["variants"] or {family: ""}).items()):
+        whole = hashlib.sha256("\n".join((package, digest, given.rpartition(":")[2], name, settings)).encode()).hexdigest()
+        yield Member(name, family, f"{given}[{name}]" if about["variants"] else given, whole, number == 0)
+
+
+def _kept_about(file: Path, digest: str, kept: Path | None) -> dict[str, Any]:
+    """Return class and variants of a file with a digest, from the folder ``kept`` where it has them."""
+    if kept is None:
+        return _about(str(file))
+    path = kept / f"family-{hashlib.sha256(f'{package_digest()} {digest} {file.name}'.encode()).hexdigest()[:32]}.json"
+    try:
+        about = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        about = None
+    if not isinstance(about, dict) or set(about) != {"class", "variants"}:
+        about = _about(str(file))
+        write_whole(path, json.dumps(about) + "\n")
+    return about
+
+
+def _about(file: str) -> dict[str, Any]:
+    """Return class and variants of a file, imported in a process of its own."""
+    try:
+        done = subprocess.run(
+            [sys.executable, "-c", PROGRAM.format(path=sys.path), file],
+            capture_output=True,
+            text=True,
+            errors="replace",
+            timeout=PATIENCE,
+            check=False,
+        )
+        about: dict[str, Any] = json.loads(done.stdout.rpartition("\n")[2] or "null") or {}
+    except (subprocess.TimeoutExpired, json.JSONDecodeError):
+        about = {}
+    if "class" not in about:
+        raise Refusal(about.get("refusal") or f"{file} cannot be imported")
+    return about
+
+
+def main() -> None:
+    """Print class and variants of the file in the argument as a line of JSON."""
+    try:
+        about = class_and_variants(sys.argv[1])
+    except Refusal as refusal:
+        about = {"refusal": str(refusal)}
+    print(f"\n{json.dumps(about)}", end="")
+
+
+def class_and_variants(name: str) -> dict[str, Any]:
+    """Return the name of the detector class of a module, or None, and the settings of its members as text.
+
+    Raises:
+        Refusal: it cannot be imported, or has several detectors.
+    """
+    module = load_module(name, name)
+    found = [
+        value.__name__
+        for value in vars(module).values()
+        if inspect.isclass(value)
+        and value.__module__ == module.__name__
+        and callable(getattr(value, "update", None))
+        and not inspect.isabstract(value)
+    ]
+    if len(found) > 1:
+        raise Refusal(f"{name} has {len(found)} detectors ({', '.join(found)}): give every family a file of its own")
+    variants = getattr(module, VARIANTS, {})
+    return {"class": found[0] if found else None, "variants": {str(key): repr(value) for key, value in variants.items()}}
+
+
+def _file_digest(file: Path) -> str:
+    """Return the digest of a file, of the files in its folder that it imports, and of all data in the folder."""
+    sources = sorted(_imported(file, {file}))
+    data = sorted(path for path in file.parent.iterdir() if path.is_file() and path.suffix not in (".py", ".pyc"))
+    return _digest_of([*sources, *data])
+
+
+def _imported(file: Path, known: set[Path]) -> set[Path]:
+    """Add the files of a folder that a file imports, directly or not, to the known ones."""
+    try:
+        tree = ast.parse(file.read_text(encoding="utf-8"))
+    except (SyntaxError, ValueError):
+        return known
+    for node in ast.walk(tree):
+        names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+        names += [node.module] if isinstance(node, ast.ImportFrom) and node.module else []
+        for name in names:
+            path = file.parent / f"{name.partition('.')[0]}.py"
+            if path.is_file() and path not in known:
+                known.add(path)
+                _imported(path, known)
+    return known
+
+
+@functools.cache
+def package_digest() -> str:
+    """Return the digest of the sources of this package on which verdicts may depend, and of its version."""
+    package = Path(__file__).parents[1]
+    files = [path for name in SOURCES for path in sorted((package / name).rglob("*.py"))]
+    related = [path for path in files if path.parent.name != "exam" or not path.name.startswith(UNRELATED)]
+    return hashlib.sha256(f"{__version__} {_digest_of(related)}".encode()).hexdigest()
+
+
+def _digest_of(files: Iterable[Path]) -> str:
+    digest = hashlib.sha256()
+    for file in files:
+        digest.update(file.name.encode() + b"\0" + hashlib.sha256(file.read_bytes()).digest())
+    return digest.hexdigest()

@@ -1,0 +1,146 @@
+"""A recording with known truth after a healthy one of the same machine, from which a detector learns what healthy is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import gcd, isclose
+from typing import Generic, Protocol, TypeVar
+
+import numpy as np
+
+from dcrb_ros.bearing.frequencies import Orders
+from dcrb_ros.bearing.temperature_readings import TemperatureReadings
+from dcrb_ros.bearing.waveform import Piece
+from dcrb_ros.exam.expectation import Expectation
+from dcrb_ros.schema.arrays import Floats
+
+LEAD = 5.0
+"""Longest part of a healthy recording before the one under evaluation [s]."""
+PIECE = 0.05
+"""Length of a block [s]."""
+SAME_BEARING = 1e-3
+"""Largest relative difference between the orders of one bearing in two rows of the table [-]."""
+
+
+class JudgedRecording(Protocol):
+    """A recording of one axis with known truth at a constant speed, measured or simulated."""
+
+    @property
+    def name(self) -> str:
+        """Name in the table."""
+
+    @property
+    def rig(self) -> str:
+        """Rig in the table."""
+
+    @property
+    def machine(self) -> str:
+        """Physical rig: a rig that is recorded in two ways is one machine."""
+
+    @property
+    def truth(self) -> str:
+        """Correct verdict."""
+
+    @property
+    def rate(self) -> int:
+        """[Hz]"""
+
+    @property
+    def speed(self) -> float:
+        """Speed of the shaft [Hz]."""
+
+    @property
+    def orders(self) -> Orders:
+        """Characteristic orders of the bearing."""
+
+    def longest_part(self, seconds: float) -> Floats:
+        """Return the acceleration of the first ``seconds`` [m/s^2], shape (samples,)."""
+
+
+Judged = TypeVar("Judged", bound=JudgedRecording)
+
+
+@dataclass(frozen=True)
+class LedSignal(Generic[Judged]):
+    """A recording after a healthy one; the shaft turns on without a jump, at the speed of each."""
+
+    recording: Judged
+    lead: Judged | None
+    """The healthy recording; None if there is none."""
+    longest: float
+    """Longest part of the recording under evaluation [s]."""
+    longest_lead: float = LEAD
+    """Longest part of the healthy recording [s]."""
+    bearing: None = None
+
+    @property
+    def orders(self) -> Orders:
+        """Characteristic orders of the bearing."""
+        return self.recording.orders
+
+    @property
+    def sampling_rate(self) -> int:
+        """[Hz]"""
+        return self.recording.rate
+
+    def temperatures(self) -> TemperatureReadings:
+        """Return no reading."""
+        return TemperatureReadings.none()
+
+    def pieces(self) -> Iterator[Piece]:
+        """Yield the blocks of both recordings."""
+        rate, before, values = self.recording.rate, self._before(), self.recording.longest_part(self.longest)
+        samples = np.concatenate([before, values])
+        frequency = np.concatenate(
+            [np.full(len(before), self.lead.speed if self.lead else 0.0), np.full(len(values), self.recording.speed)]
+        )
+        angle = np.mod(np.cumsum(frequency) * (2.0 * np.pi / rate), 2.0 * np.pi)
+        length = max(1, int(PIECE * rate))
+        for begin in range(0, len(samples), length):
+            part = samples[begin : begin + length].astype(np.float32)
+            yield Piece(begin, np.column_stack([part, part]), angle[begin : begin + length].astype(np.float32), 0.0)
+
+    def _before(self) -> Floats:
+        """Return the samples of the healthy recording at the sampling rate of the other one [m/s^2]."""
+        from scipy.signal import resample_poly
+
+        if self.lead is None:
+            return np.zeros(0)
+        signal, rate = self.lead.longest_part(self.longest_lead), self.recording.rate
+        common = gcd(self.lead.rate, rate)
+        return np.asarray(signal if self.lead.rate == rate else resample_poly(signal, rate // common, self.lead.rate // common), np.float64)
+
+    def expectation(self) -> Expectation:
+        """Return what is expected: an alarm in the healthy lead is false, and the last verdict after it counts."""
+        onset, rate = len(self._before()) / self.recording.rate, self.recording.rate
+        return expectation(self.recording, (round(onset * rate) + len(self.recording.longest_part(self.longest))) / rate, onset)
+
+
+def healthy_lead(recording: Judged, recordings: Sequence[Judged]) -> Judged | None:
+    """Return another, healthy recording of the same machine and bearing type at the nearest speed; None if there is none.
+
+    A bearing type is known by its orders. A higher sampling rate is reduced, so that rates may differ; a lower one cannot be used.
+    """
+    candidates = [
+        other
+        for other in recordings
+        if other.truth == "healthy"
+        and other.name != recording.name
+        and other.machine == recording.machine
+        and other.rate >= recording.rate
+        and _same_bearing(other.orders, recording.orders)
+    ]
+    return min(candidates, key=lambda other: (abs(other.speed - recording.speed), other.name), default=None)
+
+
+def _same_bearing(first: Orders, second: Orders) -> bool:
+    pairs = zip(first.as_dict().values(), second.as_dict().values(), strict=True)
+    return all(isclose(a, b, rel_tol=SAME_BEARING) for a, b in pairs)
+
+
+def expectation(recording: JudgedRecording, end: float, onset: float = 0.0) -> Expectation:
+    """Return what is expected of a recording that begins at ``onset`` and ends at ``end`` [s]; ball faults are not required."""
+    # Envelope analysis cannot name most ball faults (Smith and Randall 2015), so they enter the statistics only.
+    tags: dict[str, str | float] = {"rig": recording.rig}
+    return Expectation(recording.name, recording.truth, end, onset, tags, required=recording.truth != "roller", last_verdict=True)

@@ -1,0 +1,203 @@
+"""How well an exam predicts the marks of detectors on measured recordings.
+
+SRCC is Pearson's correlation (Kadian et al. 2020), MMRV the mean maximum rank violation (Li et al. 2024, SIMPLER).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from dcrb_ros.exam.correlation import kendall_tau, mean_maximum_rank_violation, pearson_r, spearman_rho
+from dcrb_ros.exam.exam_score import interval
+from dcrb_ros.exam.statistics import Interval
+from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.refusal import Refusal
+
+RESAMPLES = 1000
+"""Bootstrap samples of each interval [-]."""
+SPLITS = 200
+"""Splits of the measured recordings into halves [-]."""
+SEED = 33
+FEWEST = 3
+"""Families from which on an order is compared [-]."""
+STATISTICS: Mapping[str, Callable[[Floats, Floats], Floats]] = {
+    "srcc": pearson_r,
+    "rho": spearman_rho,
+    "tau_b": kendall_tau,
+    "mmrv": mean_maximum_rank_violation,
+}
+"""Functions of exam and field marks, shape (detectors, samples), by name."""
+Indices = npt.NDArray[np.int64]
+
+
+class Compared(NamedTuple):
+    """A measured recording as both sides see it."""
+
+    name: str
+    machine: str
+    truth: str
+    bearing: str
+    led: bool
+    """Whether a healthy recording of the machine precedes it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Marks:
+    """The marks of detectors on both sides."""
+
+    detectors: tuple[str, ...]
+    families: tuple[str, ...]
+    """Family of each detector."""
+    published: tuple[bool, ...]
+    """Whether a detector has the published settings of its family."""
+    recordings: tuple[Compared, ...]
+    field: Floats
+    """1 where the last verdict on a measured recording is right, shape (detectors, recordings) [-]."""
+    exam: Floats
+    """Share of its counterparts on which it is right, shape (detectors, recordings) [-]."""
+
+    def of(self, detectors: Indices) -> Marks:
+        """Return the marks of some detectors."""
+        chosen = [tuple(np.array(column, dtype=object)[detectors]) for column in (self.detectors, self.families, self.published)]
+        return Marks(chosen[0], chosen[1], chosen[2], self.recordings, self.field[detectors], self.exam[detectors])
+
+    @property
+    def representatives(self) -> Marks:
+        """The member with the published settings of each family."""
+        return self.of(np.flatnonzero(self.published))
+
+
+@dataclass(frozen=True)
+class Statistic:
+    """A statistic with its intervals and ceiling."""
+
+    value: float
+    bearings: Interval
+    """Interval of a bootstrap over the bearings."""
+    families: Interval
+    """Interval of a bootstrap over the families of detectors."""
+    ceiling: Interval
+    """The same statistic between halves of the measured recordings, mean over the splits, and the range of 95 % of them."""
+
+
+@dataclass(frozen=True)
+class Predictivity:
+    """How well the exam predicts the field in one scope."""
+
+    scope: str
+    """all, all with a healthy reference, a machine or a class."""
+    detectors: int
+    recordings: int
+    statistics: Mapping[str, Statistic]
+
+
+def class_mean(marks: Floats, truths: Sequence[str], weights: Floats) -> Floats:
+    """Return the mean over the classes of the weighted mean over their recordings, shape (detectors, samples) [-].
+
+    ``marks`` has shape (detectors, recordings), ``weights`` (recordings, samples). A class without weight in a sample is left out of it.
+    """
+    total, present = np.zeros((len(marks), weights.shape[1])), np.zeros(weights.shape[1])
+    for truth in sorted(set(truths)):
+        members = np.array([other == truth for other in truths])
+        whole = weights[members].sum(axis=0)
+        total += np.where(whole > 0.0, marks[:, members] @ weights[members] / np.where(whole > 0.0, whole, 1.0), 0.0)
+        present += whole > 0.0
+    return np.asarray(total / np.maximum(present, 1.0), np.float64)
+
+
+def scopes(recordings: Sequence[Compared]) -> Iterator[tuple[str, list[int]]]:
+    """Yield the name of each scope and the positions of its recordings."""
+    everything = list(range(len(recordings)))
+    yield "all", everything
+    led = {recording.machine for recording in recordings if recording.led}
+    apart = [k for k in everything if recordings[k].machine in led]
+    if 0 < len(apart) < len(everything):
+        yield "machines with a healthy reference", apart
+    for machine in sorted({recording.machine for recording in recordings}):
+        members = [k for k in everything if recordings[k].machine == machine]
+        if len(members) >= 2 * FEWEST:
+            yield machine, members
+    for truth in sorted({recording.truth for recording in recordings}):
+        yield f"class {truth}", [k for k in everything if recordings[k].truth == truth]
+
+
+def predictivities(marks: Marks) -> list[Predictivity]:
+    """Return how well the exam predicts the field in every scope.
+
+    Raises:
+        Refusal: there are fewer than three families of detectors.
+    """
+    count = len(set(marks.families))
+    if count < FEWEST:
+        raise Refusal(f"{count} families of detectors are left, but an order takes {FEWEST}: give a folder with more of them")
+    return [_predictivity(scope, marks, members) for scope, members in scopes(marks.recordings)]
+
+
+def _predictivity(scope: str, marks: Marks, members: Sequence[int]) -> Predictivity:
+    recordings = [marks.recordings[k] for k in members]
+    truths = [recording.truth for recording in recordings]
+    field, exam = marks.field[:, members], marks.exam[:, members]
+    whole = np.ones((len(members), 1))
+    here = class_mean(exam, truths, whole), class_mean(field, truths, whole)
+    weights = drawn_bearings(recordings)
+    drawn = class_mean(exam, truths, weights), class_mean(field, truths, weights)
+    by_family = drawn_families(marks.families)
+    first, second = halves(recordings)
+    parts = class_mean(field, truths, first), class_mean(field, truths, second)
+    statistics = {}
+    for name, function in STATISTICS.items():
+        value = float(function(*here)[0])
+        resampled = np.array([function(here[0][chosen], here[1][chosen])[0] for chosen in by_family])
+        ceiling = function(*parts)
+        statistics[name] = Statistic(
+            value,
+            Interval(value, *interval(function(*drawn))),
+            Interval(value, *interval(resampled)),
+            Interval(float(ceiling.mean()), *interval(ceiling)),
+        )
+    return Predictivity(scope, len(marks.detectors), len(members), statistics)
+
+
+def _strata(recordings: Sequence[Compared]) -> Iterator[list[list[int]]]:
+    """Yield the positions of the recordings of each bearing, for every machine and class.
+
+    If all recordings of a machine and class are of one bearing, each counts as a bearing of its own.
+    """
+    for stratum in sorted({(recording.machine, recording.truth) for recording in recordings}):
+        members = [k for k, recording in enumerate(recordings) if (recording.machine, recording.truth) == stratum]
+        bearings = sorted({recordings[k].bearing for k in members})
+        yield [[k for k in members if recordings[k].bearing == one] for one in bearings] if len(bearings) > 1 else [[k] for k in members]
+
+
+def drawn_bearings(recordings: Sequence[Compared]) -> Floats:
+    """Return the weights of the recordings in samples of the bearings of each machine and class, shape (recordings, `RESAMPLES`)."""
+    random, weights = np.random.default_rng(SEED), np.zeros((len(recordings), RESAMPLES))
+    for bearings in _strata(recordings):
+        times = random.multinomial(len(bearings), np.full(len(bearings), 1.0 / len(bearings)), RESAMPLES)
+        for number, members in enumerate(bearings):
+            weights[members] = times[:, number]
+    return weights
+
+
+def drawn_families(families: Sequence[str]) -> list[Indices]:
+    """Return the positions of the detectors in samples of their families, each with all of its members."""
+    random, names = np.random.default_rng(SEED + 1), sorted(set(families))
+    members = [np.flatnonzero(np.array(families, dtype=object) == name) for name in names]
+    return [np.concatenate([members[k] for k in random.integers(0, len(names), len(names))]) for _ in range(RESAMPLES)]
+
+
+def halves(recordings: Sequence[Compared]) -> tuple[Floats, Floats]:
+    """Return the weights of the recordings in both halves of every split of the bearings, each of shape (recordings, `SPLITS`)."""
+    random, first = np.random.default_rng(SEED + 2), np.zeros((len(recordings), SPLITS))
+    for bearings in _strata(recordings):
+        for split in range(SPLITS):
+            order = random.permutation(len(bearings))
+            # The larger half of an odd number goes to either side.
+            for k in order[: (len(bearings) + int(random.integers(2))) // 2]:
+                first[bearings[k], split] = 1.0
+    return first, 1.0 - first

@@ -1,0 +1,120 @@
+"""Marks of detectors on tasks: whether the last verdict is right. Each detector runs in a process of its own; answers are kept."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from dcrb_ros.exam.detector_families import BrokenFamily, Member
+from dcrb_ros.exam.evaluation import OnDone
+from dcrb_ros.exam.limits import Limits
+from dcrb_ros.exam.measured import measured_criteria
+from dcrb_ros.exam.plugin_process import DetectorProcess
+from dcrb_ros.exam.predictivity_task import Task
+from dcrb_ros.exam.scoring import score_scenario
+from dcrb_ros.runtime.processes import in_processes
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.schema.verdicts import VERDICTS
+from dcrb_ros.text.files import read_text
+from dcrb_ros.text.json import LARGEST, parsed_json
+from dcrb_ros.text.writing import write_whole
+
+ANSWERS = "answers"
+"""Subfolder of the answers in the folder of the exam's recordings."""
+FORMAT = 1
+"""Version of the way in which verdicts become answers; another one makes kept answers outdated."""
+
+
+@dataclass(frozen=True)
+class Answers:
+    """The answers of the detectors that judged every task."""
+
+    answers: Mapping[str, Mapping[str, str]]
+    """Answer by the name of the member and the digest of the task."""
+    broken: tuple[BrokenFamily, ...]
+    """Members that failed, with the reason."""
+
+
+def answers_of(
+    members: Sequence[Member],
+    tasks: Sequence[Task[Any]],
+    folder: Path,
+    limits: Limits,
+    workers: int,
+    progress: AbstractContextManager[OnDone],
+) -> Answers:
+    """Return the answers of detectors; those of the same detector to the same signal are read from ``folder``.
+
+    A detector that fails in any task is left out, and nothing of it is kept.
+    """
+    store = folder / ANSWERS
+    try:
+        store.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise Refusal(f"{store} cannot hold the answers: {error.strerror}; give another folder with --recordings") from None
+    answers: dict[str, Mapping[str, str]] = {}
+    broken: list[BrokenFamily] = []
+    kept = {member.name: _kept(store, member) for member in members}
+    calls = {}
+    for member in members:
+        missing = [task for task in tasks if task.digest not in kept[member.name]]
+        calls[member] = partial(run_member, member.given, missing, limits)
+    with progress as on_done:
+        for member in members:
+            if not calls[member].args[1]:
+                answers[member.name] = kept[member.name]
+                on_done(member.name)
+        waiting = {member: call for member, call in calls.items() if member.name not in answers}
+        for member, outcome in in_processes(waiting, min(workers, len(waiting))) if waiting else ():
+            if isinstance(outcome, str):
+                broken.append(BrokenFamily(member.name, outcome))
+            else:
+                answers[member.name] = {**kept[member.name], **outcome}
+                write_whole(_file(store, member), json.dumps(answers[member.name], indent=0) + "\n")
+            on_done(member.name)
+    return Answers(answers, tuple(broken))
+
+
+def run_member(given: str, tasks: Sequence[Task[Any]], limits: Limits) -> dict[str, str] | str:
+    """Return the answers of a detector by the digest of the task, or why it failed."""
+    criteria, found = measured_criteria(), {}
+    try:
+        process = DetectorProcess(given, limits)
+    except Refusal as refusal:
+        return str(refusal)
+    try:
+        for task in tasks:
+            if process.closed:
+                process = DetectorProcess(given, limits)
+            outcome = process.diagnose(task.signal)
+            if outcome.failure:
+                return f"it failed on {task.signal.recording.name}: {outcome.failure}"
+            found[task.digest] = score_scenario(task.signal.expectation(), outcome.received, criteria).answer
+    except Refusal as refusal:
+        return str(refusal)
+    finally:
+        process.close()
+    return found
+
+
+def _file(store: Path, member: Member) -> Path:
+    return store / f"{hashlib.sha256(f'{FORMAT} {member.digest}'.encode()).hexdigest()[:32]}.json"
+
+
+def _kept(store: Path, member: Member) -> Mapping[str, str]:
+    """Return the kept answers of a member; none if the file is missing or damaged."""
+    file = _file(store, member)
+    if not file.is_file():
+        return {}
+    try:
+        tree = parsed_json(read_text(file, LARGEST), str(file))
+    except Refusal:
+        return {}
+    known = {*VERDICTS, "nothing"}
+    return {str(key): str(value) for key, value in tree.items() if value in known} if isinstance(tree, dict) else {}

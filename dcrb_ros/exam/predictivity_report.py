@@ -1,0 +1,194 @@
+"""The comparison of an exam with the field: run it, and write it as JSON, as Markdown and as a figure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dcrb_ros.exam.detector_families import BrokenFamily, Member
+from dcrb_ros.exam.evaluation import OnDone
+from dcrb_ros.exam.exam_file import Exam, ReplicaOrigin
+from dcrb_ros.exam.limits import Limits
+from dcrb_ros.exam.measured import read_table
+from dcrb_ros.exam.predictivity import Compared, Marks, Predictivity, class_mean, predictivities
+from dcrb_ros.exam.predictivity_marks import answers_of
+from dcrb_ros.exam.predictivity_task import Task, measured_tasks, simulate_missing, simulated_tasks
+from dcrb_ros.exam.replica import table_digest
+from dcrb_ros.exam.statistics import CONFIDENCE, Interval
+from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.printable import printable
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.markdown import table as markdown_table
+
+LABELS = {"srcc": "SRCC", "rho": "rho", "tau_b": "tau-b", "mmrv": "MMRV"}
+"""Heads of the statistics."""
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """An exam compared with the field."""
+
+    marks: Marks
+    members: tuple[Predictivity, ...]
+    """Over all members of the families."""
+    families: tuple[Predictivity, ...]
+    """Over the families, each by the member with its published settings."""
+    broken: tuple[BrokenFamily, ...]
+    """Detectors that were left out."""
+    origin: ReplicaOrigin
+    counterparts: int
+    """Simulated recordings that were compared [-]."""
+
+
+def origin_of(exam: Exam, table: Path) -> ReplicaOrigin:
+    """Return the origin of a replica.
+
+    Raises:
+        Refusal: the exam is no replica, or one of another table.
+    """
+    if exam.replica is None:
+        raise Refusal(f"the exam '{exam.name}' is no replica: make one with dcrb exam replica {table}")
+    if exam.replica.table_sha256 != table_digest(table):
+        raise Refusal(f"the replica '{exam.name}' was made from another table than {table}: make it again with dcrb exam replica {table}")
+    return exam.replica
+
+
+def compare_with_field(
+    table: Path,
+    exam: Exam,
+    members: Sequence[Member],
+    broken: Sequence[BrokenFamily],
+    recordings: Path,
+    limits: Limits,
+    workers: int,
+    progress: Callable[[str, int], AbstractContextManager[OnDone]],
+) -> Comparison:
+    """Return the comparison of a replica with the measured recordings of its table.
+
+    Raises:
+        Refusal: a recording is not there, the replica is one of another table, or fewer than three families are left.
+    """
+    origin = origin_of(exam, table)
+    measured = read_table(table, origin.speed)
+    first = measured_tasks(measured, origin.longest)
+    second = simulated_tasks(exam, measured, origin.longest, recordings)
+    simulate_missing(second, workers, progress("simulated", len(second)))
+    tasks: list[Task[Any]] = [*first, *second]
+    found = answers_of(members, tasks, recordings, limits, workers, progress("judged", len(members)))
+    kept = [member for member in members if member.name in found.answers]
+    both = [*broken, *found.broken]
+    if not kept:
+        raise Refusal("; ".join(["no detector is left to compare", *(f"{one.name}: {one.reason}" for one in both[:1])]))
+    marks = _marks(kept, found.answers, first, second)
+    return Comparison(marks, tuple(predictivities(marks)), tuple(predictivities(marks.representatives)), tuple(both), origin, len(second))
+
+
+def _marks(members: Sequence[Member], answers: Any, measured: Sequence[Task[Any]], simulated: Sequence[Task[Any]]) -> Marks:
+    """Return the marks of members whose answers to all tasks are known; recordings without a counterpart are left out."""
+    counterparts: dict[str, list[Task[Any]]] = {}
+    for task in simulated:
+        counterparts.setdefault(task.original.name, []).append(task)
+    kept = [task for task in measured if task.original.name in counterparts]
+    right = {member.name: answers[member.name] for member in members}
+
+    def mark(member: Member, task: Task[Any]) -> float:
+        return float(right[member.name][task.digest] == task.original.truth)
+
+    field = [[mark(member, task) for task in kept] for member in members]
+    exam = [[float(np.mean([mark(member, one) for one in counterparts[task.original.name]])) for task in kept] for member in members]
+    recordings = tuple(
+        Compared(task.original.name, task.original.machine, task.original.truth, task.original.bearing, task.signal.lead is not None)
+        for task in kept
+    )
+    published = {member.family: member.name for member in reversed(members)}
+    return Marks(
+        tuple(member.name for member in members),
+        tuple(member.family for member in members),
+        tuple(published[member.family] == member.name for member in members),
+        recordings,
+        np.array(field),
+        np.array(exam),
+    )
+
+
+def pooled(marks: Marks) -> tuple[Floats, Floats]:
+    """Return the pooled marks of each detector in the exam and in the field: the mean over the classes, 0 .. 1 [-]."""
+    truths, whole = [recording.truth for recording in marks.recordings], np.ones((len(marks.recordings), 1))
+    return class_mean(marks.exam, truths, whole)[:, 0], class_mean(marks.field, truths, whole)[:, 0]
+
+
+def as_json(comparison: Comparison) -> dict[str, Any]:
+    """Return a comparison as a tree for JSON."""
+    exam, field = pooled(comparison.marks)
+    rows = zip(comparison.marks.detectors, comparison.marks.families, exam, field, strict=True)
+    return {
+        "replica": comparison.origin.model_dump(),
+        "recordings": len(comparison.marks.recordings),
+        "counterparts": comparison.counterparts,
+        "families": [_tree(one) for one in comparison.families],
+        "members": [_tree(one) for one in comparison.members],
+        "detectors": [{"name": name, "family": family, "exam": float(e), "field": float(f)} for name, family, e, f in rows],
+        "left_out": [{"name": one.name, "reason": one.reason} for one in comparison.broken],
+    }
+
+
+def _tree(one: Predictivity) -> dict[str, Any]:
+    about: dict[str, Any] = {"scope": one.scope, "detectors": one.detectors, "recordings": one.recordings}
+    for name, value in one.statistics.items():
+        about[name] = {
+            "value": value.value,
+            "over_bearings": [value.bearings.low, value.bearings.high],
+            "over_families": [value.families.low, value.families.high],
+            "ceiling": list(value.ceiling),
+        }
+    return about
+
+
+def rows(predictivity: Sequence[Predictivity]) -> list[tuple[str, ...]]:
+    """Return the cells of a table of statistics; see `HEADS`."""
+    return [(f"{one.scope} ({one.recordings})", *(cell(one, name) for name in LABELS)) for one in predictivity]
+
+
+HEADS = ("recordings", *LABELS.values())
+
+
+def cell(one: Predictivity, name: str) -> str:
+    """Return a statistic with its intervals over bearings and over families, and its ceiling."""
+    value = one.statistics[name]
+    return f"{value.value:.2f} [{_range(value.bearings)}; {_range(value.families)}], {value.ceiling.value:.2f}"
+
+
+def _range(interval: Interval) -> str:
+    return f"{interval.low:.2f}..{interval.high:.2f}"
+
+
+def markdown(comparison: Comparison) -> str:
+    """Return a comparison as Markdown: statistics by scope, marks by detector, and what was left out."""
+    exam, field = pooled(comparison.marks)
+    order = sorted(range(len(exam)), key=lambda k: (-field[k], comparison.marks.detectors[k]))
+    detectors = ((comparison.marks.detectors[k], f"{100.0 * exam[k]:.0f}", f"{100.0 * field[k]:.0f}") for k in order)
+    families, origin = len(set(comparison.marks.families)), comparison.origin
+    without = f", without {', '.join(origin.without)}" if origin.without else ""
+    lines = [
+        f"{len(comparison.marks.recordings)} measured recordings, {comparison.counterparts} counterparts of at most {origin.longest:g} s "
+        f"(seed {origin.seed}{without}), {families} families with {len(exam)} members. Each cell: value "
+        f"[{CONFIDENCE:.0%} interval over bearings; over families], ceiling of measured halves.",
+        "",
+        f"Over the {families} families, each with its published settings:",
+        "",
+        markdown_table(HEADS, rows(comparison.families)),
+        "",
+        f"Over all {len(exam)} members:",
+        "",
+        markdown_table(HEADS, rows(comparison.members)),
+        "",
+        markdown_table(("detector", "exam [%]", "field [%]"), detectors),
+        "",
+    ]
+    lines += [f"Left out: {printable(one.name)}, {printable(one.reason)}" for one in comparison.broken]
+    return "\n".join(lines)

@@ -1,0 +1,150 @@
+"""The task of both sides of a comparison: each recording, measured or simulated, after a healthy one of its machine."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Generic
+
+from dcrb_ros.bearing.frequencies import Orders
+from dcrb_ros.exam.case import Case
+from dcrb_ros.exam.evaluation import OnDone
+from dcrb_ros.exam.exam_file import Exam
+from dcrb_ros.exam.led_signal import Judged, LedSignal, healthy_lead
+from dcrb_ros.exam.measured import MeasuredRecording
+from dcrb_ros.exam.recording_cache import cached_recording, case_hash, is_recorded
+from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.runtime.processes import in_processes
+from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.refusal import Refusal
+
+COMPARED = ("healthy", "outer_ring", "inner_ring")
+"""Classes that are compared: envelope analysis cannot name most ball faults (Smith and Randall 2015)."""
+VERTICAL = 1
+"""Axis of the bench that a recording of one axis has: Y, along the load."""
+
+
+@dataclass(frozen=True)
+class SimulatedRecording:
+    """A scenario of a replica as a recording of one axis, as the table describes the measured one."""
+
+    original: MeasuredRecording
+    case: Case
+    folder: Path
+    machine: str
+
+    @property
+    def name(self) -> str:
+        """Name of the scenario."""
+        return self.case.expectation.name
+
+    @property
+    def rig(self) -> str:
+        """Rig in the table."""
+        return self.original.rig
+
+    @property
+    def truth(self) -> str:
+        """Correct verdict."""
+        return self.original.truth
+
+    @property
+    def rate(self) -> int:
+        """[Hz]"""
+        return self.original.rate
+
+    @property
+    def speed(self) -> float:
+        """Speed of the shaft [Hz]."""
+        return self.original.speed
+
+    @property
+    def orders(self) -> Orders:
+        """Characteristic orders in the table."""
+        return self.original.orders
+
+    def longest_part(self, seconds: float) -> Floats:
+        """Return the vertical acceleration of the first ``seconds`` [m/s^2], shape (samples,); it is simulated if it is missing."""
+        recorded = Recording(cached_recording(self.case, self.folder)).acceleration
+        return recorded[: round(seconds * self.rate), VERTICAL].astype(float)
+
+
+@dataclass(frozen=True)
+class Task(Generic[Judged]):
+    """A recording to judge."""
+
+    signal: LedSignal[Judged]
+    original: MeasuredRecording
+    """The measured recording, also that of a counterpart."""
+    digest: str
+    """Digest of everything on which the signal depends."""
+
+
+def measured_tasks(recordings: Sequence[MeasuredRecording], longest: float) -> list[Task[MeasuredRecording]]:
+    """Return the tasks of measured recordings, of each at most ``longest`` [s].
+
+    Raises:
+        Refusal: a recording is not there.
+    """
+    missing = next((recording for recording in recordings if not recording.file.is_file()), None)
+    if missing is not None:
+        raise Refusal(f"{missing.file} is not there: restore this recording, or leave {missing.name} out of the table")
+    files = {recording.name: hashlib.sha256(recording.file.read_bytes()).hexdigest() for recording in recordings}
+    return [_task(one, one, recordings, longest, files) for one in recordings if one.truth in COMPARED]
+
+
+def simulated_tasks(exam: Exam, recordings: Sequence[MeasuredRecording], longest: float, folder: Path) -> list[Task[SimulatedRecording]]:
+    """Return the tasks of the scenarios of a replica, whose recordings are kept in a folder.
+
+    Raises:
+        Refusal: a scenario is no counterpart of a recording of the table.
+    """
+    known = {recording.name: recording for recording in recordings}
+    simulated = []
+    for case in exam.cases:
+        original, machine = known.get(str(case.expectation.tags.get("recording"))), case.expectation.tags.get("machine")
+        if original is None or original.truth != case.expectation.verdict or machine is None:
+            raise Refusal(
+                f"scenario '{case.expectation.name}' of {exam.name} is no counterpart of a recording of the table: make the replica "
+                "with dcrb exam replica"
+            )
+        simulated.append(SimulatedRecording(original, case, folder, str(machine)))
+    hashes = {one.name: case_hash(one.case) for one in simulated}
+    return [_task(one, one.original, simulated, longest, hashes) for one in simulated if one.truth in COMPARED]
+
+
+def simulate_missing(tasks: Sequence[Task[SimulatedRecording]], workers: int, progress: AbstractContextManager[OnDone]) -> None:
+    """Simulate the recordings and their leads that are missing, with more than one worker in processes of their own."""
+    recordings = {one.name: one for task in tasks for one in (task.signal.recording, task.signal.lead) if one is not None}
+    with progress as on_done:
+        missing = {}
+        for name, one in recordings.items():
+            if is_recorded(one.case, one.folder):
+                on_done(name)
+            else:
+                missing[name] = partial(cached_recording, one.case, one.folder)
+        done = (
+            in_processes(missing, min(workers, len(missing))) if workers > 1 and missing else ((k, call()) for k, call in missing.items())
+        )
+        for name, _ in done:
+            on_done(name)
+
+
+def _task(one: Judged, original: MeasuredRecording, others: Sequence[Judged], longest: float, digests: dict[str, str]) -> Task[Judged]:
+    lead = healthy_lead(one, others)
+    about = [
+        digests[one.name],
+        *([digests[lead.name], lead.speed, lead.rate] if lead else []),
+        one.rate,
+        one.speed,
+        one.orders.as_dict(),
+        getattr(one, "unit", ""),
+        longest,
+    ]
+    digest = hashlib.sha256(json.dumps(about).encode()).hexdigest()
+    return Task(LedSignal(one, lead, longest, longest), original, digest)

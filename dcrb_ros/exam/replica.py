@@ -1,0 +1,266 @@
+"""The replica of a set of measured recordings: an exam of simulated machines with the same bearings, speeds, rates, lengths and faults.
+
+Only the table is read. No recording is opened, so that no sample of a faulty bearing can enter a replica.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from dcrb_ros.exam.exam_file import exam_of
+from dcrb_ros.exam.measured import MeasuredRecording, read_table
+from dcrb_ros.exam.replica_geometry import bearing_settings, geometry_of
+from dcrb_ros.exam.replica_priors import (
+    AZIMUTH,
+    BACKGROUND,
+    DEPTH,
+    EQUAL_GAINS,
+    FLOOR,
+    GAIN,
+    GAIN_KNOWN,
+    HOUSINGS,
+    LINES,
+    LOAD,
+    PARTS,
+    SEEDS,
+    SHARE,
+    WIDTH,
+    drawn,
+    seed_of,
+)
+from dcrb_ros.exam.replica_table import ReplicaColumns, read_replica_columns
+from dcrb_ros.runtime.version import __version__
+from dcrb_ros.schema.refusal import Refusal, nearest
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.simulation.healthy_level import healthy_level
+
+BENCH = "ball_bearing_6205"
+BALLS = "hertz"
+"""Contact law of a bench with balls."""
+LEVEL_TIME = 0.3
+"""Time over which the level of a healthy machine is simulated, to which its background refers [s]."""
+FAULTS = {"outer_ring": "outer_1", "inner_ring": "inner_1", "roller": "roller_1"}
+"""Defect of the bench for each verdict that a replica can have."""
+FASTEST_PREVIEW = 200
+"""Highest rate of the preview [Hz]; the bench takes a divisor of the sampling rate."""
+SLOWEST_PREVIEW = 10
+"""[Hz]"""
+RANGE = 1e4
+"""Range of the sensor at a gain of 1 [m/s^2]."""
+
+
+@dataclass(frozen=True)
+class ReplicaPlan:
+    """How a replica is made."""
+
+    seed: int = 1
+    machines: int = 6
+    """Simulated machines for each measured one; each has a counterpart of every healthy recording [-]."""
+    counterparts: int = 3
+    """Counterparts of a faulty recording, on different machines [-]."""
+    longest: float = 5.0
+    """Longest part of a recording that is simulated and compared [s]."""
+    bench: str = BENCH
+    """Configuration on which the bearings are scaled."""
+    without: tuple[str, ...] = ()
+    """Parts that are left out, of `PARTS`."""
+
+    def check(self) -> None:
+        """Refuse values out of range.
+
+        Raises:
+            Refusal: a value is out of range.
+        """
+        if not 0 <= self.seed < SEEDS:
+            raise Refusal(f"seed = {self.seed} is outside 0 .. {SEEDS - 1}: give a whole number in this range")
+        if not 1 <= self.counterparts <= self.machines <= 64:
+            raise Refusal(
+                f"{self.counterparts} counterparts on {self.machines} machines are not possible: give 1 .. 64 machines and at most one "
+                "counterpart of a faulty recording on each"
+            )
+        if not 1.0 <= self.longest <= 60.0:
+            raise Refusal(f"longest = {self.longest:g} s is outside 1 .. 60 s: give the longest part of a recording to compare")
+        unknown = next((part for part in self.without if part not in PARTS), None)
+        if unknown is not None:
+            raise Refusal(f"the part '{unknown}' is unknown: leave out one of {', '.join(PARTS)}{nearest(unknown, PARTS)}")
+
+    @property
+    def left_out(self) -> frozenset[str]:
+        """Parts that are left out; a background needs a path."""
+        return frozenset(self.without) | ({"background"} if "path" in self.without else set())
+
+
+def replica_tree(table: Path, plan: ReplicaPlan, speed: str = "lines") -> dict[str, Any]:
+    """Return the exam file of a replica as a tree for YAML; equal tables and plans give equal trees.
+
+    Each machine of the table has `ReplicaPlan.machines` counterparts, drawn from `replica_priors.PRIORS`. Each of these has every healthy
+    recording of the machine, from which a detector learns, and its share of the faulty ones.
+
+    Raises:
+        Refusal: the table is invalid, a bearing has impossible orders, the bench cannot make a recording, or the plan is out of range.
+    """
+    plan.check()
+    recordings, columns = read_table(table, speed), read_replica_columns(table)
+    bench = load_configuration(plan.bench)
+    strange = next((recording for recording in recordings if recording.truth not in (*FAULTS, "healthy")), None)
+    if strange is not None:
+        raise Refusal(
+            f"{table}: {strange.name} is {strange.truth}, which has no replica: leave it out (known: healthy, {', '.join(FAULTS)})"
+        )
+    levels = _HealthyLevels(bench)
+    scenarios = [
+        scenario
+        for recording in recordings
+        for scenario in _counterparts(table, recording, recordings, columns[recording.name], bench, plan, levels)
+    ]
+    shortest = min(scenario["duration"] for scenario in scenarios)
+    tree = {
+        "exam": f"replica of {table.parent.name}",
+        "about": "Counterparts of measured recordings, made by dcrb exam replica; dcrb exam predictivity compares them",
+        "base": plan.bench,
+        "onset": 0.0,
+        "criteria": {"delay": dict.fromkeys(FAULTS, shortest), "silence": 1e6},
+        "replica": {
+            "table_sha256": table_digest(table),
+            "speed": speed,
+            "seed": plan.seed,
+            "machines": plan.machines,
+            "counterparts": plan.counterparts,
+            "longest": plan.longest,
+            "without": list(plan.without),
+            "dcrb_ros": __version__,
+        },
+        "scenarios": scenarios,
+    }
+    exam_of(tree, f"the replica of {table}")
+    return tree
+
+
+def table_digest(table: Path) -> str:
+    """Return the SHA-256 of a table."""
+    return hashlib.sha256(table.read_bytes()).hexdigest()
+
+
+def _counterparts(
+    table: Path,
+    recording: MeasuredRecording,
+    recordings: Sequence[MeasuredRecording],
+    columns: ReplicaColumns,
+    bench: Configuration,
+    plan: ReplicaPlan,
+    levels: _HealthyLevels,
+) -> Iterator[dict[str, Any]]:
+    """Yield the scenarios of a recording."""
+    try:
+        fixed = {**bearing_settings(geometry_of(recording.orders), bench, columns.pitch_radius), **_rate_settings(recording.rate, bench)}
+    except Refusal as refusal:
+        raise Refusal(f"{table}, {recording.name}: {refusal}") from None
+    if recording.truth == "healthy":
+        numbers = range(plan.machines)
+    else:
+        # Faulty recordings of a machine are dealt out to its counterparts one after another.
+        faulty = [other.name for other in recordings if other.machine == recording.machine and other.truth != "healthy"]
+        first = faulty.index(recording.name) * plan.counterparts
+        numbers = sorted((first + k) % plan.machines for k in range(plan.counterparts))  # type: ignore[assignment]
+    for number in numbers:
+        machine = f"{recording.machine}#{number + 1}"
+        yield {
+            "name": f"{recording.name}/{number + 1}",
+            "verdict": recording.truth,
+            "duration": min(plan.longest, columns.seconds),
+            "seeds": [int(seed_of(plan.seed, machine, recording.name, "run").integers(1, SEEDS))],
+            "twin": False,
+            "required": recording.truth != "roller",
+            "tags": {"rig": recording.rig, "recording": recording.name, "machine": machine},
+            "set": {**fixed, **_drawn_settings(recording, machine, columns, bench, plan, partial(levels.level, machine, fixed))},
+        }
+
+
+def _rate_settings(rate: int, bench: Configuration) -> Mapping[str, Any]:
+    """Return sampling rate, preview and time step; the step is the longest up to that of the bench."""
+    preview = next((preview for preview in range(FASTEST_PREVIEW, SLOWEST_PREVIEW - 1, -1) if rate % preview == 0), None)
+    if preview is None:
+        raise Refusal(
+            f"sampling_rate = {rate} Hz has no divisor from {SLOWEST_PREVIEW} to {FASTEST_PREVIEW} Hz, which the bench needs: resample it, "
+            "for example to a multiple of 100 Hz"
+        )
+    steps = max(2, math.ceil(1.0 / (bench.simulation.step * rate) - 1e-6))
+    return {"sensor.sampling_rate": rate, "simulation.step": 1.0 / (rate * steps), "publishing.preview_rate": preview}
+
+
+def _drawn_settings(
+    recording: MeasuredRecording,
+    machine: str,
+    columns: ReplicaColumns,
+    bench: Configuration,
+    plan: ReplicaPlan,
+    levels: Callable[[float, Mapping[str, Any]], float],
+) -> dict[str, Any]:
+    """Return what is drawn for a recording of a simulated machine; ``levels`` returns its healthy level at a speed, for its parameters."""
+    truth, kind = recording.truth, "balls" if bench.contact.law == BALLS else "rollers"
+    of_machine = drawn("machine", truth, kind, seed_of(plan.seed, machine), plan.left_out)
+    of_bearing = drawn("bearing", truth, kind, seed_of(plan.seed, machine, recording.bearing), plan.left_out)
+    gain = drawn("file", truth, kind, seed_of(plan.seed, machine, recording.name), plan.left_out)[GAIN]
+    equal, load = of_machine.pop(GAIN_KNOWN) < EQUAL_GAINS, of_machine.pop(LOAD) * bench.operating.load
+    gain = 1.0 if (equal if columns.gain_known is None else columns.gain_known) else gain
+    fault = {name: of_bearing.pop(name) for name in (WIDTH, DEPTH, SHARE, AZIMUTH) if name in of_bearing}
+    speed = 2.0 * math.pi * recording.speed
+    settings = {
+        "operating.speed": speed,
+        "operating.load": load if columns.load is None else columns.load,
+        **({} if "path" in plan.left_out else {"structure.housing": HOUSINGS[kind]}),
+        **of_machine,
+        **of_bearing,
+    }
+    if "background" not in plan.left_out:
+        settings["structure.healthy_level"] = gain * levels(speed, settings)
+    return {
+        **settings,
+        "structure.gain_x": gain,
+        "structure.gain_y": gain,
+        "sensor.range": max(1.0, RANGE * gain),
+        "sensor.adc_bits": 0,
+        "sensor.noise_density": of_machine["sensor.noise_density"] * gain,
+        **dict(_fault_settings(truth, fault, recording, bench)),
+    }
+
+
+class _HealthyLevels:
+    """The levels of healthy simulated machines, each simulated once at the speed of its first recording and proportional to the speed."""
+
+    def __init__(self, bench: Configuration) -> None:
+        self._bench, self._known = bench, dict[str, float]()
+
+    def level(self, machine: str, fixed: Mapping[str, Any], speed: float, settings: Mapping[str, Any]) -> float:
+        """Return the level of a machine at a speed [rad/s], [m/s^2]; ``settings`` are those of its first recording."""
+        if machine not in self._known:
+            healthy = {key: value for key, value in {**fixed, **settings}.items() if key not in (BACKGROUND, LINES, FLOOR)}
+            self._known[machine] = healthy_level(self._bench, LEVEL_TIME, settings=healthy) / abs(speed)
+        return self._known[machine] * abs(speed)
+
+
+def _fault_settings(
+    truth: str, fault: Mapping[str, float], recording: MeasuredRecording, bench: Configuration
+) -> Iterator[tuple[str, Any]]:
+    """Yield the parameters of the defect."""
+    if truth == "healthy":
+        return
+    diameter = 2.0 * geometry_of(recording.orders).ratio * bench.bearing.pitch_radius
+    key = f"faults.{FAULTS[truth]}"
+    yield f"{key}.width", fault[WIDTH] * diameter
+    yield f"{key}.depth", fault[DEPTH]
+    yield f"{key}.row", 1
+    if truth == "roller":
+        yield f"{key}.roller", 1
+        return
+    yield f"{key}.kind", "spall"
+    yield f"{key}.share", fault[SHARE]
+    if AZIMUTH in fault:
+        yield f"{key}.azimuth", fault[AZIMUTH]

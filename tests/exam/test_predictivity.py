@@ -1,0 +1,285 @@
+"""How well an exam predicts the field: marks, intervals, ceilings, families, and answers that are kept."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from dcrb_ros.bearing.frequencies import Orders
+from dcrb_ros.cli.app import main
+from dcrb_ros.exam.detector_families import families_of, shipped_members
+from dcrb_ros.exam.evaluation import no_progress
+from dcrb_ros.exam.limits import Limits
+from dcrb_ros.exam.measured import read_measured
+from dcrb_ros.exam.plugin import load_plugin
+from dcrb_ros.exam.predictivity import Compared, Marks, class_mean, drawn_bearings, drawn_families, halves, predictivities, scopes
+from dcrb_ros.exam.predictivity_marks import answers_of
+from dcrb_ros.exam.predictivity_report import as_json
+from dcrb_ros.exam.predictivity_task import measured_tasks
+from dcrb_ros.schema.refusal import Refusal
+
+pytestmark = pytest.mark.slow
+
+ORDERS = Orders(0.4, 3.6, 5.4, 2.4)
+CLASSES = ("healthy", "outer_ring", "inner_ring")
+
+
+def recordings(count: int = 36) -> tuple[Compared, ...]:
+    """Return recordings of two machines, two of each bearing; the second machine has no healthy reference."""
+    return tuple(Compared(f"r{k}", f"m{k % 2}", CLASSES[k // 2 % 3], f"b{k // 12}", k % 2 == 0) for k in range(count))
+
+
+def marks(families: int = 8, members: int = 2, noise: float = 0.0) -> Marks:
+    """Return marks of detectors of different skill; ``noise`` exchanges marks of the exam by chance."""
+    random, compared = np.random.default_rng(4), recordings()
+    skill = np.repeat(np.linspace(0.1, 0.95, families), members)
+    field = (np.linspace(0.02, 0.98, len(compared))[random.permutation(len(compared))] < skill[:, None]).astype(float)
+    exam = np.where(random.uniform(size=field.shape) < noise, random.integers(0, 2, field.shape), field)
+    count = families * members
+    return Marks(
+        tuple(f"d{k}" for k in range(count)),
+        tuple(f"f{k // members}" for k in range(count)),
+        tuple(k % members == 0 for k in range(count)),
+        compared,
+        field,
+        exam,
+    )
+
+
+def test_an_exam_with_the_marks_of_the_field_predicts_it() -> None:
+    whole = next(iter(predictivities(marks())))
+    assert whole.scope == "all"
+    assert [whole.statistics[name].value for name in ("srcc", "rho", "tau_b", "mmrv")] == pytest.approx([1.0, 1.0, 1.0, 0.0])
+    assert whole.statistics["tau_b"].ceiling.value < 1.0
+    assert whole.statistics["tau_b"].bearings.low == pytest.approx(1.0)
+
+
+def test_a_noisy_exam_predicts_less_and_has_wide_intervals() -> None:
+    noisy = next(iter(predictivities(marks(noise=0.9)))).statistics["tau_b"]
+    assert noisy.value < 0.8
+    assert noisy.bearings.high - noisy.bearings.low > 0.1
+    assert noisy.families.low <= noisy.value <= noisy.families.high
+
+
+def test_families_are_drawn_with_all_of_their_members() -> None:
+    families = ("a", "b", "b", "b", "c")
+    for sample in drawn_families(families)[:100]:
+        times = np.bincount(sample, minlength=5)
+        assert times[1] == times[2] == times[3]
+        assert times[0] + times[1] + times[4] == 3
+
+
+def test_recordings_of_one_bearing_are_drawn_together() -> None:
+    compared = recordings()
+    weights = drawn_bearings(compared)
+    for k, first in enumerate(compared):
+        for j, second in enumerate(compared):
+            if first[1:4] == second[1:4]:
+                assert (weights[k] == weights[j]).all()
+    for machine in ("m0", "m1"):
+        for truth in CLASSES:
+            members = [k for k, one in enumerate(compared) if (one.machine, one.truth) == (machine, truth)]
+            assert (weights[members].sum(axis=0) == len(members)).all()
+    first_half, second_half = halves(compared)
+    assert (first_half + second_half == 1.0).all()
+    assert 0.3 < first_half.mean() < 0.7
+    for k, first in enumerate(compared):
+        same = [j for j, second in enumerate(compared) if first[1:4] == second[1:4]]
+        assert (first_half[same] == first_half[k]).all()
+
+
+def test_marks_are_the_mean_over_the_classes() -> None:
+    mean = class_mean(np.array([[1.0, 0.0, 0.0, 1.0]]), ("a", "a", "a", "b"), np.array([[1.0, 1.0], [1.0, 0.0], [1.0, 0.0], [1.0, 0.0]]))
+    assert mean[0] == pytest.approx([(1.0 / 3.0 + 1.0) / 2.0, 1.0])
+
+
+def test_scopes_are_all_machines_and_classes() -> None:
+    names = [name for name, _ in scopes(recordings())]
+    assert names == ["all", "machines with a healthy reference", "m0", "m1", "class healthy", "class inner_ring", "class outer_ring"]
+
+
+def test_representatives_are_those_with_published_settings() -> None:
+    assert marks().representatives.detectors == tuple(f"d{k}" for k in range(0, 16, 2))
+    with pytest.raises(Refusal, match="2 families of detectors are left"):
+        predictivities(marks(families=2))
+
+
+def folder_of_detectors(folder: Path) -> Path:
+    folder.mkdir()
+    (folder / "shared_code.py").write_text("ANSWER = 'healthy'\n")
+    (folder / "abstract_one.py").write_text(
+        "from abc import ABC, abstractmethod\n"
+        "class Base(ABC):\n    @abstractmethod\n    def features(self): pass\n    def update(self, *block): pass\n"
+    )
+    (folder / "calm.py").write_text(
+        "from pathlib import Path\nfrom shared_code import ANSWER\n"
+        "VARIANTS = {'published': {}, 'other': {'answer': 'outer_ring'}}\n"
+        "class Calm:\n"
+        "    def __init__(self, orders, rate, answer=ANSWER):\n"
+        "        self.answer = answer\n"
+        "        with Path(__file__).with_suffix('.runs').open('a') as stream: stream.write('.')\n"
+        "    def update(self, *block): return self.answer\n"
+    )
+    (folder / "failing.py").write_text(
+        "class Failing:\n    def __init__(self, orders, rate): pass\n    def update(self, *block): raise ValueError('no such filter')\n"
+    )
+    (folder / "broken.py").write_text("raise RuntimeError('not today')\n")
+    return folder
+
+
+def test_families_are_files_with_a_complete_detector(tmp_path: Path) -> None:
+    members, broken = families_of(folder_of_detectors(tmp_path / "detectors"))
+    assert [(one.name, one.family, one.published) for one in members] == [
+        ("published", "calm", True),
+        ("other", "calm", False),
+        ("failing", "failing", True),
+    ]
+    assert [one.name for one in broken] == ["broken"]
+    assert "not today" in broken[0].reason
+    made = load_plugin(members[1].given)(ORDERS, 12000)
+    assert made.update(0, np.zeros((1, 2)), np.zeros(1)) == "outer_ring"
+    with pytest.raises(Refusal, match="no member 'loud'"):
+        load_plugin(f"{tmp_path / 'detectors' / 'calm.py'}:Calm[loud]")
+    with pytest.raises(Refusal, match="there is no folder"):
+        families_of(tmp_path / "none")
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(Refusal, match="has no detector"):
+        families_of(tmp_path / "empty")
+
+
+def test_a_changed_file_or_helper_is_another_detector(tmp_path: Path) -> None:
+    folder = folder_of_detectors(tmp_path / "detectors")
+
+    def digests() -> dict[str, str]:
+        return {one.name: one.digest for one in families_of(folder, tmp_path)[0]}
+
+    first = digests()
+    assert len(list(tmp_path.glob("family-*.json"))) == 4
+    assert digests() == first
+    assert len(set(first.values())) == 3
+    (folder / "shared_code.py").write_text("ANSWER = 'inner_ring'\n")
+    second = digests()
+    assert first["published"] != second["published"]
+    assert first["failing"] == second["failing"]
+
+
+def test_the_shipped_detector_is_a_family() -> None:
+    members = shipped_members()
+    assert members[0].name == "shipped detector"
+    assert [one.published for one in members].count(True) == 1
+    for one in members:
+        assert load_plugin(one.given)(ORDERS, 12000).update(0, np.zeros((10, 2)), np.zeros(10)) is None
+
+
+def measured_folder(folder: Path) -> Path:
+    (folder / "recordings").mkdir(parents=True)
+    orders = "0.4,3.6,5.4,2.4"
+    lines = ["name,rig,truth,sampling_rate,unit,speed_rpm_documented,speed_rpm_from_lines,FTF,BPFO,BPFI,BSF"]
+    for number, (name, truth) in enumerate((("calm_1", "healthy"), ("struck_1", "outer_ring"))):
+        np.savez(folder / "recordings" / f"{name}.npz", a=np.random.default_rng(number).normal(size=2000).astype(np.float32))
+        lines.append(f"{name},rig,{truth},2000,g,600,600,{orders}")
+    (folder / "recordings.csv").write_text("\n".join(lines) + "\n")
+    return folder
+
+
+def test_answers_are_kept_and_a_detector_that_fails_is_left_out(tmp_path: Path) -> None:
+    folder = folder_of_detectors(tmp_path / "detectors")
+    tasks = measured_tasks(read_measured(measured_folder(tmp_path / "measured")), 1.0)
+    runs = folder / "calm.runs"
+    members = families_of(folder)[0]
+    # Each task of the two members that do not fail makes a detector; the file itself is data of the folder, so its digest is taken before.
+    for expected in (4, 4):
+        found = answers_of(members, tasks, tmp_path, Limits(), 1, no_progress("judged", 3))
+        assert len(runs.read_text()) == expected
+        assert set(found.answers) == {"published", "other"}
+        assert [one.name for one in found.broken] == ["failing"]
+        assert "no such filter" in found.broken[0].reason
+    assert sorted(found.answers["other"].values()) == ["outer_ring", "outer_ring"]
+    np.savez(tmp_path / "measured" / "recordings" / "struck_1.npz", a=np.ones(2000, np.float32))
+    again = measured_tasks(read_measured(tmp_path / "measured"), 1.0)
+    assert [one.digest == two.digest for one, two in zip(tasks, again, strict=True)] == [True, False]
+    answers_of(members, again, tmp_path, Limits(), 1, no_progress("judged", 3))
+    assert len(runs.read_text()) == 6
+
+
+def test_damaged_answers_are_made_again(tmp_path: Path) -> None:
+    members = families_of(folder_of_detectors(tmp_path / "detectors"))[0][:1]
+    tasks = measured_tasks(read_measured(measured_folder(tmp_path / "measured")), 1.0)
+    first = answers_of(members, tasks, tmp_path, Limits(), 1, no_progress("judged", 1)).answers
+    (kept,) = (tmp_path / "answers").glob("*.json")
+    kept.write_text(kept.read_text()[:20])
+    assert answers_of(members, tasks, tmp_path, Limits(), 1, no_progress("judged", 1)).answers == first
+
+
+def test_a_recording_that_is_not_there_is_refused(tmp_path: Path) -> None:
+    folder = measured_folder(tmp_path / "measured")
+    (folder / "recordings" / "struck_1.npz").unlink()
+    with pytest.raises(Refusal, match="is not there: restore this recording, or leave struck_1 out"):
+        measured_tasks(read_measured(folder), 1.0)
+
+
+@pytest.mark.timeout(1800)  # kernels may have to be compiled
+def test_a_replica_is_compared_on_the_command_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "measured"
+    (folder / "recordings").mkdir(parents=True)
+    lines = ["name,rig,truth,sampling_rate,unit,speed_rpm_documented,speed_rpm_from_lines,FTF,BPFO,BPFI,BSF,seconds"]
+    for number, (name, truth) in enumerate((("calm_1", "healthy"), ("calm_2", "healthy"), ("outer_1", "outer_ring"))):
+        np.savez(folder / "recordings" / f"{name}.npz", a=np.random.default_rng(number).normal(size=12000).astype(np.float32))
+        lines.append(f"{name},rig,{truth},12000,g,1800,1800,0.39828,3.5848,5.4152,2.35695,1")
+    (folder / "recordings.csv").write_text("\n".join(lines) + "\n")
+    detectors = folder_of_detectors(tmp_path / "detectors")
+    (detectors / "loud.py").write_text(
+        "class Loud:\n    def __init__(self, orders, rate): pass\n    def update(self, *block): return 'inner_ring'\n"
+    )
+    made, drawing = str(tmp_path / "replica.yaml"), tmp_path / "scatter.png"
+    options = ("--machines", "1", "--counterparts", "1", "--longest", "1", "--without", "path", "--without", "impacts", "-o", made)
+    assert dcrb("exam", "replica", str(folder), *options, monkeypatch=monkeypatch) == 0
+    capsys.readouterr()
+    common = ("--replica", made, "--detectors", str(detectors), "--recordings", str(tmp_path / "kept"), "--workers", "1", "--quiet")
+    # Two of the files cannot be used, so the status is 1; the others are compared all the same.
+    assert dcrb("exam", "predictivity", str(folder), *common, "--json", "--figure", str(drawing), monkeypatch=monkeypatch) == 1
+    out, err = capsys.readouterr()
+    about = json.loads(out)
+    marks = {one["name"]: (one["exam"], one["field"]) for one in about["detectors"]}
+    assert (marks["published"], marks["other"], marks["loud"]) == ((0.5, 0.5), (0.5, 0.5), (0.0, 0.0))
+    assert about["recordings"] == about["counterparts"] == 3
+    assert {one["name"] for one in about["left_out"]} == {"broken", "failing"}
+    assert "failing is left out" in err
+    assert drawing.stat().st_size > 1000
+    runs = (detectors / "calm.runs").read_text()
+    (detectors / "broken.py").unlink()
+    (detectors / "failing.py").unlink()
+    (detectors / "calm.runs").rename(tmp_path / "calm.runs")
+    assert dcrb("exam", "predictivity", str(folder), *common, monkeypatch=monkeypatch) == 0
+    assert len(runs) == 12
+    assert "| all (3) |" in capsys.readouterr().out
+    (folder / "recordings.csv").write_text("\n".join(lines[:3]) + "\n")
+    assert dcrb("exam", "predictivity", str(folder), *common, monkeypatch=monkeypatch) == 2
+    assert "was made from another table" in capsys.readouterr().err
+
+
+def dcrb(*arguments: str, monkeypatch: pytest.MonkeyPatch) -> int:
+    monkeypatch.setattr("sys.argv", ["dcrb", *arguments])
+    with pytest.raises(SystemExit) as end:
+        main()
+    return int(str(end.value.code or 0))
+
+
+def test_the_json_has_every_figure() -> None:
+    from dcrb_ros.exam.exam_file import ReplicaOrigin
+    from dcrb_ros.exam.predictivity_report import Comparison, markdown
+
+    origin = ReplicaOrigin(table_sha256="", speed="lines", seed=1, machines=1, counterparts=1, longest=5.0, without=[], dcrb_ros="")
+    found = marks(noise=0.3)
+    comparison = Comparison(found, tuple(predictivities(found)), tuple(predictivities(found.representatives)), (), origin, 36)
+    about = json.loads(json.dumps(as_json(comparison)))
+    assert about["families"][0]["detectors"] == 8
+    assert about["members"][0]["detectors"] == 16
+    assert set(about["members"][0]) == {"scope", "detectors", "recordings", "srcc", "rho", "tau_b", "mmrv"}
+    text = markdown(comparison)
+    assert f"{about['families'][0]['tau_b']['value']:.2f} [" in text

@@ -1,0 +1,200 @@
+"""Replicas of measured recordings: made from the table alone, deterministic, and of the same shape."""
+
+from __future__ import annotations
+
+import csv
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from dcrb_ros.bearing.frequencies import Orders
+from dcrb_ros.cli.app import main
+from dcrb_ros.exam.exam_file import exam_of
+from dcrb_ros.exam.replica import ReplicaPlan, replica_tree
+from dcrb_ros.exam.replica_geometry import bearing_settings, geometry_of
+from dcrb_ros.exam.replica_priors import PRIORS, described, drawn, seed_of
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.settings.files import load_configuration
+
+ORDERS = {"FTF": "0.39828", "BPFO": "3.5848", "BPFI": "5.4152", "BSF": "2.35695"}
+"""Of the 6205 of Case Western Reserve, as in its publication."""
+ROWS = (("calm_1", "healthy", 1800), ("calm_2", "healthy", 1200), ("outer_1", "outer_ring", 1800), ("outer_2", "outer_ring", 1200))
+PLAN = ReplicaPlan(machines=4, counterparts=2, longest=2.0, without=("background",))
+"""Without a background no level is simulated."""
+
+
+def table(folder: Path, rows: Any = ROWS, **changes: str) -> Path:
+    """Write a table without any recording."""
+    written = [
+        {"name": name, "rig": "bench12", "truth": truth, "sampling_rate": "12000", "unit": "g", "speed_rpm_documented": f"{rpm}"}
+        | {"speed_rpm_from_lines": f"{rpm}", "seconds": "10", **ORDERS}
+        | changes
+        for name, truth, rpm in rows
+    ]
+    with (folder / "recordings.csv").open("w", newline="") as stream:
+        writer = csv.DictWriter(stream, list(written[0]))
+        writer.writeheader()
+        writer.writerows(written)
+    return folder / "recordings.csv"
+
+
+def dcrb(*arguments: str, monkeypatch: pytest.MonkeyPatch) -> int:
+    monkeypatch.setattr("sys.argv", ["dcrb", *arguments])
+    with pytest.raises(SystemExit) as end:
+        main()
+    return int(str(end.value.code or 0))
+
+
+def test_a_replica_needs_no_recording_and_has_the_shape_of_the_table(tmp_path: Path) -> None:
+    tree = replica_tree(table(tmp_path), PLAN)
+    assert not (tmp_path / "recordings").exists()
+    by_recording: dict[str, list[dict[str, Any]]] = {}
+    for scenario in tree["scenarios"]:
+        by_recording.setdefault(scenario["tags"]["recording"], []).append(scenario)
+    assert {name: len(found) for name, found in by_recording.items()} == {"calm_1": 4, "calm_2": 4, "outer_1": 2, "outer_2": 2}
+    for name, truth, rpm in ROWS:
+        for scenario in by_recording[name]:
+            assert (scenario["verdict"], scenario["duration"]) == (truth, 2.0)
+            assert scenario["set"]["operating.speed"] == pytest.approx(rpm * math.pi / 30.0)
+            assert scenario["set"]["sensor.sampling_rate"] == 12000
+            assert any(key.startswith("faults.outer_1") for key in scenario["set"]) == (truth == "outer_ring")
+    faulty = [scenario["tags"]["machine"] for scenario in tree["scenarios"] if scenario["verdict"] == "outer_ring"]
+    assert sorted(faulty) == [f"bench#{k}" for k in range(1, 5)]
+
+
+def test_a_replica_is_an_exam_and_the_same_for_the_same_seed(tmp_path: Path) -> None:
+    given_table = table(tmp_path)
+    first, second = replica_tree(given_table, PLAN), replica_tree(given_table, PLAN)
+    assert yaml.safe_dump(first) == yaml.safe_dump(second)
+    assert len(exam_of(first, "replica").cases) == 12
+    other = replica_tree(given_table, ReplicaPlan(seed=2, machines=4, counterparts=2, longest=2.0, without=("background",)))
+    assert all(a["set"] != b["set"] for a, b in zip(first["scenarios"], other["scenarios"], strict=True))
+
+
+def test_what_belongs_to_a_machine_and_a_bearing_is_drawn_once(tmp_path: Path) -> None:
+    rows = [(f"outer_{k}", "outer_ring", 1200 + 300 * k) for k in range(3)]
+    tree = replica_tree(table(tmp_path, rows), ReplicaPlan(machines=3, counterparts=3, without=("background",)))
+    for machine in ("bench#1", "bench#2", "bench#3"):
+        sets = [scenario["set"] for scenario in tree["scenarios"] if scenario["tags"]["machine"] == machine]
+        for key in ("faults.outer_1.width", "surfaces.seed", "structure.seed", "operating.load"):
+            assert len({one[key] for one in sets}) == 1
+        assert len({one["operating.speed"] for one in sets}) == 3
+    assert len({scenario["set"]["faults.outer_1.width"] for scenario in tree["scenarios"]}) == 3
+
+
+def test_leaving_a_part_out_changes_nothing_else(tmp_path: Path) -> None:
+    given_table = table(tmp_path)
+    with_path = replica_tree(given_table, PLAN)["scenarios"]
+    for part in ("path", "impacts"):
+        without = replica_tree(given_table, ReplicaPlan(machines=4, counterparts=2, longest=2.0, without=("background", part)))["scenarios"]
+        gone = {key for a, b in zip(with_path, without, strict=True) for key in set(a["set"]) - set(b["set"])}
+        assert gone
+        assert all(key.startswith(("structure.housing", "structure.seed") if part == "path" else "impacts.") for key in gone)
+        assert all(a["set"].items() >= b["set"].items() for a, b in zip(with_path, without, strict=True))
+
+
+def test_columns_of_the_table_replace_what_is_drawn(tmp_path: Path) -> None:
+    tree = replica_tree(table(tmp_path, gain="known", load="333", pitch_diameter_mm="50", seconds="1.5"), PLAN)
+    sets = [scenario["set"] for scenario in tree["scenarios"]]
+    assert {(one["structure.gain_y"], one["operating.load"], one["bearing.pitch_radius"]) for one in sets} == {(1.0, 333.0, 0.025)}
+    assert {scenario["duration"] for scenario in tree["scenarios"]} == {1.5}
+    unknown = replica_tree(table(tmp_path, gain="unknown"), PLAN)
+    assert len({scenario["set"]["structure.gain_y"] for scenario in unknown["scenarios"]}) == 12
+
+
+def test_the_orders_of_known_bearings_give_their_geometry() -> None:
+    ball, roller = geometry_of(Orders(0.39828, 3.5848, 5.4152, 2.35695)), geometry_of(Orders(0.443, 7.09, 8.91, 4.20))
+    assert (ball.elements, ball.contact_angle) == (9, 0.0)
+    assert ball.ratio == pytest.approx(7.94 / 39.04, rel=2e-3)
+    # Rexnord ZA-2115: 16 rollers of 8.407 mm on 71.501 mm at 15.17 degrees.
+    assert roller.elements == 16
+    assert roller.ratio == pytest.approx(8.407 / 71.501, rel=5e-3)
+    assert math.degrees(roller.contact_angle) == pytest.approx(15.17, abs=1.0)
+
+
+@settings(deadline=None)
+@given(st.integers(6, 30), st.floats(0.08, 0.35), st.floats(0.1, 0.7))
+def test_the_geometry_is_that_which_makes_the_orders(elements: int, ratio: float, angle: float) -> None:
+    assume(ratio * elements < 3.0)
+    gamma = ratio * math.cos(angle)
+    orders = Orders(0.5 * (1 - gamma), 0.5 * elements * (1 - gamma), 0.5 * elements * (1 + gamma), (1 - gamma**2) / (2 * ratio))
+    found = geometry_of(orders)
+    assert found.elements == elements
+    assert found.ratio == pytest.approx(ratio)
+    assert found.contact_angle == pytest.approx(angle, abs=1e-6)
+
+
+def test_a_bearing_of_the_bench_is_that_of_the_bench() -> None:
+    bench = load_configuration("ball_bearing_6205")
+    scaled = bearing_settings(geometry_of(Orders(0.39828, 3.5848, 5.4152, 2.35695)), bench)
+    for key, value in scaled.items():
+        assert value == pytest.approx(getattr(bench.bearing, key.removeprefix("bearing.")), rel=1e-3), key
+
+
+def test_impacts_have_shares_of_one_variance() -> None:
+    for k in range(300):
+        values = drawn("bearing", "outer_ring", "balls", seed_of(k))
+        assert values["impacts.element_share"] + values["impacts.shaft_share"] <= 1.0
+        assert 0.0 < values["impacts.spread"] <= 1.3
+    assert "impacts.spread" not in drawn("bearing", "healthy", "balls", seed_of(1))
+
+
+def test_every_prior_is_described_and_draws_values_within_its_words() -> None:
+    for prior in PRIORS:
+        values = [prior.distribution.drawn(np.random.default_rng(k)) for k in range(50)]
+        assert len(set(values)) > 40
+        assert described(prior.distribution)
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"BPFO": "3.2"}, "is not a whole number of rolling elements"),
+        ({"FTF": "0.6"}, "FTF = 0.6 contradicts BPFO"),
+        ({"BSF": "0.4"}, "BSF = 0.4 gives rolling elements"),
+        ({"sampling_rate": "12007"}, "has no divisor from 10 to 200 Hz"),
+        ({"sampling_rate": "400000"}, "400000"),
+        ({"truth": "cage"}, "calm_1 is cage, which has no replica"),
+        ({"seconds": "-1"}, "seconds = -1 is not a number above 0"),
+        ({"gain": "loud"}, "gain = loud is invalid"),
+        ({"speed_rpm_from_lines": "x"}, "line 2"),
+    ],
+)
+def test_invalid_input_is_one_sentence_and_writes_nothing(
+    changes: dict[str, str], sentence: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    output = tmp_path / "replica.yaml"
+    options = ("--without", "background", "-o", str(output))
+    assert dcrb("exam", "replica", str(table(tmp_path, **changes)), *options, monkeypatch=monkeypatch) == 2
+    error = capsys.readouterr().err
+    assert sentence in error
+    assert error.count("\n") == 1
+    assert not output.exists()
+
+
+@pytest.mark.parametrize(
+    ("plan", "sentence"),
+    [
+        (ReplicaPlan(without=("noise",)), "the part 'noise' is unknown"),
+        (ReplicaPlan(machines=2, counterparts=3), "3 counterparts on 2 machines"),
+        (ReplicaPlan(longest=0.1), "longest = 0.1 s is outside 1 .. 60 s"),
+        (ReplicaPlan(seed=-1), "seed = -1 is outside"),
+        (ReplicaPlan(bench="ball_bearing"), "there is no configuration 'ball_bearing'"),
+    ],
+)
+def test_an_invalid_plan_is_refused(plan: ReplicaPlan, sentence: str, tmp_path: Path) -> None:
+    with pytest.raises(Refusal, match=sentence):
+        replica_tree(table(tmp_path), plan)
+
+
+def test_a_missing_column_is_refused(tmp_path: Path) -> None:
+    file = table(tmp_path)
+    file.write_text(file.read_text().replace("BPFI", "bpfi"))
+    with pytest.raises(Refusal, match="lacks the columns BPFI"):
+        replica_tree(file, PLAN)
