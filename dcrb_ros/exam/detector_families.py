@@ -97,12 +97,13 @@ def _kept_about(file: Path, digest: str, kept: Path | None) -> dict[str, Any]:
         return _about(str(file))
     path = kept / f"family-{hashlib.sha256(f'{package_digest()} {digest} {file.name}'.encode()).hexdigest()[:32]}.json"
     try:
-        about = json.loads(path.read_text(encoding="utf-8"))
+        read = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
-        about = None
-    if not isinstance(about, dict) or set(about) != {"class", "variants"}:
-        about = _about(str(file))
-        write_whole(path, json.dumps(about) + "\n")
+        read = None
+    if isinstance(read, dict) and set(read) == {"class", "variants"}:
+        return dict(read)
+    about = _about(str(file))
+    write_whole(path, json.dumps(about) + "\n")
     return about
 
 
