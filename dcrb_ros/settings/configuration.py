@@ -13,7 +13,7 @@ from dcrb_ros.measurement.stage import Parameters, Setup
 from dcrb_ros.schema.fields import LENGTH_REMEDY
 from dcrb_ros.schema.parameter_field import Contradictions
 from dcrb_ros.settings.groups import ParameterGroups
-from dcrb_ros.settings.impacts import impact_limits
+from dcrb_ros.settings.impact_limits import impact_limits
 from dcrb_ros.settings.loaded_contacts import contact_stiffness, heaviest, load_and_weight, material_of
 from dcrb_ros.settings.oil_limits import oil_limits
 from dcrb_ros.settings.parameters import rpm

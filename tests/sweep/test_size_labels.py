@@ -25,6 +25,6 @@ def test_labels_have_the_depth_that_rollers_reach_and_their_share(tmp_path: Path
     write_table(plan, store)
     labels = pd.read_parquet(tmp_path / "labels.parquet").set_index("case")
     assert labels.loc["outer", ["width", "depth", "share"]].tolist() == [0.002, 0.0003, 1.0]
-    assert labels.loc["outer", "reached_depth"] == pytest.approx(22.4e-6, rel=0.01)  # docs/explanation/surfaces.md
+    assert labels.loc["outer", "reached_depth"] == pytest.approx(28.75e-6, rel=0.01)  # c^2/(2 R), docs/explanation/surfaces.md
     assert math.isnan(labels.loc["healthy", "reached_depth"])
     assert math.isnan(labels.loc["healthy", "share"])

@@ -38,6 +38,8 @@ def spoken(*arguments: str) -> Any:
 
 @pytest.mark.parametrize("name", [*cases.CASES, *cases.OILED_CASES])
 def test_samples_and_messages_are_unchanged(name: str) -> None:
+    if name in cases.BY_NUMPY and software()["numpy_functions"] != KNOWN["software"]["numpy_functions"]:
+        pytest.skip("numpy has other functions on this processor than where the fingerprints were taken")
     assert cases.run(name) == KNOWN["cases"][name]
 
 

@@ -112,7 +112,7 @@ def test_no_split_changes_a_bit(cuts: list[int]) -> None:
     [
         ({"structure.background": 3.0}, "structure.background = 3 needs structure.healthy_level"),
         ({"structure.floor": 0.2}, "structure.floor = 0.2 needs structure.healthy_level"),
-        ({"structure.healthy_level": 1.0}, "needs a housing of the background"),
+        ({"structure.healthy_level": 1.0, "structure.housing": "none"}, "needs a housing of the background"),
         (
             {"structure.healthy_level": 1.0, "structure.housing": "axle_box", "structure.bearing_share": 0.5},
             "both add noise of the machine: give a level of 0 or a share of 1",
