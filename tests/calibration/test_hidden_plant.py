@@ -35,6 +35,7 @@ def drawn(seed: int, individual: int = 0) -> dict[str, Any]:
     """Return the parameters of a plant with an individual, by default one of its own."""
     random = np.random.default_rng(seed)
     return {
+        "structure.housing": "none",  # the true path is that of the modes alone
         "structure.modes": int(random.integers(2, 7)),
         "structure.seed": seed,
         "structure.gain_x": float(random.uniform(0.3, 3.0)),
