@@ -144,7 +144,7 @@ def measured(tmp_path: Path) -> Path:
 def test_a_measured_recording_of_one_axis_without_speed_has_a_section(measured: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = measured.parent / "page.html"
     assert dcrb("detect", str(BAGS / "outer_ring_defect"), str(measured), "--report", str(file)) == 0
-    assert f"{measured}: waiting" in "".join(capsys.readouterr().out.splitlines())
+    assert f"{measured}: waiting" in "".join(line.strip() for line in capsys.readouterr().out.splitlines())
     text = Page(file.read_text(encoding="utf-8")).text
     assert "the speed cannot be estimated from the signal" in text
     assert "axes one" in text
