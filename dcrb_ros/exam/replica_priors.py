@@ -15,8 +15,8 @@ import numpy as np
 from dcrb_ros.measurement.housing_priors import AXLE_BOX, FLOORS, LABORATORY, Beta, Lognormal, Normal, Uniform
 from dcrb_ros.text.markdown import table
 
-Owner = Literal["machine", "bearing", "file"]
-"""Whether a value is drawn once for a machine, for a bearing on it, or for a recording."""
+Owner = Literal["machine", "bearing"]
+"""Whether a value is drawn once for a machine, or for a bearing on it."""
 PARTS = ("path", "impacts", "background")
 """Parts of a replica that can be left out, to see what each of them changes."""
 SEEDS = 2**31 - 1
@@ -74,8 +74,7 @@ PRIORS: tuple[Prior, ...] = (
     Prior("operating.speed_fluctuation", "machine", LogUniform(3e-4, 3e-3), "-", "motors without a flywheel"),
     Prior("structure.seed", "machine", Seed(), "-", "the housing: distributions of `housing_priors.LABORATORY`", "path"),
     Prior("sensor.noise_density", "machine", LogUniform(5e-4, 4e-3), "m/s²/√Hz", "data sheets of IEPE sensors, times the gain"),
-    Prior(GAIN_KNOWN, "machine", Uniform(0.0, 1.0), "-", "below 0.5 the gains of all files are equal; a column `gain` says so instead"),
-    Prior(GAIN, "file", Lognormal(1.0, 3.0), "-", "files of one public set differ tenfold"),
+    Prior(GAIN_KNOWN, "machine", Uniform(0.0, 1.0), "-", "below 0.5 all bearings have one gain; a column `gain` says so instead"),
     Prior("surfaces.seed", "bearing", Seed(), "-", "the individual"),
     Prior("surfaces.waviness", "bearing", LogUniform(1e-8, 1e-7), "m", "new and run bearings"),
     Prior("surfaces.run_out", "bearing", LogUniform(5e-7, 5e-6), "m", "tolerance classes P5 to normal"),
@@ -103,6 +102,7 @@ PRIORS: tuple[Prior, ...] = (
     Prior(FLOOR, "bearing", FLOORS["outer"], "-", "quiet quarter between impacts on CWRU", "background", ("outer_ring",)),
     Prior(FLOOR, "bearing", FLOORS["inner"], "-", "the same", "background", ("inner_ring",)),
     Prior(FLOOR, "bearing", FLOORS["roller"], "-", "the same", "background", ("roller",)),
+    Prior(GAIN, "bearing", Lognormal(1.0, 3.0), "-", "an amplifier is set when a bearing is mounted; sets differ tenfold"),
 )
 """What is drawn for every replica."""
 HOUSINGS = {"balls": "laboratory", "rollers": "axle_box"}
@@ -110,7 +110,7 @@ HOUSINGS = {"balls": "laboratory", "rollers": "axle_box"}
 MOST_SPREAD = 1.3
 """Largest spread of the strength of impacts [-]."""
 EQUAL_GAINS = 0.5
-"""Probability that all files of a machine have one gain [-]."""
+"""Probability that all bearings of a machine are recorded with one gain [-]."""
 
 
 def drawn(owner: Owner, truth: str, bench: str, random: np.random.Generator, without: Iterable[str] = ()) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from pathlib import Path
 from dcrb_ros.schema.refusal import Refusal
 
 GAINS = {"known": True, "unknown": False}
-"""Values of the column `gain`: whether all files of the machine have one gain."""
+"""Values of the column `gain`: whether all bearings of the machine were recorded with one gain."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class ReplicaColumns:
     pitch_radius: float | None
     """Half of the column `pitch_diameter_mm` [m]."""
     gain_known: bool | None
-    """Whether all files of the machine have one gain, column `gain`: known or unknown."""
+    """Whether all bearings of the machine were recorded with one gain, column `gain`: known or unknown."""
 
 
 def read_replica_columns(table: Path) -> Mapping[str, ReplicaColumns]:
@@ -42,7 +42,7 @@ def _columns(table: Path, line: int, row: Mapping[str, str | None]) -> ReplicaCo
     where = f"{table}, line {line}"
     pitch, gain = _number(row, "pitch_diameter_mm", "mm", where), row.get("gain") or None
     if gain is not None and gain not in GAINS:
-        raise Refusal(f"{where}: gain = {gain} is invalid: give known if the gains of all files of this rig are equal, or unknown")
+        raise Refusal(f"{where}: gain = {gain} is invalid: give known if all bearings of this rig were recorded with one gain, or unknown")
     return ReplicaColumns(
         _number(row, "seconds", "s", where) or math.inf,
         _number(row, "load", "N", where),

@@ -105,7 +105,11 @@ def test_columns_of_the_table_replace_what_is_drawn(tmp_path: Path) -> None:
     assert {(one["structure.gain_y"], one["operating.load"], one["bearing.pitch_radius"]) for one in sets} == {(1.0, 333.0, 0.025)}
     assert {scenario["duration"] for scenario in tree["scenarios"]} == {1.5}
     unknown = replica_tree(table(tmp_path, gain="unknown"), PLAN)
-    assert len({scenario["set"]["structure.gain_y"] for scenario in unknown["scenarios"]}) == 12
+    gains = {(one["tags"]["machine"], one["tags"]["recording"][:-2]): one["set"]["structure.gain_y"] for one in unknown["scenarios"]}
+    assert len(set(gains.values())) == len(gains) == 8
+    # An amplifier is set when a bearing is mounted, so all recordings of a bearing on a machine have its gain.
+    for scenario in unknown["scenarios"]:
+        assert scenario["set"]["structure.gain_y"] == gains[scenario["tags"]["machine"], scenario["tags"]["recording"][:-2]]
 
 
 def test_the_orders_of_known_bearings_give_their_geometry() -> None:
