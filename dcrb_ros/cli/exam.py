@@ -117,15 +117,18 @@ def verify(
 def table(
     entries: Annotated[Path, typer.Argument(help="Folder with entries of dcrb score --entry.")],
     output: Annotated[Path | None, typer.Option("--output", "-o", help="Folder to write to. Default: the folder of the entries.")] = None,
+    measured: Annotated[
+        Path | None, typer.Option(help="Folder with entries of the same detectors on measured recordings, to compare with.")
+    ] = None,
 ) -> None:
     """Write the leaderboard of a folder of entries: leaderboard.md, leaderboard.html and a figure for each exam.
 
-    Example: dcrb exam table entries
+    Example: dcrb exam table entries --measured measured_entries
     """
     from dcrb_ros.exam.leaderboard import markdown, page, read_boards
     from dcrb_ros.exam.leaderboard_figure import write_board_figure
 
-    boards, folder = read_boards(entries), output or entries
+    boards, folder = read_boards(entries, measured), output or entries
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import html
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+from dcrb_ros.exam.agreement import Agreement, agreement
 from dcrb_ros.exam.entry import Entry, read_entry
 from dcrb_ros.exam.exam_score import ExamScore, ScoreDifference, compare, headline_score
 from dcrb_ros.exam.profile import HEADLINE, HEADLINE_PROFILE, PROFILES
@@ -19,6 +20,8 @@ from dcrb_ros.text.markdown import table
 
 HEADS = ("", "detector", *(profile.name for profile in PROFILES), "ROC areas", "detected", "failed periods", "better than the next")
 """Heads of the columns."""
+MEASURED_HEAD = "correct on measured recordings"
+"""Head of the last column of a leaderboard that is compared with measured recordings."""
 
 
 @dataclass(frozen=True)
@@ -43,15 +46,28 @@ class Board:
     exam: str
     scenarios_sha256: str
     ranking: tuple[RankedEntry, ...]
+    field: Agreement | None = None
+    """Comparison with measured recordings, if there is one."""
+
+    @property
+    def heads(self) -> tuple[str, ...]:
+        """Heads of the columns."""
+        return (*HEADS, MEASURED_HEAD) if self.field else HEADS
 
 
-def read_boards(folder: Path) -> list[Board]:
+def read_boards(folder: Path, measured: Path | None = None) -> list[Board]:
     """Return the leaderboards of a folder of entries, one for each set of scenarios.
 
+    With a folder of entries on measured recordings, each is compared with them.
+
     Raises:
-        Refusal: there is no such folder, it has no entry, or one of them is invalid.
+        Refusal: there is no such folder, it has no entry, one of them is invalid, or there are too few detectors to compare.
     """
-    return boards(read_entries(folder))
+    found = boards(read_entries(folder))
+    if measured is None:
+        return found
+    on_recordings = read_entries(measured)
+    return [replace(board, field=agreement([ranked.entry for ranked in board.ranking], on_recordings)) for board in found]
 
 
 def read_entries(folder: Path) -> list[Entry]:
@@ -95,7 +111,8 @@ def _ranked(entries: Sequence[Entry]) -> Iterator[RankedEntry]:
 
 
 def rows(board: Board) -> Iterator[tuple[str, ...]]:
-    """Yield the cells of each row; see `HEADS`."""
+    """Yield the cells of each row; see `Board.heads`."""
+    shares = dict(zip(board.field.detectors, board.field.measured, strict=True)) if board.field else {}
     for number, ranked in enumerate(board.ranking, 1):
         faulty = [scenario for scenario in ranked.entry.scenarios if scenario.family != "healthy"]
         periods = sum(scenario.periods for scenario in ranked.entry.scenarios)
@@ -109,6 +126,7 @@ def rows(board: Board) -> Iterator[tuple[str, ...]]:
             f"{sum(scenario.found for scenario in faulty)} of {len(faulty)}",
             f"{spoiled} of {periods}",
             _better(ranked.next),
+            *([f"{shares[ranked.entry.detector]:.0%}" if ranked.entry.detector in shares else "–"] if board.field else []),
         )
 
 
@@ -127,7 +145,18 @@ def about(board: Board) -> str:
         f"{len(board.ranking[0].entry.scenarios)} scenarios, sha256 {board.scenarios_sha256 or '(recordings)'}{sealed}; {versions}. "
         f"Exam scores of 100 with {CONFIDENCE:.0%} bootstrap intervals; sorted by {HEADLINE}. The last column says whether the "
         f"{CONFIDENCE:.0%} interval of the difference from the next detector on the same scenarios excludes 0, and in which share of the "
-        "bootstrap samples the detector is better."
+        f"bootstrap samples the detector is better.{_agreement(board.field)}"
+    )
+
+
+def _agreement(field: Agreement | None) -> str:
+    """Return how well the order of a board agrees with that on measured recordings, as a sentence after others."""
+    if field is None:
+        return ""
+    tau, rho = (f"{value.value:.2f} ({value.low:.2f} to {value.high:.2f})" for value in (field.kendall, field.spearman))
+    return (
+        f" The order of {len(field.detectors)} detectors agrees with that of their shares of correct verdicts on measured recordings with "
+        f"Kendall's tau-b {tau} and Spearman's rho {rho}."
     )
 
 
@@ -136,7 +165,7 @@ def markdown(boards: Sequence[Board], figures: Sequence[str]) -> str:
     lines = ["# Leaderboard", "", "Written by `dcrb exam table`.", ""]
     for board, figure in zip(boards, figures, strict=True):
         lines += [f"## {_plain(board.exam)}", "", about(board), "", f"![Exam scores of {_plain(board.exam)}]({figure})", ""]
-        lines += [table(HEADS, (tuple(map(_plain, row)) for row in rows(board))), ""]
+        lines += [table(board.heads, (tuple(map(_plain, row)) for row in rows(board))), ""]
     return "\n".join(lines)
 
 
@@ -149,7 +178,7 @@ def page(boards: Sequence[Board], figures: Sequence[str]) -> str:
     """Return leaderboards as a page of HTML."""
     parts = []
     for board, figure in zip(boards, figures, strict=True):
-        head = "".join(f"<th>{html.escape(cell)}</th>" for cell in HEADS)
+        head = "".join(f"<th>{html.escape(cell)}</th>" for cell in board.heads)
         body = "\n".join("<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in rows(board))
         name = html.escape(board.exam)
         picture = f'<img src="{html.escape(figure)}" alt="Exam scores of {name}">'

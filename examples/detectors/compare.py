@@ -1,7 +1,7 @@
 """Run the published member of every family of example detectors and the shipped one in an exam, and write the leaderboard:
 python compare.py EXAM OUTPUT.
 
-With --measured DIR they also run on measured recordings, and the rank correlation between both is printed.
+With --measured DIR they also run on measured recordings, and the leaderboard states the rank correlation between both.
 """
 
 import argparse
@@ -47,11 +47,10 @@ def main() -> None:
     parser.add_argument("--workers", default="0", help="number of parallel runs; 0 for one per core")
     given = parser.parse_args()
     evaluate([given.exam, *(["--recordings", given.recordings] if given.recordings else [])], given.output, given.workers)
-    subprocess.run([*DCRB, "exam", "table", str(given.output)], check=True)
+    measured = given.output / "measured"
     if given.measured:
-        measured = given.output / "measured"
         evaluate(["--measured", given.measured], measured, given.workers)
-        subprocess.run([*DCRB, "exam", "agreement", str(given.output), str(measured)], check=True)
+    subprocess.run([*DCRB, "exam", "table", str(given.output), *(["--measured", str(measured)] if given.measured else [])], check=True)
 
 
 def evaluate(what: list[str], output: Path, workers: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import json
 from pathlib import Path
 from typing import Any
@@ -10,11 +11,12 @@ import numpy as np
 import pytest
 from same_process import dcrb
 
+from dcrb_ros.exam.agreement import agreement
 from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.entry import Entry, StoredDiagnoses, entry_of, read_entry, write_entry
 from dcrb_ros.exam.exam_score import compare
 from dcrb_ros.exam.expectation import Expectation
-from dcrb_ros.exam.leaderboard import boards, markdown, page, rows
+from dcrb_ros.exam.leaderboard import boards, markdown, page, read_entries, rows
 from dcrb_ros.exam.profile import PROFILES
 from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.scoring import score_scenario
@@ -196,12 +198,34 @@ def test_entries_of_the_same_name_are_refused() -> None:
 
 def test_names_are_text_in_markdown_and_html() -> None:
     found = boards([detector(1, 0.5, name="<b>a|b</b> [x](y) `z`")])
-    text, html = markdown(found, ["f.png"]), page(found, ["f.png"])
+    text, site = markdown(found, ["f.png"]), page(found, ["f.png"])
     assert "<b>" not in text
-    assert "<b>" not in html
+    assert "<b>" not in site
     row = next(line for line in text.splitlines() if line.startswith("| 1 |"))
     assert row.replace("\\|", "").count("|") == len(next(iter(rows(found[0])))) + 1
     assert "\\[x\\](y)" in text
+
+
+def test_the_leaderboard_states_how_it_agrees_with_measured_recordings(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    skills = {1: 0.3, 2: 0.9, 3: 0.6}
+    for number, skill in skills.items():
+        write_entry(detector(number, skill), tmp_path / f"{number}.json")
+    recorded = tmp_path / "measured"
+    recorded.mkdir()
+    for number in skills:
+        write_entry(detector(number, 1.0 - skills[number]), recorded / f"{number}.json")
+    ranks = agreement(read_entries(tmp_path), read_entries(recorded))
+    assert ranks.kendall.value == -1.0
+    assert dcrb("exam", "table", str(tmp_path), "--measured", str(recorded), "-o", str(tmp_path / "out")) == 0
+    for name in ("leaderboard.md", "leaderboard.html"):
+        text = (tmp_path / "out" / name).read_text(encoding="utf-8")
+        assert "Kendall's tau-b -1.00" in html.unescape(text)
+        for share in ranks.measured:
+            assert f"{share:.0%}" in text
+    (recorded / "3.json").unlink()
+    assert dcrb("exam", "table", str(tmp_path), "--measured", str(recorded), "-o", str(tmp_path / "other")) == 2
+    assert not (tmp_path / "other").exists()
+    assert "2 detectors are in both folders" in capsys.readouterr().err
 
 
 def test_the_command_writes_the_leaderboard(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
