@@ -5,6 +5,7 @@ With --measured DIR they also run on measured recordings, and the leaderboard st
 """
 
 import argparse
+import re
 import subprocess
 import sys
 import time
@@ -58,7 +59,7 @@ def evaluate(what: list[str], output: Path, workers: str) -> None:
     output.mkdir(parents=True, exist_ok=True)
     for name, place in {**families(), SHIPPED: ""}.items():
         began = time.monotonic()
-        entry = output / f"{name.lower().replace(' ', '-').replace(',', '')}.json"
+        entry = output / f"{'-'.join(re.findall('[a-z0-9]+', name.lower()))}.json"
         entry.unlink(missing_ok=True)
         python = ["--python", str(HERE / place)] if place else []
         command = [*DCRB, "score", *what, *python, "--name", name, "--entry", str(entry), "--quiet", "--workers", workers]
