@@ -37,6 +37,8 @@ class StoredMessage:
     channel: Channel
     schema: Schema | None
     message: Message
+VEHICLE_FILE = "vehicle.json"
+"""File of a folder that contains the recordings of the boxes of a vehicle."""
 
 
 class StoredFile:
@@ -175,6 +177,8 @@ def valid_files(path: Path) -> tuple[list[StoredFile], list[str]]:
         files = [StoredFile(file) for file in (_listed(path) if path.is_dir() else [path])]
     except OSError as error:
         raise Refusal(f"{path} cannot be read: {error.strerror}") from None
+    if not files and (path / VEHICLE_FILE).is_file():
+        raise Refusal(f"{path} is the recording of a vehicle: give that of one of its boxes, such as {path / 'axle_1.left'}")
     if not files:
         raise Refusal(f"{path} contains no .mcap file and no .db3 file: give the folder of a recording")
     flaws = {file.path: file.flaw for file in files if file.flaw}

@@ -77,7 +77,7 @@ class Track(Group):
         description="Irregularity: the spectrum of ERRI B176, or none",
         json_schema_extra={"unit": "-", "symbol": "", "remedy": "", "run_time": False},
     )
-    roughness: float = quantity(8.0, "dB", "Roughness of rails and of wheels at a wavelength of 0.1 m, re 1 um", -40.0, 30.0)
+    roughness: float = quantity(8.0, "dB", "Roughness of rails and wheels at 0.1 m, re 1 um; -40 for smooth ones", -40.0, 30.0)
     joint_spacing: float = length(0.0, "Distance of the joints of both rails; 0 for welded rails", 0.0, 1000.0)
     joint_angle: float = quantity(0.004, "rad", "Half the kink of a joint or crossing", 0.0, 0.03)
     crossings: str = choice("", "Places of single kinks and their rail, such as '350 left, 900 right' [m]")
@@ -86,14 +86,14 @@ class Track(Group):
 
 
 class Paths(Group):
-    """Levels of the sound that bearings send to other boxes, over the box at the source [dB].
+    """Levels of the sound that bearings send to other boxes above 200 Hz, over the box at the source [dB].
 
-    Up to 1 kHz the boxes of a wheelset hear each other through the axle of the model. The other wheelset is reached above 200 Hz.
+    Each has five numbers, for 0.2 .. 0.5, 0.5 .. 1, 1 .. 2, 2 .. 5 and above 5 kHz.
     """
 
-    same_wheelset: str = choice("-20, -25, -30", "The other box of the wheelset, in 1..2, 2..5 and beyond 5 kHz [dB]")
-    same_side: str = choice("-30, -24, -35, -40, -40", "The box of the other wheelset on this side, in .2...5, .5..1, 1..2, 2..5, 5.. kHz [dB]")
-    diagonal: str = choice("-38, -24, -40, -45, -45", "The box across, in the same bands [dB]")
+    same_wheelset: str = choice("-27, -13, -20, -25, -30", "The other box of the wheelset [dB]")
+    same_side: str = choice("-30, -24, -35, -40, -40", "The box of the other wheelset on this side [dB]")
+    diagonal: str = choice("-38, -24, -40, -45, -45", "The box across [dB]")
     seed: int = quantity(3, "-", "Seed of the paths of this vehicle", 0, 2**31 - 1)
 
 

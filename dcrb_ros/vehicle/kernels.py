@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 
 import dcrb_ros.core  # noqa: F401 - sets the folder of the compiled kernels
-from dcrb_ros.schema.arrays import Complexes, Floats
+from dcrb_ros.schema.arrays import Complexes, Floats, Integers
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -61,12 +61,16 @@ def add_path(sections: Floats, delays: Floats, memory: Floats, known: Floats, le
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def cubic(values: Floats, position: Floats) -> Floats:
-    """Return values of a grid at positions in its points, shape (positions,), by the cubic through the four nearest points (Keys 1981)."""
+def cubic(values: Floats, offset: Integers, position: Floats) -> Floats:
+    """Return values of a grid at positions in its points beyond whole offsets, shape (positions,), by the cubic of Keys (1981).
+
+    It goes through the four nearest points. The offsets let a position have the same bits wherever ``values`` begins.
+    """
     result = np.empty(position.shape[0])
     for n in range(position.shape[0]):
         k = int(np.floor(position[n]))
         t = position[n] - k
+        k += offset[n]
         a, b, c, d = values[k - 1], values[k], values[k + 1], values[k + 2]
         result[n] = b + 0.5 * t * (c - a + t * (2.0 * a - 5.0 * b + 4.0 * c - d + t * (3.0 * (b - c) + d - a)))
     return result

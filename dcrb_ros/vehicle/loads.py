@@ -12,7 +12,7 @@ BETWEEN_AXLES = 1800.0
 
 
 def unbalanced(speed: float, curvature: float, cant: float) -> float:
-    """Return the unbalanced acceleration of a curve, v^2 / R - g h / 1.5 m, positive outwards in a curve to the left [m/s^2]."""
+    """Return the unbalanced acceleration of a curve, v^2 / R - g h / 1.5 m, positive to the right [m/s^2]."""
     outwards = speed**2 * curvature
     return outwards - float(np.sign(curvature)) * GRAVITY * cant / WHEEL_DISTANCE
 
@@ -20,8 +20,8 @@ def unbalanced(speed: float, curvature: float, cant: float) -> float:
 def quasi_static(vehicle: Vehicle, speed: float, curvature: float, cant: float, wind: float, brake: float) -> Floats:
     """Return the force on the inner ring of each box in X and Y, shape (boxes, 2) [N].
 
-    A curve to the left loads the right side by (m_b h_b / 2 + m_f h_f) a_q / 4 b, wind to the left the left side by W h_w / 8 b, with b half
-    the distance of the boxes. Brakes load each box by (m_b / 2 + m_f) a / 4 along the track, and move load to the leading axle.
+    A curve to the left loads the right side by (m_b h_b / 2 + m_f h_f) a_q / 4 b, wind to the left the left side by W h_w / 8 b, with half
+    the distance of the boxes b. Brakes load each box by (m_b / 2 + m_f) a / 4 along the track, and move load to the leading axle.
     """
     body, frame, half = vehicle.body, vehicle.frame, 0.5 * JOURNAL_DISTANCE
     curve = (0.5 * body.mass * body.height + frame.mass * frame.height) * unbalanced(speed, curvature, cant) / (4.0 * half)

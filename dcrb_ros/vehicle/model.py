@@ -1,12 +1,13 @@
 """The vehicle around its bearings: what drives and loads them, and what each box hears of track, wheels and other bearings.
 
-Time goes in frames of `FRAME` steps that are counted from the start, so that no result depends on blocks. Up to 1 kHz the structure's modes
-move the boxes, at every eighth step with straight lines between; the motion by other bearings comes two of these ticks late, 0.2 ms. Paths
-of drawn resonances add what lies above.
+Time goes in frames of `FRAME` steps that are counted from the start, so that no result depends on blocks. The structure's modes carry track
+and wheels to the boxes up to 1 kHz, and other bearings up to 200 Hz, at every eighth step with straight lines between. Paths of drawn
+resonances carry the rest.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 
@@ -31,6 +32,8 @@ FRAME = TICK * TICKS
 """Steps in a frame, and between two values of the load [-]."""
 LOAD_CUTOFF = 20.0
 """Frequency above which dynamic loads do not reach the bearings [Hz]: above it, they resonate with the model's own housing."""
+FORCE_CUTOFF = 200.0
+"""Frequency above which other bearings are heard by the drawn paths instead of the structure [Hz]."""
 SETTLING = 2.0
 """Time for which the vehicle rolls before the start [s]."""
 WHEELSET_MASS = 1813.0
@@ -111,8 +114,10 @@ class VehicleModel:
         self._track_state: Complexes = np.zeros(len(self._growth), np.complex128)
         self._bearing_states = [np.zeros(len(self._growth), np.complex128) for _ in range(count)]
         self._load_memory = np.zeros((1, 2, count))
-        self._load_sections = _lowpass(LOAD_CUTOFF, 1.0 / self._interval)
-        grids = [np.geomspace(low, high, 40) for low, high in zip(BANDS[:2], BANDS[1:3], strict=True)]
+        self._load_sections = _lowpass(2, LOAD_CUTOFF, 1.0 / self._interval)
+        self._force_sections = _lowpass(4, FORCE_CUTOFF, 1.0 / self._interval)
+        self._force_memory = np.zeros((len(self._force_sections), 2, count))
+        grids = [np.geomspace(low, high, 40) for low, high in itertools.pairwise(BANDS)]
         gains = [math.sqrt(float(np.mean([abs(structure.response(f)[0, 0]) ** 2 for f in grid]))) for grid in grids]
         self._bearing_paths = bearing_paths(vehicle, self.rate)
         self._contact_paths = contact_paths(vehicle, self.rate, gains)
@@ -197,7 +202,8 @@ class VehicleModel:
     def _bearing_motion(self, ring: Floats) -> Floats:
         """Return what the structure makes of the other bearings' forces, shape (boxes, 2, FRAME); it moves vertically only."""
         count = len(self.vehicle.boxes)
-        force = BOX_MASS * ring[:, :, 1].reshape(count, TICKS, TICK).mean(axis=2)
+        sampled = BOX_MASS * ring[:, :, 1].reshape(count, TICKS, TICK).mean(axis=2)
+        force = filtered(self._force_sections, self._force_memory, np.ascontiguousarray(sampled.T)).T
         motion, fine = np.zeros((count, 2, FRAME)), np.arange(FRAME) / TICK
         for source in range(count):
             inputs = np.concatenate([[self._ring_force[source]], force[source]])[:, None]
@@ -280,7 +286,7 @@ def _columns(before: Complexes, after: Complexes, direct: Floats, inputs: list[i
     return tuple(np.ascontiguousarray(part[:, inputs]) for part in (before, after, direct))  # type: ignore[return-value]
 
 
-def _lowpass(cutoff: float, rate: float) -> Floats:
+def _lowpass(order: int, cutoff: float, rate: float) -> Floats:
     from scipy.signal import butter
 
-    return np.asarray(butter(2, cutoff, fs=rate, output="sos"), np.float64)
+    return np.asarray(butter(order, cutoff, fs=rate, output="sos"), np.float64)

@@ -6,6 +6,7 @@ band is the level that the vehicle's file gives.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -25,7 +26,11 @@ DAMPING = (0.01, 0.05)
 """Range of the damping ratio of a resonance [-]."""
 FASTEST = 3000.0
 """Highest group velocity [m/s]."""
-CONTACT_LEVELS = {"same_wheelset": (-11.0, -15.0, -15.0), "same_side": (-7.0, -8.0, -9.0, -15.0, -15.0), "diagonal": (-21.0, -16.0, -16.0, -25.0, -25.0)}
+CONTACT_LEVELS = {
+    "same_wheelset": (-11.0, -15.0, -15.0),
+    "same_side": (-7.0, -8.0, -9.0, -15.0, -15.0),
+    "diagonal": (-21.0, -16.0, -16.0, -25.0, -25.0),
+}
 """Levels of the motion of a contact at other boxes, over the box above it [dB]."""
 MOST_ENERGY = 0.5
 """Largest sum of |P|^2 of the paths from a bearing in a band [-]."""
@@ -43,21 +48,16 @@ class Path:
     def response(self, frequency: Floats, rate: float) -> Floats:
         """Return the squared magnitude at frequencies [Hz]."""
         z = np.exp(-2j * np.pi * frequency / rate)
-        whole = sum(
-            gain * (1.0 - z**2) / (1.0 - a1 * z - a2 * z**2) * z**delay
-            for (gain, a1, a2), delay in zip(self.sections, self.delays, strict=True)
-        )
-        return np.asarray(abs(whole) ** 2, np.float64)
-
-    def scaled(self, gain: float) -> Path:
-        """Return the path with another gain."""
-        return Path(self.sections * [gain, 1.0, 1.0], self.delays)
+        whole = np.zeros(len(frequency), np.complex128)
+        for (gain, a1, a2), delay in zip(self.sections, self.delays, strict=True):
+            whole += gain * (1.0 - z**2) / (1.0 - a1 * z - a2 * z**2) * z**delay
+        return np.asarray(np.square(np.abs(whole)), np.float64)
 
 
 def group_velocity(frequency: Floats) -> Floats:
     """Return the group velocity of bending waves of an axle, at most that of its surface waves [m/s]: 2 sqrt(w) (EI / rho A)^(1/4)."""
     ratio = ELASTICITY / DENSITY * BODY_DIAMETER**2 / 16.0
-    return np.minimum(2.0 * np.sqrt(2.0 * np.pi * frequency) * ratio**0.25, FASTEST)
+    return np.asarray(np.minimum(2.0 * np.sqrt(2.0 * np.pi * frequency) * ratio**0.25, FASTEST), np.float64)
 
 
 def drawn_path(seed: int, name: str, bands: Sequence[float], decibels: Sequence[float], distance: float, rate: float) -> Path:
@@ -69,7 +69,7 @@ def drawn_path(seed: int, name: str, bands: Sequence[float], decibels: Sequence[
     edges = np.minimum(bands, 0.4 * rate)
     share = np.sort(random.uniform(size=RESONANCES - len(decibels)))
     spread = np.exp(np.log(edges[0]) + share * np.log(edges[-1] / edges[0]))
-    centres = np.exp([random.uniform(math.log(a) + 0.2, math.log(b) - 0.2) for a, b in zip(edges[:-1], edges[1:], strict=True)])
+    centres = np.exp([random.uniform(math.log(a) + 0.2, math.log(b) - 0.2) for a, b in itertools.pairwise(edges)])
     frequency = np.sort(np.concatenate([centres, spread]))
     damping, sign = random.uniform(*DAMPING, RESONANCES), random.choice([-1.0, 1.0], RESONANCES)
     delays = np.round(distance / group_velocity(frequency) * rate)
@@ -77,7 +77,7 @@ def drawn_path(seed: int, name: str, bands: Sequence[float], decibels: Sequence[
     angle, radius = 2.0 * np.pi * frequency / rate, np.exp(-damping * 2.0 * np.pi * frequency / rate)
     unit = np.column_stack([0.5 * (1.0 - radius**2) * sign, 2.0 * radius * np.cos(angle), -(radius**2)])
     aims, gains = 10.0 ** (np.asarray(decibels) / 10.0), 10.0 ** (np.asarray(decibels)[band] / 20.0)
-    grids = [np.geomspace(a, b, 400) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+    grids = [np.asarray(np.geomspace(a, b, 400), np.float64) for a, b in itertools.pairwise(edges)]
     for _ in range(60):  # each band is mostly of its own resonances
         path = Path(unit * np.column_stack([gains, np.ones(RESONANCES), np.ones(RESONANCES)]), delays)
         present = np.array([path.response(grid, rate).mean() for grid in grids])
@@ -106,19 +106,17 @@ def bearing_paths(vehicle: Vehicle, rate: float) -> dict[tuple[int, int], Path]:
         Refusal: the paths from a bearing carry more than half of its energy.
     """
     chosen: dict[tuple[int, int], Path] = {}
-    energy = np.zeros((len(vehicle.boxes), 5))
+    energy = np.zeros((len(vehicle.boxes), len(BANDS) - 1))
     for first in range(len(vehicle.boxes)):
         for second in range(first + 1, len(vehicle.boxes)):
             kind = kind_of(vehicle, first, second)
-            count = 3 if kind == "same_wheelset" else 5
-            decibels = levels(getattr(vehicle.paths, kind), count, f"paths.{kind}")
+            decibels = levels(getattr(vehicle.paths, kind), len(BANDS) - 1, f"paths.{kind}")
             name = f"bearing/{vehicle.boxes[first].name}/{vehicle.boxes[second].name}"
-            path = drawn_path(vehicle.paths.seed, name, BANDS[-count - 1 :], decibels, distance_of(vehicle, first, second), rate)
+            path = drawn_path(vehicle.paths.seed, name, BANDS, decibels, distance_of(vehicle, first, second), rate)
             chosen[first, second] = chosen[second, first] = path
-            for box in (first, second):
-                energy[box, -count:] += 10.0 ** (np.asarray(decibels) / 10.0)
+            energy[[first, second]] += 10.0 ** (np.asarray(decibels) / 10.0)
     if energy.max() > MOST_ENERGY:
-        raise Refusal(f"paths: {energy.max():.2f} of a bearing's energy reaches other boxes in a band, above {MOST_ENERGY:g}: lower the levels")
+        raise Refusal(f"paths: {energy.max():.2f} of a bearing's energy reaches other boxes, above {MOST_ENERGY:g}: lower the levels")
     return chosen
 
 
@@ -128,7 +126,7 @@ def contact_paths(vehicle: Vehicle, rate: float, gains: Sequence[float]) -> dict
     ``gains`` are the rms gains of the box over the contact in the first two of `BANDS`, which the structure moves [-]; from the second one
     they fall by 12 dB in an octave (an assumption).
     """
-    middles = [math.sqrt(a * b) for a, b in zip(BANDS[1:-1], BANDS[2:], strict=True)]
+    middles = [math.sqrt(a * b) for a, b in itertools.pairwise(BANDS)]
     above = [20.0 * math.log10(gains[0]), *(20.0 * math.log10(gains[1]) - 40.0 * math.log10(middle / middles[0]) for middle in middles)]
     chosen = {}
     for source in range(len(vehicle.boxes)):

@@ -32,8 +32,10 @@ ROUGHNESS_SLOPE = 3.0
 """Rise of the roughness for each octave of wavelength [dB] (an assumption)."""
 PATCH = 6e-3
 """Half length of the contact patch, which averages the roughness [m]."""
-DIP = 0.5
-"""Length over which a rail sinks to a joint [m] (an assumption)."""
+DIP, REACH = 0.5, 5.0
+"""Length over which a rail sinks to a joint (an assumption), and at which it lies even [m]."""
+SMOOTHEST = -40.0
+"""Level of roughness at which rails and wheels are smooth [dB]."""
 PAGES_KEPT = 12
 """Pages of each kind in memory [-]."""
 
@@ -45,7 +47,7 @@ class Random:
         """Prepare for a one-sided ``spectrum`` of the wavenumber [rad/m], in the square of the value for each rad/m."""
         self._name, self._grid, self._points = name, grid, round(PAGE / grid)
         count = 2 * self._points
-        wavenumber = 2.0 * math.pi * np.fft.rfftfreq(count, grid)
+        wavenumber = np.asarray(2.0 * math.pi * np.fft.rfftfreq(count, grid), np.float64)
         density = np.zeros(len(wavenumber))
         density[1:] = spectrum(wavenumber[1:])
         self._amplitude = np.sqrt(density * wavenumber[1] * 0.5) * count * 0.5**0.5
@@ -71,7 +73,8 @@ class Random:
         """Return the values at places [m]."""
         first, last = math.floor((place.min() - 2 * self._grid) / PAGE), math.floor((place.max() + 3 * self._grid) / PAGE)
         values = np.concatenate([self.page(number) for number in range(first, last + 1)])
-        return cubic(values, (place - first * PAGE) / self._grid)
+        number = np.floor(place / PAGE)
+        return cubic(values, ((number - first) * self._points).astype(np.int64), (place - number * PAGE) / self._grid)
 
 
 def irregularity(track: Track) -> tuple[Random, Random] | None:
@@ -101,7 +104,7 @@ def roughness(level: float) -> Callable[[Floats], Floats]:
 
     def spectrum(w: Floats) -> Floats:
         wavelength = 2.0 * math.pi / w
-        power = 1e-12 * 10.0 ** ((level + ROUGHNESS_SLOPE * np.log2(wavelength / 0.1)) / 10.0)
+        power = float(level > SMOOTHEST) * 1e-12 * 10.0 ** ((level + ROUGHNESS_SLOPE * np.log2(wavelength / 0.1)) / 10.0)
         density = power / (w * (2.0 ** (1.0 / 6.0) - 2.0 ** (-1.0 / 6.0))) / (1.0 + 0.25 * math.pi * (w * PATCH) ** 3)
         return np.asarray(np.where(wavelength < SHORTEST, density, 0.0), np.float64)
 
@@ -124,7 +127,7 @@ class Rails:
             wavelength, amplitude = numbers(" ".join(values), 2, "track.corrugation")
             if not (0.02 <= wavelength <= SHORTEST and 0.0 < amplitude <= 2e-4):
                 raise Refusal(
-                    f"track.corrugation = '{track.corrugation}': give a wavelength of 0.02 .. {SHORTEST:g} m and an amplitude up to 0.0002 m"
+                    f"track.corrugation = '{track.corrugation}': give a wavelength of 0.02 .. {SHORTEST:g} m, an amplitude up to 0.0002 m"
                 )
             self._corrugation = wavelength, amplitude, side
 
@@ -137,9 +140,10 @@ class Rails:
         if self._corrugation is not None and self._corrugation[2] == SIDES[0 if side > 0 else 1]:
             wavelength, amplitude, _ = self._corrugation
             height += amplitude * np.sin(2.0 * math.pi / wavelength * place)
-        reach = 10.0 * DIP
-        for kink in self.kinks(float(place.min()) - reach, float(place.max()) + reach, side):
-            height -= self._track.joint_angle * DIP * np.exp(-abs(place - kink) / DIP)
+        for kink in self.kinks(float(place.min()) - REACH, float(place.max()) + REACH, side):
+            away = abs(place - kink)
+            sunk = self._track.joint_angle * DIP * (np.exp(-away / DIP) - math.exp(-REACH / DIP))
+            height -= np.where(away < REACH, sunk, 0.0)
         return height
 
     def kinks(self, first: float, last: float, side: int) -> list[float]:

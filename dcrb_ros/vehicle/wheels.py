@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from dcrb_ros.measurement.random_streams import random_stream
-from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.arrays import Complexes, Floats
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.vehicle.description import GRAVITY, Box, Vehicle, numbers
 from dcrb_ros.vehicle.kernels import cubic
@@ -38,8 +38,8 @@ class WheelSurface:
         amplitude = np.sqrt(2.0 * roughness(vehicle.track.roughness)(wavenumber) / self._radius)
         spectrum = np.concatenate([[0.0], amplitude * np.exp(2j * np.pi * random.uniform(size=len(order)))]) * POINTS / 2.0
         spectrum[-1] = 0.0
-        self._rough = self._table(spectrum)
-        self._curvature = self._table(spectrum * np.concatenate([[0.0], -(wavenumber**2)]))
+        self._rough = self._table(np.asarray(spectrum, np.complex128))
+        self._curvature = self._table(np.asarray(spectrum * np.concatenate([[0.0], -(wavenumber**2)]), np.complex128))
         self._flat_angle = float(random.uniform(0.0, 2.0 * math.pi))
         self._polygon: tuple[float, float] | None = None
         if box.wheel.polygon:
@@ -51,17 +51,20 @@ class WheelSurface:
             self._polygon = n, height
 
     @staticmethod
-    def _table(spectrum: np.ndarray[tuple[int, ...], np.dtype[np.complex128]]) -> Floats:
+    def _table(spectrum: Complexes) -> Floats:
         """Return a turn with the points that the cubic needs beyond its ends."""
         turn = np.fft.irfft(spectrum, POINTS)
         return np.concatenate([turn[-1:], turn, turn[:3]])
 
-    def _position(self, angle: Floats) -> Floats:
-        return np.asarray(1.0 + np.mod(angle, 2.0 * np.pi) * (POINTS / (2.0 * np.pi)), np.float64)
+    @staticmethod
+    def _around(turn: Floats, angle: Floats) -> Floats:
+        """Return the values of a table at angles [rad]."""
+        position = np.asarray(np.mod(angle, 2.0 * np.pi) * (POINTS / (2.0 * np.pi)), np.float64)
+        return cubic(turn, np.ones(len(angle), np.int64), position)
 
     def displacement(self, angle: Floats, speed: float) -> Floats:
         """Return the displacement at angles of the wheelset [m]."""
-        height = cubic(self._rough, self._position(angle))
+        height = self._around(self._rough, angle)
         if self._polygon is not None:
             order, amplitude = self._polygon
             height += amplitude * np.cos(order * angle)
@@ -76,7 +79,7 @@ class WheelSurface:
 
     def curvature(self, angle: Floats) -> Floats:
         """Return the second derivative of the roughness along the circumference at angles of the wheelset [1/m]."""
-        return cubic(self._curvature, self._position(angle))
+        return self._around(self._curvature, angle)
 
     def jump(self, speed: float) -> float:
         """Return the jump of velocity at the flat at a speed [m/s]; 0 without a flat."""
