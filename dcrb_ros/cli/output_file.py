@@ -9,8 +9,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from dcrb_ros.recordings.storage import VEHICLE_FILE
-from dcrb_ros.recordings.vehicle import TRUTH_FILE
+from dcrb_ros.recordings.vehicle_folder import TRUTH_FILE, VEHICLE_FILE
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.files import checked_path
 

@@ -16,7 +16,7 @@ from dcrb_ros.cli import completion
 from dcrb_ros.cli.first_start import compilation_shown
 from dcrb_ros.cli.options import Duration, Force, JsonOutput, Quiet, Scenario, Settings
 from dcrb_ros.cli.output_file import replacing
-from dcrb_ros.recordings.storage import VEHICLE_FILE
+from dcrb_ros.recordings.vehicle_folder import VEHICLE_FILE
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.simulated_time import checked_duration
 

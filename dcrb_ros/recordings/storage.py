@@ -18,6 +18,7 @@ from dcrb_ros.recordings import mcap_reader, sqlite_reader
 from dcrb_ros.recordings.compression import MessageUnpacker, beginning, compression_of, unpack
 from dcrb_ros.recordings.mcap_reader import MAX_RECORD, FileRecords, McapRecords, has_summary
 from dcrb_ros.recordings.sqlite_reader import SqliteRecords
+from dcrb_ros.recordings.vehicle_folder import VEHICLE_FILE
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.files import checked_path, open_regular, special_kind
 
@@ -37,8 +38,6 @@ class StoredMessage:
     channel: Channel
     schema: Schema | None
     message: Message
-VEHICLE_FILE = "vehicle.json"
-"""File of a folder that contains the recordings of the boxes of a vehicle."""
 
 
 class StoredFile:

@@ -18,7 +18,7 @@ from dcrb_ros.recordings.manifest import Outcome
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.recordings.reproduction import recorded_samples
-from dcrb_ros.recordings.storage import VEHICLE_FILE
+from dcrb_ros.recordings.vehicle_folder import TRUTH_FILE, VEHICLE_FILE
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.files import read_text
@@ -26,8 +26,6 @@ from dcrb_ros.text.json import LARGEST, parsed_json
 from dcrb_ros.text.writing import whole_file, write_whole
 from dcrb_ros.vehicle.simulation import VehicleBlock, VehicleSimulation
 
-TRUTH_FILE = "ground_truth.jsonl"
-"""A line for every block: speed, place, loads, levels of the sources in each box, joints and flats."""
 FORMAT = 1
 
 

@@ -1,4 +1,4 @@
-"""The parameters of a vehicle: what stands in its file, group by group.
+"""The parameters of a vehicle, group by group, as its file has them.
 
 The vehicle's axes are those of REP 103: x forward, y to the left, z up. Bearings are seen from the left, so that their X is -x and their
 Y is z.
@@ -86,7 +86,7 @@ class Track(Group):
 
 
 class Paths(Group):
-    """Levels of the sound that bearings send to other boxes above 200 Hz, over the box at the source [dB].
+    """Levels of the vibration of a bearing at other boxes above 200 Hz, over the box at the source [dB].
 
     Each has five numbers, for 0.2 .. 0.5, 0.5 .. 1, 1 .. 2, 2 .. 5 and above 5 kHz.
     """

@@ -1,4 +1,4 @@
-"""The vehicle around its bearings: what drives and loads them, and what each box hears of track, wheels and other bearings.
+"""The vehicle around its bearings: what drives and loads them, and what track, wheels and other bearings do to each box.
 
 Time goes in frames of `FRAME` steps that are counted from the start, so that no result depends on blocks. The structure's modes carry track
 and wheels to the boxes up to 1 kHz, and other bearings up to 200 Hz, at every eighth step with straight lines between. Paths of drawn
@@ -33,7 +33,7 @@ FRAME = TICK * TICKS
 LOAD_CUTOFF = 20.0
 """Frequency above which dynamic loads do not reach the bearings [Hz]: above it, they resonate with the model's own housing."""
 FORCE_CUTOFF = 200.0
-"""Frequency above which other bearings are heard by the drawn paths instead of the structure [Hz]."""
+"""Frequency above which the vibration of other bearings takes the drawn paths instead of the structure [Hz]."""
 SETTLING = 2.0
 """Time for which the vehicle rolls before the start [s]."""
 WHEELSET_MASS = 1813.0

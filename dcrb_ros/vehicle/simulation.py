@@ -1,4 +1,4 @@
-"""The simulation of a vehicle: its boxes step side by side, hear each other and the track, and sense, frame by frame on one clock."""
+"""The simulation of a vehicle: boxes are stepped side by side, mixed with each other and the track, and sensed, on one clock."""
 
 from __future__ import annotations
 
