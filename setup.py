@@ -48,6 +48,7 @@ setup(
         (f"share/{NAME}/config/about", files("config/about", "*.yaml")),
         (f"share/{NAME}/config/exams", files("config/exams", "*.yaml")),
         (f"share/{NAME}/config/sweeps", files("config/sweeps", "*.yaml")),
+        (f"share/{NAME}/config/vehicles", files("config/vehicles", "*.yaml")),
         (f"share/{NAME}/launch", files("launch", "*.py")),
         (f"share/{NAME}/examples", files("examples", "*.py")),
         (f"share/{NAME}/examples/detectors", files("examples/detectors", "*.*")),

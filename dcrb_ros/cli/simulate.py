@@ -5,10 +5,10 @@ from __future__ import annotations
 import itertools
 import json
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, Protocol, TypeVar
 
 import typer
 
@@ -16,6 +16,7 @@ from dcrb_ros.cli import completion
 from dcrb_ros.cli.first_start import compilation_shown
 from dcrb_ros.cli.options import Duration, Force, JsonOutput, Quiet, Scenario, Settings
 from dcrb_ros.cli.output_file import replacing
+from dcrb_ros.recordings.vehicle_folder import VEHICLE_FILE
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.simulated_time import checked_duration
 
@@ -23,6 +24,17 @@ if TYPE_CHECKING:
     from dcrb_ros.settings.configuration import Configuration
     from dcrb_ros.simulation.loop import Simulation
     from dcrb_ros.stream.block import Block
+
+
+class Timed(Protocol):
+    """A block of a bearing or of a vehicle."""
+
+    @property
+    def end_ns(self) -> int:
+        """Simulated time of its end [ns]."""
+
+
+Written = TypeVar("Written", bound=Timed)
 
 
 class Progress(NamedTuple):
@@ -52,21 +64,33 @@ def simulate(
         Path | None,
         typer.Option("--from", help="Simulate this recording again with its configuration, seed and commands, and compare the samples."),
     ] = None,
+    vehicle: Annotated[
+        str | None,
+        typer.Option(help="Simulate the axle boxes of a vehicle instead: a YAML file or a shipped name, such as bogie."),
+    ] = None,
     force: Force = False,
     quiet: Quiet = False,
     as_json: JsonOutput = False,
 ) -> None:
-    """Simulate a bearing without ROS and write a recording, or simulate an existing recording again.
+    """Simulate a bearing, or the bearings of a vehicle, without ROS and write a recording, or simulate an existing recording again.
 
     Example: dcrb simulate inner_ring_defect -o my_recording --duration 5 --set operating.load=60000.0
     """
     if source is not None:
-        if config or settings or scenario:
-            raise Refusal("--from reads configuration and scenario from the recording: leave out CONFIG, --set and --scenario")
+        if config or settings or scenario or vehicle:
+            raise Refusal("--from reads configuration and scenario from the recording: leave out CONFIG, --vehicle, --set and --scenario")
+        if (source / VEHICLE_FILE).is_file():
+            reproduce_vehicle(source, output, quiet=quiet, as_json=as_json)
+            return
         with ExitStack() as stack:
             if output is not None:
                 stack.enter_context(replacing("-o", output, force=force, source=source))
             reproduce(source, output, quiet=quiet, as_json=as_json)
+        return
+    if vehicle is not None:
+        if config or scenario:
+            raise Refusal("--vehicle names a file with all boxes, and takes no scenario: leave out CONFIG and --scenario")
+        simulate_vehicle(vehicle, settings or (), output, checked_duration(duration), force=force, quiet=quiet, as_json=as_json)
         return
     if config is None:
         raise Refusal("Missing argument 'CONFIG': give a YAML file or a shipped name, such as healthy, or --from BAG")
@@ -118,6 +142,45 @@ def reproduce(source: Path, output: Path | None, *, quiet: bool, as_json: bool) 
         print(f"{source}: {progress}; the same {samples.count} samples, sha256 {samples.sha256[:16]}")
 
 
+def simulate_vehicle(
+    source: str, settings: Sequence[str], output: Path | None, seconds: float, *, force: bool, quiet: bool, as_json: bool
+) -> None:
+    """Simulate a vehicle and write a folder with the recordings of its boxes."""
+    from dcrb_ros.recordings.vehicle import VehicleRecorder
+    from dcrb_ros.vehicle.file import read_parameters, vehicle_of
+    from dcrb_ros.vehicle.simulation import VehicleSimulation
+
+    parameters, path = read_parameters(source, settings), output or Path(Path(source).stem)
+    simulation = VehicleSimulation(vehicle_of(parameters, source))
+    with replacing("-o", path, force=force), VehicleRecorder(path, parameters, simulation) as recorder:
+        progress = _run(path.name, simulation.blocks(seconds), seconds, recorder.write, quiet=quiet, partial=True)
+    if as_json:
+        boxes = {name: {"samples": outcome.samples, "sha256": outcome.sha256} for name, outcome in recorder.outcomes.items()}
+        print(json.dumps({"recording": str(path), "simulated": progress.simulated, "boxes": boxes}, indent=2))
+        return
+    print(f"{path}: {progress}, {len(recorder.outcomes)} boxes")
+    if not quiet:
+        print(f"diagnose its boxes with: dcrb detect {path}/axle_*")
+
+
+def reproduce_vehicle(source: Path, output: Path | None, *, quiet: bool, as_json: bool) -> None:
+    """Simulate a vehicle's recording again and compare the samples of every box."""
+    from dcrb_ros.recordings.vehicle import read_vehicle_file
+    from dcrb_ros.vehicle.file import vehicle_of
+    from dcrb_ros.vehicle.simulation import VehicleSimulation
+
+    if output is not None:
+        raise Refusal("--from compares a vehicle's recording with a new simulation and writes none: leave out --output")
+    about = read_vehicle_file(source)
+    simulation = VehicleSimulation(vehicle_of(about.parameters, str(source)))
+    progress = _run(source.name, simulation.blocks(about.duration), about.duration, about.compare, quiet=quiet)
+    about.check()
+    if as_json:
+        print(json.dumps({"recording": str(source), "simulated": progress.simulated, "same": True}, indent=2))
+    else:
+        print(f"{source}: {progress}; the same samples in {len(about.boxes)} boxes")
+
+
 def _print_json(path: Path | None, progress: Progress, samples: int, sha256: str) -> None:
     about = {
         "recording": None if path is None else str(path),
@@ -137,7 +200,7 @@ def _simulation(configuration: Configuration, scenario: Mapping[str, Any] | None
 
 
 def _run(
-    name: str, blocks: Iterable[Block], seconds: float, write: Callable[[Block], None] | None, *, quiet: bool, partial: bool = False
+    name: str, blocks: Iterable[Written], seconds: float, write: Callable[[Written], None] | None, *, quiet: bool, partial: bool = False
 ) -> Progress:
     """Write blocks and show the progress; with ``partial``, Ctrl-C after the first block ends the recording early."""
     from rich.progress import TextColumn, TimeRemainingColumn

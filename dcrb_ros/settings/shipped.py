@@ -11,7 +11,7 @@ from pathlib import Path
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.text.files import checked_path, is_file
 
-FOLDERS = {"configuration": "", "scenario": "scenarios", "exam": "exams", "sweep": "sweeps", "description": "about"}
+FOLDERS = {"configuration": "", "scenario": "scenarios", "exam": "exams", "sweep": "sweeps", "description": "about", "vehicle": "vehicles"}
 """Kinds of shipped files, and their folders below `shipped_folder`."""
 
 

@@ -63,7 +63,14 @@ class Simulation:
     <Block: 1024 samples at 51.2 kHz from 0.0500 s, 2 states>
     """
 
-    def __init__(self, configuration: Configuration, scenario: Iterable[ScheduledChange] = (), *, waveform_only: bool = False) -> None:
+    def __init__(
+        self,
+        configuration: Configuration,
+        scenario: Iterable[ScheduledChange] = (),
+        *,
+        waveform_only: bool = False,
+        drive: Drive | None = None,
+    ) -> None:
         """Set up the bearing at simulated time 0.
 
         Parameters
@@ -74,6 +81,8 @@ class Simulation:
             Changes in the order of time, see `dcrb_ros.simulation.scenario`.
         waveform_only
             Leave out states, preview and energy; samples and ground truth are the same.
+        drive
+            What drives and loads the shaft; that of the configuration by default.
 
         Raises
         ------
@@ -100,10 +109,11 @@ class Simulation:
         self._state = initial_state(configuration, self._payload)
         self._work = workspace(self._payload)
         self._stored = stored_energy(self._payload, self._state)
-        self._drive = Drive(configuration)
+        self._drive = drive or Drive(configuration)
         self._sensor = Sensor(configuration.measurement)
         self._tacho = toothed_wheel_of(configuration)
         self._transmission = Transmission(configuration)
+        self._lost = False
         self._orders = characteristic_orders(configuration.bearing)
         self._steps = 0
         self._observed: States | None = None
@@ -217,15 +227,27 @@ class Simulation:
             yield self._block(size if last is None else min(size, last - self._queue.samples))
 
     def _block(self, size: int) -> Block:
+        self.prepare(size)
+        self.sense(*self.step_to(self.steps_of(size)))
+        return self.cut(size)
+
+    def prepare(self, size: int) -> None:
+        """Begin a block of ``size`` samples: compile the kernels before the first one, and apply the pending commands."""
         first = self._queue.samples
         if first == 0:
             compile_ahead(self._payload, self._state, self._work)
         self._apply_commands()
-        lost = self._transmission.next_is_lost()
-        if lost:
+        self._lost = self._transmission.next_is_lost()
+        if self._lost:
             self._note(BlockLost(first, first + size - 1))
-        self._step_to(self._sensor.steps(first + size))
-        unpublished = lost or self._transmission.between_bursts(first)
+
+    def steps_of(self, size: int) -> int:
+        """Return the step to which the model must advance for the next ``size`` samples."""
+        return self._sensor.steps(self._queue.samples + size)
+
+    def cut(self, size: int) -> Block:
+        """Return the next ``size`` samples, which have been sensed, as the block that `prepare` began."""
+        unpublished = self._lost or self._transmission.between_bursts(self._queue.samples)
         block = self._queue.cut(size, lost=unpublished, sensor_range=self.configuration.sensor.range)
         return dataclasses.replace(block, energy=self.energy) if block.truths and not self._waveform_only else block
 
@@ -272,9 +294,16 @@ class Simulation:
         self._drive.command_changed(self._state, after.operating, changes)
         return request
 
-    def _step_to(self, end: int) -> None:
-        """Step the model to step ``end``, stopping at every time of a state, a truth or a scheduled change."""
-        motion: list[tuple[Floats, Floats]] = []
+    def step_to(self, end: int) -> tuple[Floats, Floats]:
+        """Step the model to step ``end``, stopping at every time of a state, a truth or a scheduled change.
+
+        Returns
+        -------
+        acceleration, angle
+            Acceleration of the outer ring, means over each step, shape (steps, 2) [m/s^2], and the angle of the shaft at the start of
+            each, shape (steps,) [rad].
+        """
+        motion: list[tuple[Floats, Floats]] = [(np.empty((0, 2)), np.empty(0))]
         while self._steps < end:
             self._apply_scheduled()
             publishing, rate = self.configuration.publishing, self.configuration.step_rate
@@ -298,12 +327,16 @@ class Simulation:
                 self._queue.add_states(self._observed)
             if self._steps == truth_due:
                 self._note(None)
-        if motion:
-            accelerations, shaft = zip(*motion, strict=True)
-            angle = np.concatenate(shaft)
-            self._queue.add_samples(self._sensor.measure(np.concatenate(accelerations), angle))
-            if self._tacho is not None:
-                self._queue.add_pulses(self._tacho.pulses(angle))
+        accelerations, shaft = zip(*motion, strict=True)
+        return np.concatenate(accelerations), np.concatenate(shaft)
+
+    def sense(self, acceleration: Floats, angle: Floats) -> None:
+        """Measure the acceleration at the sensor's place over the steps that `step_to` returned, and the angle of the shaft."""
+        if not len(angle):
+            return
+        self._queue.add_samples(self._sensor.measure(acceleration, angle))
+        if self._tacho is not None:
+            self._queue.add_pulses(self._tacho.pulses(angle))
 
     def _heat(self) -> None:
         """Step heat and lubricant, and fit the bearing to them."""

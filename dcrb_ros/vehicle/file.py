@@ -1,0 +1,208 @@
+"""Vehicles from files: groups of parameters, wheelsets, and boxes as benches with changes of their own."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from dcrb_ros.schema.fields import Group
+from dcrb_ros.schema.refusal import Refusal, nearest
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import flatten, load_configuration, nest, validated
+from dcrb_ros.settings.sections import KEY
+from dcrb_ros.settings.shipped import find_shipped
+from dcrb_ros.text.yaml import read_yaml
+from dcrb_ros.vehicle.description import SIDES, Axle, Body, Box, Frame, Gear, Journey, Paths, Suspension, Track, Vehicle, Wheel
+from dcrb_ros.vehicle.loads import quasi_static
+
+GROUPS: dict[str, type[Group]] = {
+    "vehicle": Journey,
+    "body": Body,
+    "frame": Frame,
+    "suspension": Suspension,
+    "track": Track,
+    "paths": Paths,
+}
+PLACES = {"x": (-3.0, 3.0, "m"), "radius": (0.3, 0.6, "m"), "creep": (-0.01, 0.01, "-")}
+"""Numbers of a wheelset, their ranges and units."""
+DEFAULT_X = {"axle_1": 1.28, "axle_2": -1.28}
+"""Places of the wheelsets [m]."""
+DEFAULT_RADIUS = 0.46
+"""[m]"""
+OF_VEHICLE = {"operating": "the vehicle's speed, weight and track", "background": "the vehicle's wheels, track and gear"}
+"""Groups of a box's configuration that the vehicle replaces, and by what."""
+OWN_BACKGROUND = ("impact_rate", "impact_level", "hum_level", "hum_frequency")
+"""Background that a box may have of its own."""
+SEEDS = 2**31 - 1
+
+
+def read_vehicle(source: str | Path, settings: Sequence[str] | Mapping[str, Any] = ()) -> Vehicle:
+    """Return the vehicle of a file or a shipped name, with some settings changed.
+
+    Parameters
+    ----------
+    source
+        The name of a shipped vehicle, such as ``"bogie"``, or a YAML file.
+    settings
+        Texts such as ``"axle_1.left.faults.outer_1.width=0.002"``, or a mapping.
+
+    Raises
+    ------
+    Refusal
+        No such file, an unknown name, or a value that is out of range or does not fit the others.
+    """
+    return vehicle_of(read_parameters(source, settings), str(source))
+
+
+def read_parameters(source: str | Path, settings: Sequence[str] | Mapping[str, Any] = ()) -> dict[str, Any]:
+    """Return the parameters of a file or a shipped name by dotted keys, with settings on top, unchecked; see `read_vehicle`."""
+    path = find_shipped("vehicle", source)
+    tree = read_yaml(path)
+    while isinstance(tree, Mapping) and len(tree) == 1 and (next(iter(tree)) in ("/**", KEY)):
+        tree = next(iter(tree.values()))
+    if not isinstance(tree, Mapping):
+        raise Refusal(f"{source} is not a vehicle: give groups such as 'vehicle: {{speed_kmh: 100.0}}' and 'axle_1: {{left: {{}}}}'")
+    return layered(tree, settings)
+
+
+def layered(tree: Mapping[str, Any], settings: Sequence[str] | Mapping[str, Any]) -> dict[str, Any]:
+    """Return a tree with settings on top, by dotted keys."""
+    flat = flatten(tree)
+    if isinstance(settings, Mapping):
+        return {**flat, **flatten(settings)}
+    for text in settings:
+        key, equals, value = text.partition("=")
+        if not equals or not key.strip():
+            raise Refusal(f"--set {text}: write KEY=VALUE, for example axle_1.left.faults.outer_1.width=0.002")
+        try:
+            flat[key.strip()] = yaml.safe_load(re.sub(r"^([-+]?\d+)[eE]", r"\1.0e", value.strip()))
+        except yaml.YAMLError:
+            raise Refusal(f"--set {text}: the value cannot be read") from None
+    return flat
+
+
+def vehicle_of(flat: Mapping[str, Any], source: str) -> Vehicle:
+    """Return the vehicle that parameters by dotted keys describe.
+
+    Raises:
+        Refusal: a name is unknown, or a value is out of range or does not fit the others.
+    """
+    tree = nest({key: value for key, value in flat.items() if not (isinstance(value, Mapping) and not value and key.count(".") == 0)})
+    names = [*GROUPS, *DEFAULT_X]
+    unknown = next((name for name in tree if name not in names), None)
+    if unknown is not None:
+        raise Refusal(f"{source}: unknown group '{unknown}'{nearest(str(unknown), names)} (known: {', '.join(names)})")
+    groups: dict[str, Any] = {}
+    for name, model in GROUPS.items():
+        given = tree.get(name, {})
+        if not isinstance(given, Mapping):
+            raise Refusal(f"{source}: {name} = {given} is not a group of parameters")
+        groups[name] = validated(_as_floats(flatten(given), model), model, f"{source}, {name}")
+    axles: list[Axle] = []
+    parts: list[tuple[str, int, str, Mapping[str, Any]]] = []
+    for number, name in enumerate(name for name in DEFAULT_X if name in tree):
+        axle, sides = _axle(source, name, tree[name])
+        axles.append(axle)
+        parts += [(f"{name}.{side}", number, side, given) for side, given in sides.items()]
+    if not parts:
+        raise Refusal(f"{source}: there is no box: give axle_1 with left, right or both")
+    if len({axle.x for axle in axles}) < len(axles):
+        raise Refusal(f"{source}: both wheelsets are at x = {axles[0].x:g} m: give them places of their own")
+    journey: Journey = groups["vehicle"]
+    bench = load_configuration(journey.bench)
+    bare = tuple(Box(name, axle, 1 if side == SIDES[0] else -1, bench, Wheel()) for name, axle, side, _ in parts)
+    vehicle = Vehicle(
+        journey, groups["body"], groups["frame"], groups["suspension"], groups["track"], groups["paths"], tuple(axles), bare
+    )
+    speed = journey.speed_kmh / 3.6
+    loads = quasi_static(vehicle, speed, journey.curvature, journey.cant, journey.wind, journey.brake)
+    boxes = []
+    for box, (name, _, _, given), (x, y) in zip(bare, parts, loads, strict=True):
+        axle = axles[box.axle]
+        configuration, wheel = _box(source, name, given, journey, speed * (1.0 + axle.creep) / axle.radius, x, -y)
+        boxes.append(Box(name, box.axle, box.side, configuration, wheel))
+    first = boxes[0].configuration
+    for box in boxes[1:]:
+        for what, here, there in (
+            ("simulation.step", first.step_rate, box.configuration.step_rate),
+            ("sensor.sampling_rate", first.sensor.sampling_rate, box.configuration.sensor.sampling_rate),
+            ("publishing.block_size", first.publishing.block_size, box.configuration.publishing.block_size),
+        ):
+            if here != there:
+                raise Refusal(f"{source}: {boxes[0].name} and {box.name} differ in {what} ({here} and {there}): boxes share one clock")
+    return replace(vehicle, boxes=tuple(boxes))
+
+
+def _axle(source: str, name: str, given: Any) -> tuple[Axle, dict[str, Mapping[str, Any]]]:
+    """Return a wheelset and what stands for its boxes."""
+    if not isinstance(given, Mapping):
+        raise Refusal(f"{source}: {name} = {given} is not a wheelset: give left and right")
+    known = (*PLACES, "gear", *SIDES)
+    unknown = next((key for key in given if key not in known), None)
+    if unknown is not None:
+        raise Refusal(f"{source}: unknown key '{name}.{unknown}'{nearest(str(unknown), known)} (known: {', '.join(known)})")
+    values = {"x": DEFAULT_X[name], "radius": DEFAULT_RADIUS, "creep": 0.0}
+    for key, (low, high, unit) in PLACES.items():
+        value = given.get(key, values[key])
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not low <= value <= high:
+            raise Refusal(f"{source}: {name}.{key} = {value} is outside {low:g} .. {high:g} {unit}")
+        values[key] = float(value)
+    gear = validated(_as_floats(flatten(given.get("gear", {})), Gear), Gear, f"{source}, {name}.gear")
+    boxes = {side: given[side] or {} for side in SIDES if side in given}
+    wrong = next((side for side, box in boxes.items() if not isinstance(box, Mapping)), None)
+    if wrong is not None:
+        raise Refusal(f"{source}: {name}.{wrong} = {boxes[wrong]} is not a box: give {{}} for the bench without changes")
+    return Axle(name, values["x"], values["radius"], values["creep"], gear), boxes
+
+
+def _box(
+    source: str, name: str, given: Mapping[str, Any], journey: Journey, shaft_speed: float, x: float, load: float
+) -> tuple[Configuration, Wheel]:
+    """Return configuration and wheel of a box."""
+    flat = flatten(given)
+    bench = flat.pop("bench", journey.bench)
+    if not isinstance(bench, str):
+        raise Refusal(f"{source}: {name}.bench = {bench} is not the name of a configuration")
+    wheel = {key.removeprefix("wheel."): flat.pop(key) for key in list(flat) if key.startswith("wheel.")}
+    for key in flat:
+        group = key.partition(".")[0]
+        if group in OF_VEHICLE and not key.endswith(OWN_BACKGROUND):
+            raise Refusal(f"{source}: {name}.{key} would count twice: it follows from {OF_VEHICLE[group]}")
+    own = load_configuration(bench)
+    twice = [key for key in own.background.described() if key not in OWN_BACKGROUND]
+    if twice:
+        raise Refusal(f"{source}: the bench '{bench}' of {name} has background.{twice[0]}, which the vehicle makes: choose another bench")
+    settings = {
+        "simulation.seed": seed_of(journey.seed, name, "run"),
+        "surfaces.seed": seed_of(journey.seed, name, "individual"),
+        "structure.seed": seed_of(journey.seed, name, "housing"),
+        **flat,
+        "operating.speed": shaft_speed,
+        "operating.load": load,
+        "operating.lateral_load": x,
+        "operating.speed_fluctuation": 0.0,
+        "operating.speed_ripple": 0.0,
+    }
+    try:
+        return load_configuration(own, settings), validated(_as_floats(wheel, Wheel), Wheel, "wheel")
+    except Refusal as refusal:
+        raise Refusal(f"{source}: {name}: {refusal}") from None
+
+
+def seed_of(seed: int, *names: str) -> int:
+    """Return the seed of a part of the vehicle, a hash of the vehicle's seed and of names."""
+    digest = hashlib.sha256("/".join((str(seed), *names)).encode()).digest()
+    return int.from_bytes(digest[:4], "little") % SEEDS
+
+
+def _as_floats(flat: Mapping[str, Any], model: type[Group]) -> dict[str, Any]:
+    """Return values with whole numbers as floats where the model has floats, as ROS writes them."""
+    floats = {key for key, field in model.model_fields.items() if field.annotation is float}
+    whole = {key for key, value in flat.items() if key in floats and isinstance(value, int) and not isinstance(value, bool)}
+    return {key: float(value) if key in whole else value for key, value in flat.items()}

@@ -1,0 +1,76 @@
+"""Compiled loops of the vehicle over time; their rounding does not depend on how the steps are split into blocks."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+import dcrb_ros.core  # noqa: F401 - sets the folder of the compiled kernels
+from dcrb_ros.schema.arrays import Complexes, Floats, Integers
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def modal_outputs(
+    growth: Complexes, before: Complexes, after: Complexes, read: Complexes, direct: Floats, state: Complexes, inputs: Floats
+) -> Floats:
+    """Return the outputs of a linear system in modal form at every tick, shape (ticks, outputs).
+
+    Between two ticks the inputs, shape (ticks + 1, inputs), are straight lines. With the eigenvalues' factors ``growth``, shape (modes,),
+
+        x[n+1] = growth x[n] + before u[n] + after u[n+1],   y[n] = Re(read x[n]) + direct u[n].
+
+    ``state``, shape (modes,), is updated.
+    """
+    ticks, modes = inputs.shape[0] - 1, growth.shape[0]
+    outputs = np.empty((ticks, read.shape[0]))
+    for n in range(ticks):
+        for o in range(read.shape[0]):
+            total = 0.0
+            for k in range(modes):
+                total += read[o, k].real * state[k].real - read[o, k].imag * state[k].imag
+            for i in range(inputs.shape[1]):
+                total += direct[o, i] * inputs[n, i]
+            outputs[n, o] = total
+        for k in range(modes):
+            x = growth[k] * state[k]
+            for i in range(inputs.shape[1]):
+                x += before[k, i] * inputs[n, i] + after[k, i] * inputs[n + 1, i]
+            state[k] = x
+    return outputs
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def add_path(sections: Floats, delays: Floats, memory: Floats, known: Floats, lead: int, target: Floats) -> None:
+    """Add a source after the resonances of a path to ``target``, shape (steps,).
+
+    Each of ``sections``, shape (resonances, 3), is a resonance gain (u[n] - u[n-2]) / (1 - a1 z^-1 - a2 z^-2) of the source some ``delays``
+    ago [steps]. ``known`` is the source with its last ``lead`` samples before; ``memory``, shape (resonances, 2), is updated.
+    """
+    for k in range(sections.shape[0]):
+        gain, a1, a2 = sections[k]
+        first, second = memory[k]
+        start = lead - int(delays[k])
+        for n in range(target.shape[0]):
+            at = start + n
+            value = gain * (known[at] - known[at - 2]) + a1 * first + a2 * second
+            second = first
+            first = value
+            target[n] += value
+        memory[k, 0] = first
+        memory[k, 1] = second
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def cubic(values: Floats, offset: Integers, position: Floats) -> Floats:
+    """Return values of a grid at positions in its points beyond whole offsets, shape (positions,), by the cubic of Keys (1981).
+
+    It goes through the four nearest points. The offsets let a position have the same bits wherever ``values`` begins.
+    """
+    result = np.empty(position.shape[0])
+    for n in range(position.shape[0]):
+        k = int(np.floor(position[n]))
+        t = position[n] - k
+        k += offset[n]
+        a, b, c, d = values[k - 1], values[k], values[k + 1], values[k + 2]
+        result[n] = b + 0.5 * t * (c - a + t * (2.0 * a - 5.0 * b + 4.0 * c - d + t * (3.0 * (b - c) + d - a)))
+    return result

@@ -1,0 +1,37 @@
+"""Loads of the boxes that change slowly: weight, curve, wind and brakes."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.vehicle.description import GRAVITY, JOURNAL_DISTANCE, WHEEL_DISTANCE, Vehicle
+
+BETWEEN_AXLES = 1800.0
+"""Load that braking at 1 m/s^2 moves from the trailing to the leading axle, for each box [N] (an assumption)."""
+
+
+def unbalanced(speed: float, curvature: float, cant: float) -> float:
+    """Return the unbalanced acceleration of a curve, v^2 / R - g h / 1.5 m, positive to the right [m/s^2]."""
+    outwards = speed**2 * curvature
+    return outwards - float(np.sign(curvature)) * GRAVITY * cant / WHEEL_DISTANCE
+
+
+def quasi_static(vehicle: Vehicle, speed: float, curvature: float, cant: float, wind: float, brake: float) -> Floats:
+    """Return the force on the inner ring of each box in X and Y, shape (boxes, 2) [N].
+
+    A curve to the left loads the right side by (m_b h_b / 2 + m_f h_f) a_q / 4 b, wind to the left the left side by W h_w / 8 b, with half
+    the distance of the boxes b. Brakes load each box by (m_b / 2 + m_f) a / 4 along the track, and move load to the leading axle.
+    """
+    body, frame, half = vehicle.body, vehicle.frame, 0.5 * JOURNAL_DISTANCE
+    curve = (0.5 * body.mass * body.height + frame.mass * frame.height) * unbalanced(speed, curvature, cant) / (4.0 * half)
+    gust = wind * body.wind_height / (8.0 * half)
+    nod = body.mass * body.height / (4.0 * body.bogies) * brake
+    middle = float(np.mean([axle.x for axle in vehicle.axles]))
+    loads = np.empty((len(vehicle.boxes), 2))
+    for j, box in enumerate(vehicle.boxes):
+        lead = float(np.sign(vehicle.axles[box.axle].x - middle))
+        downwards = vehicle.static_load + box.side * (gust - curve) + nod + lead * BETWEEN_AXLES * brake
+        # The bearing's X points backwards: inertia presses the body forward, against -X.
+        loads[j] = -(0.5 * body.mass + frame.mass) * brake / 4.0, -downwards
+    return loads

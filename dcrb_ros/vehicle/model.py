@@ -1,0 +1,292 @@
+"""The vehicle around its bearings: what drives and loads them, and what track, wheels and other bearings do to each box.
+
+Time goes in frames of `FRAME` steps that are counted from the start, so that no result depends on blocks. The structure's modes carry track
+and wheels to the boxes up to 1 kHz, and other bearings up to 200 Hz, at every eighth step with straight lines between. Paths of drawn
+resonances carry the rest.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from dcrb_ros.measurement.kernels import filtered
+from dcrb_ros.schema.arrays import Complexes, Floats
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.vehicle.description import Vehicle
+from dcrb_ros.vehicle.kernels import add_path, modal_outputs
+from dcrb_ros.vehicle.loads import quasi_static
+from dcrb_ros.vehicle.paths import BANDS, bearing_paths, contact_paths
+from dcrb_ros.vehicle.structure import BOX_MASS, Structure
+from dcrb_ros.vehicle.track import Rails, Random, roughness
+from dcrb_ros.vehicle.wheels import WheelSurface
+
+TICK = 8
+"""Steps between two ticks of the structure [-]."""
+TICKS = 64
+"""Ticks in a frame [-]."""
+FRAME = TICK * TICKS
+"""Steps in a frame, and between two values of the load [-]."""
+LOAD_CUTOFF = 20.0
+"""Frequency above which dynamic loads do not reach the bearings [Hz]: above it, they resonate with the model's own housing."""
+FORCE_CUTOFF = 200.0
+"""Frequency above which the vibration of other bearings takes the drawn paths instead of the structure [Hz]."""
+SETTLING = 2.0
+"""Time for which the vehicle rolls before the start [s]."""
+WHEELSET_MASS = 1813.0
+"""[kg]"""
+START = 1000.0
+"""Place of the bogie at time zero [m]; the track behind it is as long."""
+
+
+@dataclass(frozen=True)
+class TrackEvent:
+    """A kink that a wheel met."""
+
+    time: float
+    """[s]"""
+    place: float
+    """Place on the track [m]."""
+    box: str
+    cause: str
+    """joint or flat."""
+    jump: float
+    """Jump of velocity [m/s]."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A frame before the bearings are stepped."""
+
+    shaft_speed: Floats
+    """Speed of each wheelset at the end of the frame, shape (axles,) [rad/s]."""
+    load: Floats
+    """Force on each inner ring in X and Y at the end of the frame, shape (boxes, 2) [N]."""
+    motion: Floats
+    """Vertical acceleration of the boxes by track and wheels, shape (boxes, `FRAME`) [m/s^2]."""
+    speed: float
+    """Speed of the vehicle at the start of the frame [m/s]."""
+    place: float
+    """Place of the middle of the bogie at the start of the frame [m]."""
+    events: tuple[TrackEvent, ...]
+
+
+class _Rolling:
+    """The frame in which wheels roll: ticks of speed, place and angles, and the motion that they cause."""
+
+    def __init__(self, speed: Floats, place: Floats, angle: Floats, outputs: Floats, loads: Floats) -> None:
+        self.speed, self.place, self.angle = speed, place, angle
+        self.outputs = outputs
+        """Accelerations of the boxes at the ticks, shape (TICKS, boxes)."""
+        self.loads = loads
+        """Dynamic loads below `LOAD_CUTOFF` at the first tick, shape (boxes,) [N]."""
+
+
+class VehicleModel:
+    """Steps the vehicle: first `plan` of a frame, then, with the accelerations of its bearings, `mix`."""
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        """Roll the vehicle until it is settled at time zero.
+
+        Raises:
+            Refusal: a parameter of the vehicle is invalid.
+        """
+        self.vehicle = vehicle
+        self.rate = vehicle.boxes[0].configuration.step_rate
+        self._interval = TICK / self.rate
+        self._rails = Rails(vehicle.track)
+        self._wheels = [WheelSurface(vehicle, box) for box in vehicle.boxes]
+        self._curvature = [
+            Random(f"{vehicle.track.seed}/rail/{side}", 0.005, lambda w: roughness(vehicle.track.roughness)(w) * w**4)
+            for side in ("left", "right")
+        ]
+        structure = Structure(vehicle)
+        self._growth, before, after, read, direct = structure.modal(self._interval)
+        count = len(vehicle.boxes)
+        outer = [*range(count), *range(2 * count, 2 * count + len(vehicle.axles))]
+        self._track_system = _columns(before, after, direct, outer)
+        self._read = np.ascontiguousarray(read)
+        self._box_read = np.ascontiguousarray(read[:count])
+        self._bearing_systems = [_columns(before, after, np.ascontiguousarray(direct[:count]), [count + i]) for i in range(count)]
+        self._track_state: Complexes = np.zeros(len(self._growth), np.complex128)
+        self._bearing_states = [np.zeros(len(self._growth), np.complex128) for _ in range(count)]
+        self._load_memory = np.zeros((1, 2, count))
+        self._load_sections = _lowpass(2, LOAD_CUTOFF, 1.0 / self._interval)
+        self._force_sections = _lowpass(4, FORCE_CUTOFF, 1.0 / self._interval)
+        self._force_memory = np.zeros((len(self._force_sections), 2, count))
+        grids = [np.geomspace(low, high, 40) for low, high in itertools.pairwise(BANDS)]
+        gains = [math.sqrt(float(np.mean([abs(structure.response(f)[0, 0]) ** 2 for f in grid]))) for grid in grids]
+        self._bearing_paths = bearing_paths(vehicle, self.rate)
+        self._contact_paths = contact_paths(vehicle, self.rate, gains)
+        every = [*self._bearing_paths.values(), *self._contact_paths.values()]
+        self._lead = int(max(path.delays.max() for path in every)) + 2
+        self._bearing_memory = {pair: np.zeros((2, len(path.sections), 2)) for pair, path in self._bearing_paths.items()}
+        self._contact_memory = {pair: np.zeros((len(path.sections), 2)) for pair, path in self._contact_paths.items()}
+        self._ring_before = np.zeros((count, 2, self._lead))
+        self._jerked_before = np.zeros((count, self._lead))
+        self._ring_force = np.zeros(count)
+        self._ring_motion = np.zeros((count, count))
+        journey = vehicle.journey
+        self.targets = {
+            "speed": journey.speed_kmh / 3.6,
+            "curvature": journey.curvature,
+            "cant": journey.cant,
+            "wind": journey.wind,
+            "brake": journey.brake,
+        }
+        """What was commanded: speed [m/s], curvature [1/m], cant [m], wind [N], brake [m/s^2]."""
+        settled = int(SETTLING / (self._interval * TICKS)) + 1
+        behind = settled * TICKS * self._interval * self.targets["speed"]
+        self._speed, self._place = self.targets["speed"], START - behind
+        self._angle = np.array([-behind * (1.0 + axle.creep) / axle.radius for axle in vehicle.axles])
+        self._frames = -settled
+        self._next = self._roll()
+        for _ in range(settled):
+            self._next = self._roll()
+        self._frames = 0
+
+    def shaft_speed(self) -> Floats:
+        """Return the speed of each wheelset at the end of the last planned frame, shape (axles,) [rad/s]."""
+        return np.array([self._next.speed[0] * (1.0 + axle.creep) / axle.radius for axle in self.vehicle.axles])
+
+    def load(self) -> Floats:
+        """Return the force on each inner ring at the end of the last planned frame, shape (boxes, 2) [N]."""
+        asked = self.targets
+        loads = quasi_static(self.vehicle, self._next.speed[0], asked["curvature"], asked["cant"], asked["wind"], asked["brake"])
+        loads[:, 1] -= self._next.loads
+        return loads
+
+    def plan(self) -> Plan:
+        """Return the next frame; commands given before act from its end on."""
+        now, first = self._next, self._frames * FRAME
+        self._next = self._roll()
+        ticks = np.vstack([now.outputs, self._next.outputs[:1]])
+        fine = np.arange(FRAME) / TICK
+        motion = np.array([np.interp(fine, np.arange(TICKS + 1), ticks[:, j]) for j in range(len(self.vehicle.boxes))])
+        events = self._add_contacts(now, motion, first)
+        self._frames += 1
+        return Plan(self.shaft_speed(), self.load(), motion, float(now.speed[0]), float(now.place[0]), tuple(events))
+
+    def mix(self, ring: Floats, plan: Plan) -> tuple[Floats, Floats]:
+        """Return what the boxes do in a frame, and the parts of it.
+
+        Parameters
+        ----------
+        ring
+            Accelerations of the bearings' outer rings, shape (boxes, `FRAME`, 2) [m/s^2].
+        plan
+            The frame.
+
+        Returns
+        -------
+        boxes, parts
+            Accelerations, shape (boxes, `FRAME`, 2) [m/s^2]; and the rms of the own bearing, of the others and of track and wheels in it,
+            shape (boxes, 3) [m/s^2].
+        """
+        others = self._bearing_motion(ring)
+        columns = np.ascontiguousarray(ring.transpose(0, 2, 1))
+        known = np.concatenate([self._ring_before, columns], axis=2)
+        for (source, box), path in self._bearing_paths.items():
+            memory = self._bearing_memory[source, box]
+            for column in (0, 1):
+                add_path(path.sections, path.delays, memory[column], known[source, column], self._lead, others[box, column])
+        self._ring_before = known[:, :, -self._lead :].copy()
+        mixed = columns + others
+        mixed[:, 1] += plan.motion
+        parts = np.column_stack([np.sqrt((part**2).mean(axis=(1, 2))) for part in (columns, others, plan.motion[:, None] * 0.5**0.5)])
+        return np.ascontiguousarray(mixed.transpose(0, 2, 1)), parts
+
+    def _bearing_motion(self, ring: Floats) -> Floats:
+        """Return what the structure makes of the other bearings' forces, shape (boxes, 2, FRAME); it moves vertically only."""
+        count = len(self.vehicle.boxes)
+        sampled = BOX_MASS * ring[:, :, 1].reshape(count, TICKS, TICK).mean(axis=2)
+        force = filtered(self._force_sections, self._force_memory, np.ascontiguousarray(sampled.T)).T
+        motion, fine = np.zeros((count, 2, FRAME)), np.arange(FRAME) / TICK
+        for source in range(count):
+            inputs = np.concatenate([[self._ring_force[source]], force[source]])[:, None]
+            before, after, direct = self._bearing_systems[source]
+            outputs = modal_outputs(self._growth, before, after, self._box_read, direct, self._bearing_states[source], inputs)
+            ticks = np.vstack([self._ring_motion[source], outputs])
+            for box in range(count):
+                if box != source:
+                    motion[box, 1] += np.interp(fine, np.arange(TICKS + 1), ticks[:, box])
+            self._ring_motion[source] = outputs[-1]
+        self._ring_force = force[:, -1].copy()
+        return motion
+
+    def _roll(self) -> _Rolling:
+        """Return the next frame of rolling and the motion by track and wheels."""
+        vehicle, dt = self.vehicle, self._interval
+        speed = np.empty(TICKS + 1)
+        speed[0] = self._speed
+        target, step = self.targets["speed"], vehicle.journey.ramp * dt
+        for n in range(TICKS):
+            speed[n + 1] = speed[n] + max(-step, min(step, target - speed[n]))
+        forward = 0.5 * (speed[:-1] + speed[1:]) * dt
+        place = np.cumsum(np.concatenate([[self._place], forward]))
+        angle = np.array(
+            [
+                np.cumsum(np.concatenate([[self._angle[p]], forward * ((1.0 + axle.creep) / axle.radius)]))
+                for p, axle in enumerate(vehicle.axles)
+            ]
+        )
+        self._speed, self._place, self._angle = float(speed[-1]), float(place[-1]), angle[:, -1].copy()
+        if place[-1] > 1e6:
+            raise Refusal(f"the vehicle has run {place[-1] / 1e3:.0f} km, and the track ends at 1000 km: start again")
+        inputs = np.zeros((TICKS + 1, len(vehicle.boxes) + len(vehicle.axles)))
+        for j, box in enumerate(vehicle.boxes):
+            rail = self._rails.displacement(place + vehicle.axles[box.axle].x, box.side)
+            inputs[:, j] = rail + self._wheels[j].displacement(angle[box.axle], float(speed[0]))
+        for p, axle in enumerate(vehicle.axles):
+            if axle.gear.teeth:
+                amplitude = math.sqrt(2.0) * axle.gear.level * WHEELSET_MASS
+                inputs[:, len(vehicle.boxes) + p] = amplitude * np.cos(axle.gear.teeth * angle[p])
+        before, after, direct = self._track_system
+        outputs = modal_outputs(self._growth, before, after, self._read, direct, self._track_state, inputs)
+        count = len(vehicle.boxes)
+        loads = filtered(self._load_sections, self._load_memory, np.ascontiguousarray(outputs[:, count:]))
+        return _Rolling(speed, place, angle, np.ascontiguousarray(outputs[:, :count]), loads[0].copy())
+
+    def _add_contacts(self, now: _Rolling, motion: Floats, first: int) -> list[TrackEvent]:
+        """Add to ``motion`` what the paths make of roughness and kinks beyond the structure's modes; return the kinks."""
+        vehicle, fine, ticks = self.vehicle, np.arange(FRAME) / TICK, np.arange(TICKS + 1)
+        speed, place = np.interp(fine, ticks, now.speed), np.interp(fine, ticks, now.place)
+        events = []
+        jerked = np.empty((len(vehicle.boxes), FRAME))
+        for j, box in enumerate(vehicle.boxes):
+            at = place + vehicle.axles[box.axle].x
+            angle = np.interp(fine, ticks, now.angle[box.axle])
+            rail = -self._curvature[0 if box.side > 0 else 1].at(at)
+            jerked[j] = speed**2 * (rail + self._wheels[j].curvature(angle))
+            x = vehicle.axles[box.axle].x
+            kinks = [
+                (float(np.interp(kink - x, now.place, ticks)), "joint", 2.0 * vehicle.track.joint_angle * float(now.speed[0]), kink)
+                for kink in self._rails.kinks(float(now.place[0]) + x, float(now.place[-1]) + x, box.side)
+            ]
+            for strike in self._wheels[j].strikes(float(now.angle[box.axle][0]), float(now.angle[box.axle][-1])):
+                tick = float(np.interp(strike, now.angle[box.axle], ticks))
+                kinks.append((tick, "flat", self._wheels[j].jump(float(now.speed[0])), float(np.interp(tick, ticks, now.place)) + x))
+            for tick, cause, height, where in kinks:
+                step = min(int(tick * TICK), FRAME - 1)
+                share = tick * TICK - step
+                jerked[j, step] += (1.0 - share) * height * self.rate
+                jerked[j, min(step + 1, FRAME - 1)] += share * height * self.rate
+                events.append(TrackEvent((first + tick * TICK) / self.rate, where, box.name, cause, height))
+        known = np.concatenate([self._jerked_before, jerked], axis=1)
+        for (source, target), path in self._contact_paths.items():
+            add_path(path.sections, path.delays, self._contact_memory[source, target], known[source], self._lead, motion[target])
+        self._jerked_before = known[:, -self._lead :].copy()
+        return sorted(events, key=lambda event: (event.time, event.box))
+
+
+def _columns(before: Complexes, after: Complexes, direct: Floats, inputs: list[int]) -> tuple[Complexes, Complexes, Floats]:
+    return tuple(np.ascontiguousarray(part[:, inputs]) for part in (before, after, direct))  # type: ignore[return-value]
+
+
+def _lowpass(order: int, cutoff: float, rate: float) -> Floats:
+    from scipy.signal import butter
+
+    return np.asarray(butter(order, cutoff, fs=rate, output="sos"), np.float64)

@@ -1,0 +1,142 @@
+"""Paths by which bearings and contacts reach the boxes beyond the modes of the structure: resonances drawn for each vehicle.
+
+A path is a sum of resonances with random signs, each after the time that a bending wave of its frequency takes. Its mean square in every
+band is the level that the vehicle's file gives.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dcrb_ros.measurement.random_streams import random_stream
+from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.vehicle.description import Vehicle, levels
+from dcrb_ros.vehicle.structure import BODY_DIAMETER, DENSITY, ELASTICITY
+
+BANDS = (200.0, 500.0, 1000.0, 2000.0, 5000.0, 20000.0)
+"""Limits of the bands of a path [Hz]."""
+RESONANCES = 8
+DAMPING = (0.01, 0.05)
+"""Range of the damping ratio of a resonance [-]."""
+FASTEST = 3000.0
+"""Highest group velocity [m/s]."""
+CONTACT_LEVELS = {
+    "same_wheelset": (-11.0, -15.0, -15.0),
+    "same_side": (-7.0, -8.0, -9.0, -15.0, -15.0),
+    "diagonal": (-21.0, -16.0, -16.0, -25.0, -25.0),
+}
+"""Levels of the motion of a contact at other boxes, over the box above it [dB]."""
+MOST_ENERGY = 0.5
+"""Largest sum of |P|^2 of the paths from a bearing in a band [-]."""
+
+
+@dataclass(frozen=True)
+class Path:
+    """A path from one source to one box."""
+
+    sections: Floats
+    """Gain and recursion of every resonance, shape (resonances, 3)."""
+    delays: Floats
+    """Delay of each [steps]."""
+
+    def response(self, frequency: Floats, rate: float) -> Floats:
+        """Return the squared magnitude at frequencies [Hz]."""
+        z = np.exp(-2j * np.pi * frequency / rate)
+        whole = np.zeros(len(frequency), np.complex128)
+        for (gain, a1, a2), delay in zip(self.sections, self.delays, strict=True):
+            whole += gain * (1.0 - z**2) / (1.0 - a1 * z - a2 * z**2) * z**delay
+        return np.asarray(np.square(np.abs(whole)), np.float64)
+
+
+def group_velocity(frequency: Floats) -> Floats:
+    """Return the group velocity of bending waves of an axle, at most that of its surface waves [m/s]: 2 sqrt(w) (EI / rho A)^(1/4)."""
+    ratio = ELASTICITY / DENSITY * BODY_DIAMETER**2 / 16.0
+    return np.asarray(np.minimum(2.0 * np.sqrt(2.0 * np.pi * frequency) * ratio**0.25, FASTEST), np.float64)
+
+
+def drawn_path(seed: int, name: str, bands: Sequence[float], decibels: Sequence[float], distance: float, rate: float) -> Path:
+    """Return a path whose mean square in each band has a level [dB], over a distance [m], at a rate [Hz].
+
+    ``bands`` are the limits of the bands [Hz], one more than ``decibels``.
+    """
+    random = random_stream(seed, f"path/{name}")
+    edges = np.minimum(bands, 0.4 * rate)
+    share = np.sort(random.uniform(size=RESONANCES - len(decibels)))
+    spread = np.exp(np.log(edges[0]) + share * np.log(edges[-1] / edges[0]))
+    centres = np.exp([random.uniform(math.log(a) + 0.2, math.log(b) - 0.2) for a, b in itertools.pairwise(edges)])
+    frequency = np.sort(np.concatenate([centres, spread]))
+    damping, sign = random.uniform(*DAMPING, RESONANCES), random.choice([-1.0, 1.0], RESONANCES)
+    delays = np.round(distance / group_velocity(frequency) * rate)
+    band = np.clip(np.searchsorted(edges, frequency) - 1, 0, len(decibels) - 1)
+    angle, radius = 2.0 * np.pi * frequency / rate, np.exp(-damping * 2.0 * np.pi * frequency / rate)
+    unit = np.column_stack([0.5 * (1.0 - radius**2) * sign, 2.0 * radius * np.cos(angle), -(radius**2)])
+    aims, gains = 10.0 ** (np.asarray(decibels) / 10.0), 10.0 ** (np.asarray(decibels)[band] / 20.0)
+    grids = [np.asarray(np.geomspace(a, b, 400), np.float64) for a, b in itertools.pairwise(edges)]
+    for _ in range(60):  # each band is mostly of its own resonances
+        path = Path(unit * np.column_stack([gains, np.ones(RESONANCES), np.ones(RESONANCES)]), delays)
+        present = np.array([path.response(grid, rate).mean() for grid in grids])
+        gains = gains * ((aims / present) ** 0.25)[band]
+    return Path(unit * np.column_stack([np.round(gains, 9), np.ones(RESONANCES), np.ones(RESONANCES)]), delays)
+
+
+def kind_of(vehicle: Vehicle, first: int, second: int) -> str:
+    """Return how two boxes lie: same_wheelset, same_side or diagonal."""
+    a, b = vehicle.boxes[first], vehicle.boxes[second]
+    if a.axle == b.axle:
+        return "same_wheelset"
+    return "same_side" if a.side == b.side else "diagonal"
+
+
+def distance_of(vehicle: Vehicle, first: int, second: int) -> float:
+    """Return the distance of two boxes along the axles and the rail [m]."""
+    a, b = vehicle.boxes[first], vehicle.boxes[second]
+    return abs(vehicle.axles[a.axle].x - vehicle.axles[b.axle].x) + 1.0 * abs(a.side - b.side)
+
+
+def bearing_paths(vehicle: Vehicle, rate: float) -> dict[tuple[int, int], Path]:
+    """Return the paths between the bearings by source and receiver; both directions of a pair are one draw (reciprocity).
+
+    Raises:
+        Refusal: the paths from a bearing carry more than half of its energy.
+    """
+    chosen: dict[tuple[int, int], Path] = {}
+    energy = np.zeros((len(vehicle.boxes), len(BANDS) - 1))
+    for first in range(len(vehicle.boxes)):
+        for second in range(first + 1, len(vehicle.boxes)):
+            kind = kind_of(vehicle, first, second)
+            decibels = levels(getattr(vehicle.paths, kind), len(BANDS) - 1, f"paths.{kind}")
+            name = f"bearing/{vehicle.boxes[first].name}/{vehicle.boxes[second].name}"
+            path = drawn_path(vehicle.paths.seed, name, BANDS, decibels, distance_of(vehicle, first, second), rate)
+            chosen[first, second] = chosen[second, first] = path
+            energy[[first, second]] += 10.0 ** (np.asarray(decibels) / 10.0)
+    if energy.max() > MOST_ENERGY:
+        raise Refusal(f"paths: {energy.max():.2f} of a bearing's energy reaches other boxes, above {MOST_ENERGY:g}: lower the levels")
+    return chosen
+
+
+def contact_paths(vehicle: Vehicle, rate: float, gains: Sequence[float]) -> dict[tuple[int, int], Path]:
+    """Return the paths from the motion of each contact [m/s^2] to each box, beyond the modes of the structure.
+
+    ``gains`` are the rms gains of the box over the contact in the first two of `BANDS`, which the structure moves [-]; from the second one
+    they fall by 12 dB in an octave (an assumption).
+    """
+    middles = [math.sqrt(a * b) for a, b in itertools.pairwise(BANDS)]
+    above = [20.0 * math.log10(gains[0]), *(20.0 * math.log10(gains[1]) - 40.0 * math.log10(middle / middles[0]) for middle in middles)]
+    chosen = {}
+    for source in range(len(vehicle.boxes)):
+        for box in range(len(vehicle.boxes)):
+            relative = (0.0, 0.0, 0.0) if source == box else CONTACT_LEVELS[kind_of(vehicle, source, box)]
+            count = len(relative)
+            decibels = [level + part for level, part in zip(above[-count:], relative, strict=True)]
+            names = sorted((vehicle.boxes[source].name, vehicle.boxes[box].name))
+            distance = distance_of(vehicle, source, box)
+            chosen[source, box] = drawn_path(
+                vehicle.paths.seed, f"contact/{'/'.join(names)}", BANDS[-count - 1 :], decibels, distance, rate
+            )
+    return chosen

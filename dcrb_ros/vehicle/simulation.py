@@ -1,0 +1,258 @@
+"""The simulation of a vehicle: boxes are stepped side by side, mixed with each other and the track, and sensed, on one clock."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from dcrb_ros.core.layout.state import TARGET_SPEED, TARGET_X, TARGET_Y, State
+from dcrb_ros.core.payload import Payload
+from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.numbers import finite_number
+from dcrb_ros.schema.refusal import Refusal, nearest
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.parameters import Operating
+from dcrb_ros.simulation.drive import Drive
+from dcrb_ros.simulation.loop import ModelFailure, Simulation
+from dcrb_ros.stream.block import Block
+from dcrb_ros.vehicle.description import Vehicle
+from dcrb_ros.vehicle.model import FRAME, Plan, TrackEvent, VehicleModel
+
+RANGES = {
+    "speed_kmh": (5.0, 300.0, "km/h"),
+    "curvature": (-0.01, 0.01, "1/m"),
+    "cant": (0.0, 0.18, "m"),
+    "wind": (-1e5, 1e5, "N"),
+    "brake": (0.0, 1.5, "m/s^2"),
+}
+"""Commands, their ranges and units."""
+ROUNDING = 1.0 + 1e-9
+"""Factor on a ramp, which must reach its target within the frame."""
+
+
+class GuidedDrive(Drive):
+    """Speed and load of a bearing in a vehicle, along straight lines from frame to frame."""
+
+    def __init__(self, configuration: Configuration) -> None:
+        super().__init__(configuration)
+        self.fluctuates = True
+        self._frame = FRAME / configuration.step_rate
+        self.speed = configuration.operating.speed
+        """Speed at the end of the frame [rad/s]."""
+        self.load = np.array([configuration.operating.lateral_load, -configuration.operating.load])
+        """Force on the inner ring in X and Y at the end of the frame [N]."""
+
+    def fluctuate(self, payload: Payload, state: State, operating: Operating, step: int) -> tuple[Payload, int]:
+        """Set the targets at the start of a frame; return the payload with the ramps to them, and the step of the next frame."""
+        since = step % FRAME
+        if since == 0:
+            change = max(abs(self.load[0] - state.load[0]), abs(self.load[1] - state.load[1]))
+            turn = abs(self.speed - state.target[TARGET_SPEED])
+            state.target[TARGET_SPEED] = self.speed
+            state.target[TARGET_X], state.target[TARGET_Y] = self.load
+            payload = payload._replace(speed_ramp=ROUNDING * turn / self._frame, load_ramp=float(ROUNDING * change / self._frame))
+        return payload, step - since + FRAME
+
+
+@dataclass(frozen=True)
+class VehicleTruth:
+    """What happened to a vehicle during a block."""
+
+    time_ns: int
+    """Simulated time at the start [ns]."""
+    speed: float
+    """Speed of the vehicle [m/s]."""
+    place: float
+    """Place of the middle of the bogie on the track [m]."""
+    load: Mapping[str, float]
+    """Load of each box, downwards [N]."""
+    parts: Mapping[str, tuple[float, float, float]]
+    """Acceleration of each box by its own bearing, the others, and track and wheels, rms of both axes [m/s^2]."""
+    events: tuple[TrackEvent, ...]
+    """Joints, crossings and flats that wheels met."""
+    silent: tuple[str, ...]
+    """Boxes whose model failed."""
+
+
+@dataclass(frozen=True)
+class VehicleBlock:
+    """A block of every box, and the truth about the vehicle."""
+
+    boxes: Mapping[str, Block]
+    truth: VehicleTruth
+    end_ns: int
+    """Simulated time of its end [ns]."""
+
+
+class VehicleSimulation:
+    """Simulates the bearings of a vehicle and yields a block of each, with equal stamps.
+
+    Every frame of `FRAME` steps has three phases. First the vehicle's model gives loads and speeds. Then each bearing is stepped, on its
+    thread. Last, the motion of every box is mixed in a fixed order and sensed. The samples depend on the vehicle and on the simulated
+    times of commands only, not on threads or on the size of blocks.
+
+    Examples
+    --------
+    >>> from dcrb_ros.vehicle.file import read_vehicle
+    >>> from dcrb_ros.vehicle.simulation import VehicleSimulation
+    >>> simulation = VehicleSimulation(read_vehicle("bogie"))
+    >>> for block in simulation.blocks(0.1):
+    ...     levels = {name: box.acceleration.std() for name, box in block.boxes.items()}
+    """
+
+    def __init__(self, vehicle: Vehicle, *, threads: int | None = None) -> None:
+        """Set up the vehicle at simulated time 0.
+
+        Raises
+        ------
+        Refusal
+            A parameter of the vehicle is invalid.
+        """
+        self.vehicle = vehicle
+        self._model = VehicleModel(vehicle)
+        self._drives = [GuidedDrive(box.configuration) for box in vehicle.boxes]
+        self.simulations = {
+            box.name: Simulation(box.configuration, drive=drive) for box, drive in zip(vehicle.boxes, self._drives, strict=True)
+        }
+        """The simulation of each box."""
+        self._threads = min(threads or os.cpu_count() or 1, len(vehicle.boxes))
+        self._steps = self._samples = 0
+        self._silent: dict[str, str] = {}
+        self._plan: Plan
+        self._parts: Floats
+
+    @property
+    def time_ns(self) -> int:
+        """Simulated time reached by the blocks [ns]."""
+        return round(self._samples * 1_000_000_000 / self.vehicle.boxes[0].configuration.sensor.sampling_rate)
+
+    def command(self, **commands: float) -> None:
+        """Command speed_kmh, curvature, cant, wind or brake from the next frame but one on; the speed follows the vehicle's ramp.
+
+        Raises
+        ------
+        Refusal
+            A command is unknown or out of range; nothing is changed.
+        """
+        for name, value in commands.items():
+            if name not in RANGES:
+                raise Refusal(f"there is no command '{name}'{nearest(name, RANGES)} (known: {', '.join(RANGES)})")
+            low, high, unit = RANGES[name]
+            if not low <= finite_number(f"{name} =", value, unit) <= high:
+                raise Refusal(f"{name} = {value:g} {unit} is outside {low:g} .. {high:g} {unit}; the previous command remains in effect")
+        for name, value in commands.items():
+            if name == "speed_kmh":
+                self._model.targets["speed"] = value / 3.6
+            else:
+                self._model.targets[name] = value
+
+    def change(self, changes: Mapping[str, Any]) -> None:
+        """Change parameters of boxes from the next block on, such as ``{"axle_1.left.faults.outer_1.width": 0.002}``.
+
+        Raises
+        ------
+        Refusal
+            There is no such box, or the box refuses the change; nothing is changed then in that box.
+        """
+        by_box: dict[str, dict[str, Any]] = {}
+        for key, value in changes.items():
+            axle, _, rest = key.partition(".")
+            side, _, parameter = rest.partition(".")
+            name = f"{axle}.{side}"
+            if name not in self.simulations:
+                raise Refusal(f"'{key}' names no box{nearest(name, self.simulations)} (known: {', '.join(self.simulations)})")
+            if parameter.startswith("operating."):
+                raise Refusal(f"'{key}' belongs to the vehicle: command speed_kmh, curvature, cant, wind or brake")
+            by_box.setdefault(name, {})[parameter] = value
+        for name, changed in by_box.items():
+            self.simulations[name].change(changed)
+
+    def blocks(self, duration: float | None = None) -> Iterator[VehicleBlock]:
+        """Yield blocks until ``duration`` [s] of samples is reached, endlessly without one.
+
+        Raises
+        ------
+        Refusal
+            The duration is not a finite number, or negative.
+        ModelFailure
+            The model of a box failed, and ``vehicle.on_failure`` is stop.
+        """
+        if duration is not None and finite_number("duration =", duration, "s") < 0.0:
+            raise Refusal(f"duration = {duration:g} s is negative: give the simulated time that the blocks cover")
+        first = self.vehicle.boxes[0].configuration
+        rate, size = first.sensor.sampling_rate, first.publishing.block_size
+        last = None if duration is None else self._samples + round(duration * rate)
+        with ThreadPoolExecutor(self._threads) as pool:
+            while last is None or self._samples < last:
+                yield self._block(pool, size if last is None else min(size, last - self._samples))
+
+    def _block(self, pool: ThreadPoolExecutor, size: int) -> VehicleBlock:
+        began, events, parts = self.time_ns, list[TrackEvent](), list[Floats]()
+        for simulation in self._running.values():
+            simulation.prepare(size)
+        end = max(simulation.steps_of(size) for simulation in self._running.values())
+        while self._steps < end:
+            self._plan, part = self._frame(pool)
+            events += self._plan.events
+            parts.append(part)
+        if parts:  # a short block may lie within the last frame
+            self._parts = np.sqrt(np.mean(np.square(parts), axis=0))
+        present, level = self._plan, self._parts
+        boxes = {name: simulation.cut(size) for name, simulation in self._running.items()}
+        self._samples += size
+        names = [box.name for box in self.vehicle.boxes]
+        truth = VehicleTruth(
+            began,
+            present.speed,
+            present.place,
+            {name: -float(present.load[j, 1]) for j, name in enumerate(names)},
+            {name: (float(level[j, 0]), float(level[j, 1]), float(level[j, 2])) for j, name in enumerate(names)},
+            tuple(events),
+            tuple(self._silent),
+        )
+        return VehicleBlock(boxes, truth, self.time_ns)
+
+    @property
+    def _running(self) -> dict[str, Simulation]:
+        """Boxes whose model has not failed."""
+        running = {name: simulation for name, simulation in self.simulations.items() if name not in self._silent}
+        if not running:
+            raise ModelFailure(f"the models of all boxes failed: {'; '.join(self._silent.values())}")
+        return running
+
+    def _frame(self, pool: ThreadPoolExecutor) -> tuple[Plan, Floats]:
+        """Step a frame; return its plan and the parts of the boxes' motion."""
+        plan = self._model.plan()
+        for box, drive, load in zip(self.vehicle.boxes, self._drives, plan.load, strict=True):
+            drive.speed, drive.load = float(plan.shaft_speed[box.axle]), load
+        end = self._steps + FRAME
+        running = self._running
+        futures = {name: pool.submit(simulation.step_to, end) for name, simulation in running.items()}
+        ring, angles = np.zeros((len(self.vehicle.boxes), FRAME, 2)), {}
+        for j, name in enumerate(self._names):
+            if name not in futures:
+                continue
+            try:
+                ring[j], angles[name] = futures[name].result()
+            except ModelFailure as failure:
+                if self.vehicle.journey.on_failure == "stop":
+                    for other in futures.values():
+                        other.cancel()
+                    raise ModelFailure(f"{name}: {failure}") from None
+                ring[j] = 0.0
+                self._silent[name] = f"{name}: {failure}"
+        self._steps = end
+        mixed, parts = self._model.mix(ring, plan)
+        for j, name in enumerate(self._names):
+            if name in angles:
+                running[name].sense(mixed[j], angles[name])
+        return plan, parts
+
+    @property
+    def _names(self) -> list[str]:
+        return [box.name for box in self.vehicle.boxes]
