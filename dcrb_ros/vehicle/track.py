@@ -72,7 +72,8 @@ class Random:
     def at(self, place: Floats) -> Floats:
         """Return the values at places [m]."""
         first, last = math.floor((place.min() - 2 * self._grid) / PAGE), math.floor((place.max() + 3 * self._grid) / PAGE)
-        values = np.concatenate([self.page(number) for number in range(first, last + 1)])
+        pages = [self.page(number) for number in range(first, last + 1)]
+        values = pages[0] if len(pages) == 1 else np.concatenate(pages)
         number = np.floor(place / PAGE)
         return cubic(values, ((number - first) * self._points).astype(np.int64), (place - number * PAGE) / self._grid)
 
