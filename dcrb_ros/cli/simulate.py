@@ -82,6 +82,8 @@ def simulate(
         if (source / VEHICLE_FILE).is_file():
             reproduce_vehicle(source, output, quiet=quiet, as_json=as_json)
             return
+        if (source.absolute().parent / VEHICLE_FILE).is_file():
+            raise Refusal(f"{source} is a box of the vehicle in {source.absolute().parent}, on which its samples depend: give that folder")
         with ExitStack() as stack:
             if output is not None:
                 stack.enter_context(replacing("-o", output, force=force, source=source))

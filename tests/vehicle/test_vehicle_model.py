@@ -82,6 +82,7 @@ def test_the_modes_have_the_response_of_the_structure() -> None:
         assert (read @ state + direct)[:4] == pytest.approx(expected, rel=0.02, abs=0.005 * abs(expected).max())
 
 
+@pytest.mark.slow
 def test_irregularity_of_erri_gives_the_computed_levels() -> None:
     motion, load, _ = run(bogie(vehicle__speed_kmh=144.0, track__roughness=-40.0), 20.0)
     # 11.7 m/s^2 below 200 Hz and 1.2 kN below 20 Hz, in the frequency domain.
@@ -89,6 +90,7 @@ def test_irregularity_of_erri_gives_the_computed_levels() -> None:
     assert load.std(axis=0).mean() == pytest.approx(1200.0, rel=0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("wavelength", [100.0, 25.0, 10.0])
 def test_rails_are_as_coherent_as_the_spectra_say(wavelength: float) -> None:
     assert coherence(100.0) == pytest.approx(0.92, abs=0.01)

@@ -204,6 +204,8 @@ def test_a_recording_holds_every_box_and_is_simulated_again(tmp_path: Path, caps
     assert [line["time_ns"] for line in lines] == sorted(line["time_ns"] for line in lines)
     assert dcrb("simulate", "--from", str(bag), "--quiet") == 0
     assert "the same samples in 4 boxes" in capsys.readouterr().out
+    assert dcrb("simulate", "--from", str(bag / "axle_1.left"), "--quiet") == 2
+    assert "is a box of the vehicle in" in capsys.readouterr().err
     assert dcrb("detect", str(bag)) == 2
     assert "is the recording of a vehicle" in capsys.readouterr().err
     assert dcrb("simulate", "--vehicle", "healthy_bogie", "-o", str(bag), "--duration", "0.2", "--quiet", *options) == 2
