@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+import time
 from pathlib import Path
 
 from dcrb_ros.exam.detector_families import families_of, shipped_members
@@ -38,6 +39,8 @@ def compared(given: argparse.Namespace, without: tuple[str, ...]) -> Comparison:
     exam = exam_of(replica_tree(recordings, plan), "replica")
     folder = checked_folder(given.recordings)
     members, broken = families_of(given.detectors, folder)
+    if given.published:
+        members = [member for member in members if member.published]
     return compare_with_field(recordings, exam, [*shipped_members(), *members], broken, folder, Limits(), given.workers, no_progress)
 
 
@@ -50,8 +53,10 @@ def page(comparisons: dict[str, Comparison]) -> str:
         [
             "# Predictivity of the exam",
             "",
-            "Written by `make predictivity`. [Does an exam predict your rig?](../how-to/predict-your-rig.md) explains the method and the",
-            "figures.",
+            f"Written on {time.strftime('%d %B %Y', time.gmtime()).lstrip('0')} by `make predictivity`. [Does an exam predict your",
+            "rig?](../how-to/predict-your-rig.md) explains the method and the figures. The priors were not tuned on these recordings.",
+            "",
+            "![Marks of detectors in the exam and on measured recordings](../images/predictivity.png)",
             "",
             "## Parts of the simulation",
             "",
@@ -82,6 +87,7 @@ def main() -> int:
     parser.add_argument("--machines", type=int, default=6)
     parser.add_argument("--counterparts", type=int, default=3)
     parser.add_argument("--longest", type=float, default=5.0)
+    parser.add_argument("--published", action="store_true", help="only the published settings of each family but the shipped one")
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--only", nargs="+", choices=list(VARIANTS), default=list(VARIANTS))
     given = parser.parse_args()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 from matplotlib.figure import Figure
@@ -13,8 +14,6 @@ COLOURS = ("#1f6fb4", "#b23a48")
 """Of members with published and with other settings."""
 LONGEST = 28
 """Longest name shown [characters]."""
-RIGHT_HALF = 60.0
-"""Mark in the exam from which labels are on the left of their points [%]."""
 
 
 def write_predictivity_figure(comparison: Comparison, file: Path) -> None:
@@ -24,35 +23,27 @@ def write_predictivity_figure(comparison: Comparison, file: Path) -> None:
         Refusal: the file cannot be written.
     """
     exam, field = (100.0 * values for values in pooled(comparison.marks))
-    figure = Figure(figsize=(8.0, 7.0), dpi=110, layout="constrained")
+    figure = Figure(figsize=(9.5, 7.0), dpi=110, layout="constrained")
     axes = figure.subplots()
     axes.plot([0.0, 100.0], [0.0, 100.0], color="0.8", lw=1.0, zorder=0)
     for published, colour, label in ((False, COLOURS[1], "other settings"), (True, COLOURS[0], "published settings")):
         chosen = [k for k, one in enumerate(comparison.marks.published) if one is published]
         axes.plot(exam[chosen], field[chosen], "o", ms=5.0 if published else 3.5, color=colour, label=label, alpha=0.8)
-    # Detectors with the same marks share a label.
-    labels: dict[tuple[float, float], list[str]] = {}
-    for k, name in enumerate(comparison.marks.detectors):
-        if comparison.marks.published[k]:
-            short = name if len(name) <= LONGEST else f"{name[: LONGEST - 1]}…"
-            labels.setdefault((round(float(exam[k]), 1), round(float(field[k]), 1)), []).append(short)
-    for place, names in labels.items():
-        left = place[0] > RIGHT_HALF
-        axes.annotate(
-            "\n".join(names),
-            place,
-            (-5.0 if left else 5.0, 0.0),
-            textcoords="offset points",
-            ha="right" if left else "left",
-            va="center",
-            fontsize=6,
-            parse_math=False,
-        )
+    # Names would cover each other where many detectors have similar marks, so points have numbers in the order of the field.
+    named = sorted((k for k in range(len(exam)) if comparison.marks.published[k]), key=lambda k: (-field[k], -exam[k]))
+    for number, k in enumerate(named, 1):
+        above = number % 2 == 0
+        axes.annotate(str(number), (exam[k], field[k]), (4.0, 3.0 if above else -8.0), textcoords="offset points", fontsize=7)
+    names = [comparison.marks.detectors[k] for k in named]
+    short = [name if len(name) <= LONGEST else f"{name[: LONGEST - 1]}…" for name in names]
+    listed = "\n".join(f"{number:2d}  {name}" for number, name in enumerate(short, 1))
+    axes.text(1.02, 1.0, listed, transform=axes.transAxes, va="top", fontsize=7, linespacing=1.25, parse_math=False)
+    low = max(0.0, 10.0 * math.floor(min(float(exam.min()), float(field.min())) / 10.0) - 5.0)
     best = comparison.families[0].statistics
     axes.set_title(
         f"{len(set(comparison.marks.families))} families: SRCC {best['srcc'].value:.2f}, tau-b {best['tau_b'].value:.2f}", fontsize=11
     )
-    axes.set(xlabel="right in the exam of replicas [%]", ylabel="right on measured recordings [%]", xlim=(0.0, 102.0), ylim=(0.0, 102.0))
+    axes.set(xlabel="right in the exam of replicas [%]", ylabel="right on measured recordings [%]", xlim=(low, 102.0), ylim=(low, 102.0))
     axes.legend(fontsize=8, loc="lower right")
     axes.grid(alpha=0.25)
     with whole_file(file) as temporary:
