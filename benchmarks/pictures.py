@@ -136,6 +136,15 @@ PICTURES = {
     "realism-outer": Picture("python {root}/benchmarks/realism.py $MEASURED --pictures {images}", ("bench outer_ring_defect", *REALISM)),
     "signals-outer": Picture(SIGNALS_RUN + "outer", ("bench healthy", *SIGNALS)),
     "signals-inner": Picture(SIGNALS_RUN + "inner", SIGNALS),
+    "predictivity": Picture(
+        "python {root}/benchmarks/predictivity.py $MEASURED --published --machines 4 --counterparts 2 --longest 3"
+        " --only 'path, impacts and background' -o predictivity.md --figure {file}",
+        (
+            "bench ball_bearing_6205",
+            "drawing dcrb_ros/exam/replica_priors.py",
+            "drawing dcrb_ros/exam/predictivity_figure.py",
+        ),
+    ),
     "calibration-rig": Picture(
         f"cp $MEASURED/recordings/cw48_N_0_FE.npz fan.npz && printf '{ABOUT_FAN}' > about.yaml && dcrb import fan.npz --about about.yaml"
         " -o healthy_run && dcrb calibrate healthy_run --trust -o my_machine.yaml && cp my_machine.png {file}",

@@ -63,6 +63,10 @@ def _scores(axes: Axes, board: Board) -> None:
     axes.grid(alpha=0.25)
 
 
+MOST_NUMBERS = 15
+"""Entries up to which every pair has its number [-]; more do not fit."""
+
+
 def _pairs(axes: Axes, board: Board) -> None:
     axes.set_title(f"Row better than column ({HEADLINE}) [% of samples]", fontsize=10)
     headline = next(profile for profile in PROFILES if profile.name == HEADLINE)
@@ -76,8 +80,11 @@ def _pairs(axes: Axes, board: Board) -> None:
                 shares[i, j] = 100.0 * comparison.confidence
                 weight = "bold" if comparison.distinguished else "normal"
                 colour = "white" if shares[i, j] > 75.0 else "black"
-                axes.text(j, i, f"{shares[i, j]:.0f}", ha="center", va="center", fontsize=8, color=colour, fontweight=weight)
+                text = f"{shares[i, j]:.0f}" if count <= MOST_NUMBERS else "×" * comparison.distinguished
+                axes.text(j, i, text, ha="center", va="center", fontsize=8, color=colour, fontweight=weight)
     axes.imshow(shares, cmap="Blues", vmin=0.0, vmax=110.0, aspect="auto")
-    axes.set_xticks(range(count), [str(k) for k in range(1, count + 1)], fontsize=8)
-    axes.set_yticks(range(count), [str(k) for k in range(1, count + 1)], fontsize=8)
-    axes.set(xlabel="place\nbold: the 95 % interval of the difference excludes 0", ylabel="place")
+    places = range(0, count, 1 if count <= MOST_NUMBERS else 5)
+    axes.set_xticks(places, [str(k + 1) for k in places], fontsize=8)
+    axes.set_yticks(places, [str(k + 1) for k in places], fontsize=8)
+    mark = "bold" if count <= MOST_NUMBERS else "×"
+    axes.set(xlabel=f"place\n{mark}: 95 % interval of the difference excludes 0", ylabel="place")
