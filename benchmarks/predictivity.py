@@ -19,6 +19,7 @@ from dcrb_ros.exam.predictivity_figure import write_predictivity_figure
 from dcrb_ros.exam.predictivity_report import HEADS, Comparison, compare_with_field, markdown, rows
 from dcrb_ros.exam.recording_cache import checked_folder, default_folder
 from dcrb_ros.exam.replica import ReplicaPlan, replica_tree
+from dcrb_ros.recordings.manifest import model_fingerprint
 from dcrb_ros.text.markdown import table
 from dcrb_ros.text.writing import write_whole
 
@@ -53,8 +54,9 @@ def page(comparisons: dict[str, Comparison]) -> str:
         [
             "# Predictivity of the exam",
             "",
-            f"Written on {time.strftime('%d %B %Y', time.gmtime()).lstrip('0')} by `make predictivity`. [Does an exam predict your",
-            "rig?](../how-to/predict-your-rig.md) explains the method and the figures. The priors were not tuned on these recordings.",
+            f"Written by `make predictivity` on {time.strftime('%d %B %Y', time.gmtime()).lstrip('0')}, model `{model_fingerprint()}`.",
+            "[Does an exam predict your rig?](../how-to/predict-your-rig.md) explains the method and the figures. The priors were not tuned",
+            "on these recordings.",
             "",
             "![Marks of detectors in the exam and on measured recordings](../images/predictivity.png)",
             "",
