@@ -55,7 +55,7 @@ def page(comparisons: dict[str, Comparison]) -> str:
             "# Predictivity of the exam",
             "",
             f"Written by `make predictivity` on {time.strftime('%d %B %Y', time.gmtime()).lstrip('0')}, model `{model_fingerprint()}`.",
-            "[Does an exam predict your rig?](../how-to/predict-your-rig.md) explains the method and the figures. The priors were not tuned",
+            f"Written by `make predictivity` on {time.strftime('%d %B %Y', time.gmtime()).lstrip('0')}, model `{model_fingerprint()}`. [Does an",
             "on these recordings.",
             "",
             "![Marks of detectors in the exam and on measured recordings](../images/predictivity.png)",
