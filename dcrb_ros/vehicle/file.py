@@ -20,6 +20,7 @@ from dcrb_ros.settings.shipped import find_shipped
 from dcrb_ros.text.yaml import read_yaml
 from dcrb_ros.vehicle.description import SIDES, Axle, Body, Box, Frame, Gear, Journey, Paths, Suspension, Track, Vehicle, Wheel
 from dcrb_ros.vehicle.loads import quasi_static
+from dcrb_ros.vehicle.track import is_smooth
 
 GROUPS: dict[str, type[Group]] = {
     "vehicle": Journey,
@@ -93,7 +94,7 @@ def vehicle_of(flat: Mapping[str, Any], source: str) -> Vehicle:
     Raises:
         Refusal: a name is unknown, or a value is out of range or does not fit the others.
     """
-    tree = nest({key: value for key, value in flat.items() if not (isinstance(value, Mapping) and not value and key.count(".") == 0)})
+    tree = nest({key: value for key, value in flat.items() if value != {} or key not in GROUPS})
     names = [*GROUPS, *DEFAULT_X]
     unknown = next((name for name in tree if name not in names), None)
     if unknown is not None:
@@ -114,6 +115,12 @@ def vehicle_of(flat: Mapping[str, Any], source: str) -> Vehicle:
         raise Refusal(f"{source}: there is no box: give axle_1 with left, right or both")
     if len({axle.x for axle in axles}) < len(axles):
         raise Refusal(f"{source}: both wheelsets are at x = {axles[0].x:g} m: give them places of their own")
+    bare_axle = next((axle.name for number, axle in enumerate(axles) if all(part[1] != number for part in parts)), None)
+    if bare_axle is not None:
+        raise Refusal(f"{source}: {bare_axle} has no box: give left and right ({{}} for the bench without changes), or leave it out")
+    half = next((axle.name for number, axle in enumerate(axles) if sum(part[1] == number for part in parts) == 1), None)
+    if half is not None and not is_smooth(groups["track"]):
+        raise Refusal(f"{source}: {half} has one box, but it rolls on two wheels: give both ({{}} for the bench without changes)")
     journey: Journey = groups["vehicle"]
     bench = load_configuration(journey.bench)
     bare = tuple(Box(name, axle, 1 if side == SIDES[0] else -1, bench, Wheel()) for name, axle, side, _ in parts)

@@ -112,6 +112,12 @@ def roughness(level: float) -> Callable[[Floats], Floats]:
     return spectrum
 
 
+def is_smooth(track: Track) -> bool:
+    """Return whether neither rails nor wheels have any roughness, irregularity or kink."""
+    kinked = track.joint_spacing > 0.0 or track.crossings or track.corrugation
+    return track.spectrum == "none" and track.roughness <= SMOOTHEST and not kinked
+
+
 class Rails:
     """Both rails: displacement and kinks at any place."""
 

@@ -163,6 +163,7 @@ def test_the_others_go_on_where_the_file_asks_for_it(monkeypatch: pytest.MonkeyP
         ({"axle_1.left.sensor.sampling_rate": 25600}, "differ in sensor.sampling_rate"),
         ({"vehicle.speed_kmh": 1.0}, "speed_kmh = 1"),
         ({"axle_1.left": 5}, "is not a box"),
+        ({"axle_1": {}}, "axle_1 has no box"),
         ({"track": 5}, "is not a group"),
         ({"axle_1.left.faults.outer_1.widht": 0.002}, "axle_1.left: .*widht"),
     ],
@@ -170,11 +171,16 @@ def test_the_others_go_on_where_the_file_asks_for_it(monkeypatch: pytest.MonkeyP
 def test_a_vehicle_that_cannot_be_is_refused_in_a_sentence(parameters: dict[str, Any], message: str) -> None:
     whole = {"axle_1.left": {}, "axle_1.right": {}, "axle_2.left": {}, "axle_2.right": {}, **parameters}
     for key in parameters:
-        for box in [name for name in whole if key.startswith(f"{name}.")]:
+        for box in [name for name in whole if key.startswith(f"{name}.") or name.startswith(f"{key}.")]:
             del whole[box]
     with pytest.raises(Refusal, match=message) as caught:
         vehicle_of(whole, "mine.yaml")
     assert "\n" not in str(caught.value)
+
+
+def test_a_wheelset_on_a_track_has_two_boxes() -> None:
+    with pytest.raises(Refusal, match="axle_1 has one box, but it rolls on two wheels"):
+        vehicle_of({"axle_1.left": {}, "axle_2.left": {}, "axle_2.right": {}}, "mine.yaml")
 
 
 def test_boxes_have_individuals_of_their_own() -> None:
