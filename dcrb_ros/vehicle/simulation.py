@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -89,12 +89,30 @@ class VehicleBlock:
     """Simulated time of its end [ns]."""
 
 
+class _Stepping(NamedTuple):
+    """A frame that the bearings are stepping."""
+
+    plan: Plan
+    futures: Mapping[str, Future[tuple[Floats, Floats]]]
+    """Acceleration and angle of each box."""
+
+
+class _Stepped(NamedTuple):
+    """A frame that all bearings have stepped."""
+
+    plan: Plan
+    ring: Floats
+    """Acceleration of the outer rings, shape (boxes, `FRAME`, 2) [m/s^2]."""
+    angles: Mapping[str, Floats]
+    """Angle of the shaft in each box that has not failed [rad]."""
+
+
 class VehicleSimulation:
     """Simulates the bearings of a vehicle and yields a block of each, with equal stamps.
 
     Every frame of `FRAME` steps has three phases. First the vehicle's model gives loads and speeds. Then each bearing is stepped, on its
-    thread. Last, the motion of every box is mixed in a fixed order and sensed. The samples depend on the vehicle and on the simulated
-    times of commands only, not on threads or on the size of blocks.
+    thread. Last, the motion of every box is mixed in a fixed order and sensed, while the bearings step the next frame. The samples depend
+    on the vehicle and on the simulated times of commands only, not on threads or on the size of blocks.
 
     Examples
     --------
@@ -115,6 +133,7 @@ class VehicleSimulation:
         """
         self.vehicle = vehicle
         self._model = VehicleModel(vehicle)
+        self._upcoming = self._model.plan()
         self._drives = [GuidedDrive(box.configuration) for box in vehicle.boxes]
         self.simulations = {
             box.name: Simulation(box.configuration, drive=drive) for box, drive in zip(vehicle.boxes, self._drives, strict=True)
@@ -132,7 +151,7 @@ class VehicleSimulation:
         return round(self._samples * 1_000_000_000 / self.vehicle.boxes[0].configuration.sensor.sampling_rate)
 
     def command(self, **commands: float) -> None:
-        """Command speed_kmh, curvature, cant, wind or brake from the next frame but one on; the speed follows the vehicle's ramp.
+        """Command speed_kmh, curvature, cant, wind or brake from the third frame after this block on; the speed follows the vehicle's ramp.
 
         Raises
         ------
@@ -196,10 +215,14 @@ class VehicleSimulation:
         for simulation in self._running.values():
             simulation.prepare(size)
         end = max(simulation.steps_of(size) for simulation in self._running.values())
-        while self._steps < end:
-            self._plan, part = self._frame(pool)
-            events += self._plan.events
-            parts.append(part)
+        # While one frame is mixed and sensed, the bearings step the next one of the block.
+        stepping = self._begin_frame(pool) if self._steps < end else None
+        while stepping is not None:
+            stepped = self._collected(stepping)
+            stepping = self._begin_frame(pool) if self._steps < end else None
+            self._plan = stepped.plan
+            events += stepped.plan.events
+            parts.append(self._sense(stepped))
         if parts:  # a short block may lie within the last frame
             self._parts = np.sqrt(np.mean(np.square(parts), axis=0))
         present, level = self._plan, self._parts
@@ -225,33 +248,41 @@ class VehicleSimulation:
             raise ModelFailure(f"the models of all boxes failed: {'; '.join(self._silent.values())}")
         return running
 
-    def _frame(self, pool: ThreadPoolExecutor) -> tuple[Plan, Floats]:
-        """Step a frame; return its plan and the parts of the boxes' motion."""
-        plan = self._model.plan()
+    def _begin_frame(self, pool: ThreadPoolExecutor) -> _Stepping:
+        """Let the bearings step the planned frame, and plan the next one meanwhile."""
+        plan = self._upcoming
         for box, drive, load in zip(self.vehicle.boxes, self._drives, plan.load, strict=True):
             drive.speed, drive.load = float(plan.shaft_speed[box.axle]), load
-        end = self._steps + FRAME
-        running = self._running
-        futures = {name: pool.submit(simulation.step_to, end) for name, simulation in running.items()}
+        self._steps += FRAME
+        futures = {name: pool.submit(simulation.step_to, self._steps) for name, simulation in self._running.items()}
+        self._upcoming = self._model.plan()
+        return _Stepping(plan, futures)
+
+    def _collected(self, stepping: _Stepping) -> _Stepped:
+        """Wait until all bearings have stepped their frame, and return their motion.
+
+        Raises:
+            ModelFailure: the model of a box failed, and ``vehicle.on_failure`` is stop.
+        """
         ring, angles = np.zeros((len(self.vehicle.boxes), FRAME, 2)), {}
         for j, name in enumerate(self._names):
-            if name not in futures:
+            if name not in stepping.futures:
                 continue
             try:
-                ring[j], angles[name] = futures[name].result()
+                ring[j], angles[name] = stepping.futures[name].result()
             except ModelFailure as failure:
                 if self.vehicle.journey.on_failure == "stop":
-                    for other in futures.values():
-                        other.cancel()
                     raise ModelFailure(f"{name}: {failure}") from None
-                ring[j] = 0.0
                 self._silent[name] = f"{name}: {failure}"
-        self._steps = end
-        mixed, parts = self._model.mix(ring, plan)
+        return _Stepped(stepping.plan, ring, angles)
+
+    def _sense(self, stepped: _Stepped) -> Floats:
+        """Mix and sense a frame; return the parts of the boxes' motion."""
+        mixed, parts = self._model.mix(stepped.ring, stepped.plan)
         for j, name in enumerate(self._names):
-            if name in angles:
-                running[name].sense(mixed[j], angles[name])
-        return plan, parts
+            if name in stepped.angles:
+                self.simulations[name].sense(mixed[j], stepped.angles[name])
+        return parts
 
     @property
     def _names(self) -> list[str]:
