@@ -66,11 +66,11 @@ class VehicleTruth:
     time_ns: int
     """Simulated time at the start [ns]."""
     speed: float
-    """Speed of the vehicle [m/s]."""
+    """Speed of the vehicle at the start of the last frame [m/s]."""
     place: float
-    """Place of the middle of the bogie on the track [m]."""
+    """Place of the middle of the bogie on the track at the start of the last frame [m]."""
     load: Mapping[str, float]
-    """Load of each box, downwards [N]."""
+    """Load of each box at the end of the last frame, downwards [N]."""
     parts: Mapping[str, tuple[float, float, float]]
     """Acceleration of each box by its own bearing, the others, and track and wheels, rms of both axes [m/s^2]."""
     events: tuple[TrackEvent, ...]
