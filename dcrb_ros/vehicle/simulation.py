@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import os
+import threading
+from collections import deque
 from collections.abc import Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from dcrb_ros.bearing.runtime_change import altered
 from dcrb_ros.core.layout.state import TARGET_SPEED, TARGET_X, TARGET_Y, State
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.schema.arrays import Floats
@@ -18,7 +21,7 @@ from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.parameters import Operating
 from dcrb_ros.simulation.drive import Drive
-from dcrb_ros.simulation.loop import ModelFailure, Simulation
+from dcrb_ros.simulation.loop import MAX_PENDING, ModelFailure, Simulation
 from dcrb_ros.stream.block import Block
 from dcrb_ros.vehicle.description import Vehicle
 from dcrb_ros.vehicle.model import FRAME, Plan, TrackEvent, VehicleModel
@@ -77,6 +80,10 @@ class VehicleTruth:
     """Joints, crossings and flats that wheels met."""
     silent: tuple[str, ...]
     """Boxes whose model failed."""
+    commanded: Mapping[str, float] = field(default_factory=dict)
+    """The commands in effect at the start of the block, by the names of `RANGES`."""
+    commands: tuple[tuple[str, float], ...] = ()
+    """Those that were given since the block before."""
 
 
 @dataclass(frozen=True)
@@ -142,6 +149,9 @@ class VehicleSimulation:
         self._threads = min(threads or os.cpu_count() or 1, len(vehicle.boxes))
         self._steps = self._samples = 0
         self._silent: dict[str, str] = {}
+        self._commanded = {name: float(getattr(vehicle.journey, name)) for name in RANGES}
+        self._pending: deque[tuple[str, float]] = deque()
+        self._lock = threading.Lock()
         self._plan: Plan
         self._parts: Floats
 
@@ -151,7 +161,9 @@ class VehicleSimulation:
         return round(self._samples * 1_000_000_000 / self.vehicle.boxes[0].configuration.sensor.sampling_rate)
 
     def command(self, **commands: float) -> None:
-        """Command speed_kmh, curvature, cant, wind or brake from the third frame after this block on; the speed follows the vehicle's ramp.
+        """Command speed_kmh, curvature, cant, wind or brake from the third frame of the next block on; the speed follows a ramp.
+
+        Any thread may call it.
 
         Raises
         ------
@@ -164,11 +176,23 @@ class VehicleSimulation:
             low, high, unit = RANGES[name]
             if not low <= finite_number(f"{name} =", value, unit) <= high:
                 raise Refusal(f"{name} = {value:g} {unit} is outside {low:g} .. {high:g} {unit}; the previous command remains in effect")
-        for name, value in commands.items():
+        with self._lock:
+            if len(self._pending) >= MAX_PENDING:
+                raise Refusal(f"{MAX_PENDING} commands are already waiting for the next block; send this one again once the bench runs")
+            self._pending.extend(commands.items())
+
+    def _apply_commands(self) -> tuple[tuple[str, float], ...]:
+        """Give the pending commands to the model, and return them."""
+        with self._lock:
+            commands = tuple(self._pending)
+            self._pending.clear()
+        for name, value in commands:
             if name == "speed_kmh":
                 self._model.targets["speed"] = value / 3.6
             else:
                 self._model.targets[name] = value
+            self._commanded[name] = value
+        return commands
 
     def change(self, changes: Mapping[str, Any]) -> None:
         """Change parameters of boxes from the next block on, such as ``{"axle_1.left.faults.outer_1.width": 0.002}``.
@@ -176,7 +200,7 @@ class VehicleSimulation:
         Raises
         ------
         Refusal
-            There is no such box, or the box refuses the change; nothing is changed then in that box.
+            There is no such box, or a box refuses its change; nothing is changed then.
         """
         by_box: dict[str, dict[str, Any]] = {}
         for key, value in changes.items():
@@ -188,6 +212,8 @@ class VehicleSimulation:
             if parameter.startswith("operating."):
                 raise Refusal(f"'{key}' belongs to the vehicle: command speed_kmh, curvature, cant, wind or brake")
             by_box.setdefault(name, {})[parameter] = value
+        for name, changed in by_box.items():
+            altered(self.simulations[name].configuration, changed)
         for name, changed in by_box.items():
             self.simulations[name].change(changed)
 
@@ -212,6 +238,7 @@ class VehicleSimulation:
 
     def _block(self, pool: ThreadPoolExecutor, size: int) -> VehicleBlock:
         began, events, parts = self.time_ns, list[TrackEvent](), list[Floats]()
+        commands = self._apply_commands()
         for simulation in self._running.values():
             simulation.prepare(size)
         end = max(simulation.steps_of(size) for simulation in self._running.values())
@@ -237,8 +264,15 @@ class VehicleSimulation:
             {name: (float(level[j, 0]), float(level[j, 1]), float(level[j, 2])) for j, name in enumerate(names)},
             tuple(events),
             tuple(self._silent),
+            dict(self._commanded),
+            commands,
         )
         return VehicleBlock(boxes, truth, self.time_ns)
+
+    @property
+    def silent(self) -> Mapping[str, str]:
+        """Boxes whose model failed, and why."""
+        return dict(self._silent)
 
     @property
     def _running(self) -> dict[str, Simulation]:
