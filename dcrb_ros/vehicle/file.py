@@ -94,7 +94,8 @@ def vehicle_of(flat: Mapping[str, Any], source: str) -> Vehicle:
     Raises:
         Refusal: a name is unknown, or a value is out of range or does not fit the others.
     """
-    tree = nest({key: value for key, value in flat.items() if value != {} or key not in GROUPS})
+    # Empty groups are copied, because other keys may be put into them.
+    tree = nest({key: {} if value == {} else value for key, value in flat.items() if value != {} or key not in GROUPS})
     names = [*GROUPS, *DEFAULT_X]
     unknown = next((name for name in tree if name not in names), None)
     if unknown is not None:
@@ -124,9 +125,7 @@ def vehicle_of(flat: Mapping[str, Any], source: str) -> Vehicle:
     journey: Journey = groups["vehicle"]
     bench = load_configuration(journey.bench)
     bare = tuple(Box(name, axle, 1 if side == SIDES[0] else -1, bench, Wheel()) for name, axle, side, _ in parts)
-    vehicle = Vehicle(
-        journey, groups["body"], groups["frame"], groups["suspension"], groups["track"], groups["paths"], tuple(axles), bare
-    )
+    vehicle = Vehicle(journey, groups["body"], groups["frame"], groups["suspension"], groups["track"], groups["paths"], tuple(axles), bare)
     speed = journey.speed_kmh / 3.6
     loads = quasi_static(vehicle, speed, journey.curvature, journey.cant, journey.wind, journey.brake)
     boxes = []
