@@ -126,7 +126,7 @@ class ContactMonitor:
         self._windows.clear()
 
 
-def _around(envelope: Floats, turns: Floats) -> tuple[float, float, float]:
+def _around(envelope: npt.NDArray[Any], turns: npt.NDArray[Any]) -> tuple[float, float, float]:
     """Return the peak around the turn of the median over turns, its level over the median around the turn [dB], and its angle [turns]."""
     if not np.isfinite(turns).all() or abs(turns[-1] - turns[0]) < FEWEST_TURNS:
         return 0.0, 0.0, 0.0
@@ -141,7 +141,7 @@ def _around(envelope: Floats, turns: Floats) -> tuple[float, float, float]:
     return peak, 10.0 * float(np.log10(max(peak, 1e-30) / max(middle, 1e-30))), (largest + 0.5) / ANGLES
 
 
-def _impacts(envelope: Floats, times: Floats, median: float, event: float) -> list[Impact]:
+def _impacts(envelope: npt.NDArray[Any], times: npt.NDArray[Any], median: float, event: float) -> list[Impact]:
     """Return the impacts above ``event`` [dB] over the median, the largest within each time of ringing."""
     if median <= 0.0:
         return []

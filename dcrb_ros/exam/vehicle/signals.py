@@ -145,7 +145,7 @@ def _vehicle_fingerprint() -> str:
 def _on_which_motion_depends(vehicle: Vehicle, box: Box) -> list[Any]:
     """Return what the motion of an outer ring depends on: the vehicle that loads the bearing, and the bearing."""
     groups = [part.model_dump() for part in (vehicle.journey, vehicle.body, vehicle.frame, vehicle.suspension, vehicle.track)]
-    axles = [[axle.x, axle.radius, axle.creep, axle.gear.model_dump()] for axle in vehicle.axles]
+    axles = [[axle.x, axle.radius, axle.creep, axle.slide, axle.gear.model_dump(), axle.motor.model_dump()] for axle in vehicle.axles]
     wheels = [[other.name, other.wheel.model_dump()] for other in vehicle.boxes]
     own = {key: value for key, value in box.configuration.model_dump().items() if key not in OF_SENSOR}
     return [groups, axles, wheels, box.name, own]
