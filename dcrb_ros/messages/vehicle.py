@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import math
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -17,6 +18,7 @@ from dcrb_ros.messages.topics.transforms import TF
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.vehicle_description import VehicleDescription
 from dcrb_ros.stream.vehicle_diagnosis import UNDECIDED, VehicleDiagnosis, kind_of
+from dcrb_ros.text.json import parsed_json
 from dcrb_ros.vehicle.description import JOURNAL_DISTANCE, Vehicle
 from dcrb_ros.vehicle.simulation import VehicleTruth
 
@@ -115,8 +117,9 @@ def encode_vehicle_truth(truth: VehicleTruth) -> bytes:
     """Return the ground truth of a vehicle: a status of the vehicle, one of each box, and one of each event on the track."""
     run = {"speed [m/s]": repr(truth.speed), "place [m]": repr(truth.place)}
     run |= {name: repr(value) for name, value in truth.commanded.items()}
-    said = "; ".join(f"{name} = {value!r}" for name, value in truth.commands)
-    statuses = [Status("vehicle", OK, f"{GIVEN}{said}" if said else "", run)]
+    run |= {f"{axle}.creep": repr(value) for axle, value in truth.creep.items()}
+    said = GIVEN + json.dumps(truth.commands) if truth.commands else ""
+    statuses = [Status("vehicle", OK, said, run)]
     for name, load in truth.load.items():
         silent = name in truth.silent
         own, others, track = truth.parts[name]
@@ -129,18 +132,21 @@ def encode_vehicle_truth(truth: VehicleTruth) -> bytes:
     return encode_diagnostics(truth.time_ns, statuses, BASE)
 
 
-def decode_vehicle_commands(data: bytes) -> list[tuple[str, float]]:
-    """Return the commands in the ground truth of a vehicle, in their order.
+def decode_vehicle_commands(data: bytes) -> list[tuple[str, float | str]]:
+    """Return the commands in the ground truth of a vehicle, in their order, and the changes of wheels and slides by their keys.
 
     Raises:
         Refusal: the message is no such ground truth.
     """
     _, statuses = decode_diagnostics(data)
-    said = statuses[0].message.removeprefix(GIVEN) if statuses and statuses[0].message.startswith(GIVEN) else ""
+    said = statuses[0].message if statuses else ""
+    if not said.startswith(GIVEN):
+        return []
+    listed = parsed_json(said.removeprefix(GIVEN), "the ground truth of the vehicle")
     try:
-        return [(name, float(value)) for name, _, value in (part.partition(" = ") for part in said.split("; ") if part)]
-    except ValueError:
-        raise Refusal(f"the commands '{said}' in the ground truth of the vehicle cannot be read") from None
+        return [(str(name), value if isinstance(value, str) else float(value)) for name, value in listed]
+    except (TypeError, ValueError):
+        raise Refusal(f"the commands {said} in the ground truth of the vehicle are not names with values") from None
 
 
 def _said(value: Any) -> str:

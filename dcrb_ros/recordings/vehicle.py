@@ -33,7 +33,7 @@ from dcrb_ros.stream.events import CommandSchedule, TimedCommand
 from dcrb_ros.stream.states import BodyNames
 from dcrb_ros.text.json import parsed_json
 from dcrb_ros.vehicle.description import Vehicle
-from dcrb_ros.vehicle.simulation import VehicleBlock, VehicleSimulation
+from dcrb_ros.vehicle.simulation import RANGES, VehicleBlock, VehicleSimulation
 
 FORMAT = 2
 """Format of the record `VEHICLE`; the first was a file beside the recordings of the boxes."""
@@ -48,8 +48,19 @@ class VehicleCommand:
     time_ns: int
     """[ns]"""
     name: str
-    """Such as ``speed_kmh``."""
-    value: float
+    """Such as ``speed_kmh``, or the key of a wheel or a slide."""
+    value: float | str
+
+    def give(self, simulation: VehicleSimulation) -> None:
+        """Give it to a simulation.
+
+        Raises:
+            Refusal: the vehicle of the simulation does not take it.
+        """
+        if self.name in RANGES:
+            simulation.command(**{self.name: float(self.value)})
+        else:
+            simulation.change({self.name: self.value})
 
 
 @dataclass(frozen=True)
@@ -168,7 +179,7 @@ class VehicleRecorder:
         self._bag.close()
 
     def _closing(self) -> dict[str, dict[str, str]]:
-        commands = [{"time_ns": command.time_ns, command.name: command.value} for command in self._commands]
+        commands = [[command.time_ns, command.name, command.value] for command in self._commands]
         records = {VEHICLE_OUTCOME: {"outcome": json.dumps({"end_ns": self._end_ns, "commands": commands, "ended": now()})}}
         for name, outcome in self.outcomes.items():
             records[record_name(OUTCOME, name)] = outcome.records()[OUTCOME]
@@ -250,13 +261,7 @@ class VehicleRecording:
     def commands(self) -> list[VehicleCommand]:
         """Return the commands to the vehicle, from the record at the end or from the ground truth."""
         try:
-            listed = (self._outcome or {})["commands"]
-            return [
-                VehicleCommand(int(entry["time_ns"]), name, float(value))
-                for entry in listed
-                for name, value in entry.items()
-                if name != "time_ns"
-            ]
+            return [VehicleCommand(int(time_ns), str(name), value) for time_ns, name, value in (self._outcome or {})["commands"]]
         except DAMAGE:
             return [command for message in self.messages((VEHICLE_TRUTH,)) for command in commands_in(message)]
 
@@ -286,8 +291,7 @@ class VehicleReproduction:
         blocks = simulation.blocks(self._recording.duration)
         while True:
             while commands and commands[-1].time_ns <= simulation.time_ns:
-                command = commands.pop()
-                simulation.command(**{command.name: command.value})
+                commands.pop().give(simulation)
             for name, schedule in schedules.items():
                 schedule.apply_due(simulation.simulations[name])
             block = next(blocks, None)

@@ -7,7 +7,7 @@ import threading
 from collections import deque
 from collections.abc import Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,6 +23,7 @@ from dcrb_ros.settings.parameters import Operating
 from dcrb_ros.simulation.drive import Drive
 from dcrb_ros.simulation.loop import MAX_PENDING, ModelFailure, Simulation
 from dcrb_ros.stream.block import Block
+from dcrb_ros.vehicle.changes import VehicleChanges, sorted_changes
 from dcrb_ros.vehicle.description import Vehicle
 from dcrb_ros.vehicle.model import FRAME, Plan, TrackEvent, VehicleModel
 
@@ -34,6 +35,8 @@ RANGES = {
     "brake": (0.0, 1.5, "m/s^2"),
 }
 """Commands, their ranges and units."""
+MEASURED = ("acceleration", "clean", "clipped", "range", "preview", "preview_ns")
+"""What a block has from its accelerometer, whose cable may be swapped with that of another box."""
 ROUNDING = 1.0 + 1e-9
 """Factor on a ramp, which must reach its target within the frame."""
 
@@ -76,14 +79,16 @@ class VehicleTruth:
     """Load of each box at the end of the last frame, downwards [N]."""
     parts: Mapping[str, tuple[float, float, float]]
     """Acceleration of each box by its own bearing, the others, and track and wheels, rms of both axes [m/s^2]."""
+    creep: Mapping[str, float]
+    """Share by which each wheelset turned faster than it rolled at the start of the last frame; below zero in a slide [-]."""
     events: tuple[TrackEvent, ...]
-    """Joints, crossings and flats that wheels met."""
+    """Joints, crossings and flats that wheels met, and slides that began or ended."""
     silent: tuple[str, ...]
     """Boxes whose model failed."""
     commanded: Mapping[str, float] = field(default_factory=dict)
     """The commands in effect at the start of the block, by the names of `RANGES`."""
-    commands: tuple[tuple[str, float], ...] = ()
-    """Those that were given since the block before."""
+    commands: tuple[tuple[str, Any], ...] = ()
+    """Those, and the changes of wheels and slides by their keys, that were given since the block before."""
 
 
 @dataclass(frozen=True)
@@ -147,10 +152,11 @@ class VehicleSimulation:
         }
         """The simulation of each box."""
         self._threads = min(threads or os.cpu_count() or 1, len(vehicle.boxes))
+        self._wheels = {box.name: box.wheel for box in vehicle.boxes}
         self._steps = self._samples = 0
         self._silent: dict[str, str] = {}
         self._commanded = {name: float(getattr(vehicle.journey, name)) for name in RANGES}
-        self._pending: deque[tuple[str, float]] = deque()
+        self._pending: deque[tuple[str, Any]] = deque()
         self._lock = threading.Lock()
         self._plan: Plan
         self._parts: Floats
@@ -176,17 +182,17 @@ class VehicleSimulation:
             low, high, unit = RANGES[name]
             if not low <= finite_number(f"{name} =", value, unit) <= high:
                 raise Refusal(f"{name} = {value:g} {unit} is outside {low:g} .. {high:g} {unit}; the previous command remains in effect")
-        with self._lock:
-            if len(self._pending) >= MAX_PENDING:
-                raise Refusal(f"{MAX_PENDING} commands are already waiting for the next block; send this one again once the bench runs")
-            self._pending.extend(commands.items())
+        self._enqueue({name: float(value) for name, value in commands.items()})
 
-    def _apply_commands(self) -> tuple[tuple[str, float], ...]:
-        """Give the pending commands to the model, and return them."""
+    def _apply_commands(self) -> tuple[tuple[str, Any], ...]:
+        """Give the pending commands and changes to the model, and return them."""
         with self._lock:
             commands = tuple(self._pending)
             self._pending.clear()
         for name, value in commands:
+            if name not in RANGES:
+                self._apply(sorted_changes(self.vehicle, self._wheels, {name: value}))
+                continue
             if name == "speed_kmh":
                 self._model.targets["speed"] = value / 3.6
             else:
@@ -197,25 +203,36 @@ class VehicleSimulation:
     def change(self, changes: Mapping[str, Any]) -> None:
         """Change parameters of boxes from the next block on, such as ``{"axle_1.left.faults.outer_1.width": 0.002}``.
 
+        Wheels (``axle_1.left.wheel.flat``) and slides (``axle_2.slide``, the share by which a wheelset turns slower than it rolls) change
+        with the third frame of the next block.
+
         Raises
         ------
         Refusal
-            There is no such box, or a box refuses its change; nothing is changed then.
+            A key names no box or wheelset, belongs to the vehicle or cannot change, or a box refuses the change; nothing is changed.
         """
-        by_box: dict[str, dict[str, Any]] = {}
-        for key, value in changes.items():
-            axle, _, rest = key.partition(".")
-            side, _, parameter = rest.partition(".")
-            name = f"{axle}.{side}"
-            if name not in self.simulations:
-                raise Refusal(f"'{key}' names no box{nearest(name, self.simulations)} (known: {', '.join(self.simulations)})")
-            if parameter.startswith("operating."):
-                raise Refusal(f"'{key}' belongs to the vehicle: command speed_kmh, curvature, cant, wind or brake")
-            by_box.setdefault(name, {})[parameter] = value
-        for name, changed in by_box.items():
+        asked = sorted_changes(self.vehicle, self._wheels, changes)
+        for name, changed in asked.boxes.items():
             altered(self.simulations[name].configuration, changed)
-        for name, changed in by_box.items():
+        for name, changed in asked.boxes.items():
             self.simulations[name].change(changed)
+        model = {key: value for key, value in changes.items() if sorted_changes(self.vehicle, self._wheels, {key: value}).of_model}
+        self._enqueue(model)
+
+    def _enqueue(self, requests: Mapping[str, Any]) -> None:
+        """Keep commands and changes for the model until the next block."""
+        with self._lock:
+            if len(self._pending) >= MAX_PENDING:
+                raise Refusal(f"{MAX_PENDING} commands are already waiting for the next block; send this one again once the bench runs")
+            self._pending.extend(requests.items())
+
+    def _apply(self, changes: VehicleChanges) -> None:
+        """Give the model changes of wheels and slides."""
+        for name, wheel in changes.wheels.items():
+            self._wheels[name] = wheel
+            self._model.wear(self._names.index(name), wheel)
+        for name, slide in changes.slides.items():
+            self._model.slides[[axle.name for axle in self.vehicle.axles].index(name)] = slide
 
     def blocks(self, duration: float | None = None) -> Iterator[VehicleBlock]:
         """Yield blocks until ``duration`` [s] of samples is reached, endlessly without one.
@@ -253,7 +270,7 @@ class VehicleSimulation:
         if parts:  # a short block may lie within the last frame
             self._parts = np.sqrt(np.mean(np.square(parts), axis=0))
         present, level = self._plan, self._parts
-        boxes = {name: simulation.cut(size) for name, simulation in self._running.items()}
+        boxes = self._connected({name: simulation.cut(size) for name, simulation in self._running.items()})
         self._samples += size
         names = [box.name for box in self.vehicle.boxes]
         truth = VehicleTruth(
@@ -262,12 +279,23 @@ class VehicleSimulation:
             present.place,
             {name: -float(present.load[j, 1]) for j, name in enumerate(names)},
             {name: (float(level[j, 0]), float(level[j, 1]), float(level[j, 2])) for j, name in enumerate(names)},
+            {axle.name: float(present.creep[p]) for p, axle in enumerate(self.vehicle.axles)},
             tuple(events),
             tuple(self._silent),
             dict(self._commanded),
             commands,
         )
         return VehicleBlock(boxes, truth, self.time_ns)
+
+    def _connected(self, boxes: Mapping[str, Block]) -> dict[str, Block]:
+        """Return the blocks with the waveforms of swapped accelerometers; a box that is swapped with a silent one is silent, too."""
+        connected = {}
+        for box in self.vehicle.boxes:
+            if box.name not in boxes or (box.swapped_with and box.swapped_with not in boxes):
+                continue
+            block, other = boxes[box.name], boxes[box.swapped_with or box.name]
+            connected[box.name] = replace(block, **{name: getattr(other, name) for name in MEASURED})
+        return connected
 
     @property
     def silent(self) -> Mapping[str, str]:

@@ -89,6 +89,75 @@ def test_the_other_box_of_the_axle_hears_a_defect_and_the_truth_says_how_loud() 
     assert parts["axle_1.right"][2] == 0.0
 
 
+def test_swapped_sensors_exchange_their_waveforms_and_nothing_else() -> None:
+    own = list(bogie(NOTCH, {"axle_2.radius": 0.459}).blocks(DURATION))
+    swapped = list(bogie(NOTCH, {"axle_2.radius": 0.459, "axle_1.left.sensor.swapped_with": "axle_2.right"}).blocks(DURATION))
+    partner = {"axle_1.left": "axle_2.right", "axle_2.right": "axle_1.left"}
+    for block, other in zip(own, swapped, strict=True):
+        for name, box in other.boxes.items():
+            assert np.array_equal(box.acceleration, block.boxes[partner.get(name, name)].acceleration)
+            assert np.array_equal(box.shaft_angle, block.boxes[name].shaft_angle)
+            assert [truth.faults for truth in box.truths] == [truth.faults for truth in block.boxes[name].truths]
+        assert other.truth == block.truth
+
+
+def test_a_sensor_that_is_dead_or_loose_from_the_start_changes_no_other() -> None:
+    healthy = waveforms(list(bogie().blocks(DURATION)))
+    faulty = waveforms(list(bogie({"axle_1.left.sensor.fault": "dead", "axle_2.right.sensor.fault": "loose"}).blocks(DURATION)))
+    assert faulty["axle_1.left"].std() < 0.05 * healthy["axle_1.left"].std()
+    assert not np.array_equal(faulty["axle_2.right"], healthy["axle_2.right"])
+    for name in ("axle_1.right", "axle_2.left"):
+        assert np.array_equal(faulty[name], healthy[name])
+
+
+def test_a_clock_that_is_late_shifts_its_own_samples_alone() -> None:
+    exact, late = list(bogie().blocks(DURATION)), list(bogie({"axle_1.left.sensor.clock_offset_ppm": 1000.0}).blocks(DURATION))
+    for name in ("axle_1.right", "axle_2.left", "axle_2.right"):
+        assert np.array_equal(waveforms(late)[name], waveforms(exact)[name])
+    angles = [np.unwrap(np.concatenate([block.boxes["axle_1.left"].shaft_angle for block in blocks])) for blocks in (exact, late)]
+    ahead = (angles[1] - angles[0])[-1] / (angles[0][-1] - angles[0][-2])
+    assert ahead == pytest.approx(1e-3 * len(angles[0]), rel=0.01)
+    for block in late:
+        assert len({box.stamp_ns for box in block.boxes.values()}) == 1
+
+
+def test_slides_and_wheels_change_while_the_vehicle_runs() -> None:
+    simulation = bogie(SMOOTH, {"vehicle.speed_kmh": 72.0})
+    run = simulation.blocks()
+    next(run)
+    simulation.change({"axle_2.slide": 0.1, "axle_1.right.wheel.flat": 0.04})
+    later = [next(run) for _ in range(20)]
+    events = [event for block in later for event in block.truth.events]
+    assert [event.box for event in events if event.cause == "slide"] == ["axle_2"]
+    assert {event.box for event in events if event.cause == "flat"} == {"axle_1.right"}
+    assert later[-1].truth.creep == pytest.approx({"axle_1": 0.0, "axle_2": -0.1})
+    for name, turning in (("axle_1.left", 1.0), ("axle_2.left", 0.9), ("axle_2.right", 0.9)):
+        steps = np.diff(np.unwrap(later[-1].boxes[name].shaft_angle)).mean() * 51200.0
+        assert steps == pytest.approx(20.0 / 0.46 * turning, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"axle_3.left.faults.outer_1.width": 0.002}, "names no box"),
+        ({"axle_1.left.operating.speed": 50.0}, "belongs to the vehicle"),
+        ({"axle_1.left.background.flat_level": 5.0}, "belongs to the vehicle"),
+        ({"axle_1.left.sensor.swapped_with": "axle_2.left"}, "cannot change during a run"),
+        ({"axle_1.slide": 0.5}, "outside 0 .. 0.2"),
+        ({"axle_1.slide": True}, "outside 0 .. 0.2"),
+        ({"axle_1.left.wheel.flat": 5.0}, "flat"),
+        ({"axle_1.left.wheel.polygon": "80 1e-5"}, "whole orders"),
+        ({"axle_2.slide": 0.1, "axle_1.left.bearing.rows": 1}, "rows"),
+        ({"axle_1.left": 1.0}, "names no box"),
+    ],
+)
+def test_a_change_that_cannot_be_is_refused_and_changes_nothing(changes: dict[str, Any], message: str) -> None:
+    simulation = bogie(SMOOTH)
+    with pytest.raises(Refusal, match=message):
+        simulation.change(changes)
+    assert not any(event for block in simulation.blocks(0.05) for event in block.truth.events)
+
+
 def test_loads_follow_a_commanded_curve() -> None:
     simulation = bogie(SMOOTH)
     run = simulation.blocks()
@@ -166,7 +235,18 @@ def test_the_others_go_on_where_the_file_asks_for_it(monkeypatch: pytest.MonkeyP
         ({"vehicel.speed_kmh": 100.0}, "unknown group 'vehicel'.*'vehicle'"),
         ({"axle_1.radios": 0.46}, "unknown key 'axle_1.radios'"),
         ({"axle_1.radius": 4.6}, "outside 0.3 .. 0.6 m"),
-        ({"axle_2.x": 1.28}, "both wheelsets are at x = 1.28 m"),
+        ({"axle_2.x": 1.0}, "the wheels of axle_1 at x = 1.28 m and of axle_2 at x = 1 m overlap"),
+        ({"axle_2.slide": 0.5}, "axle_2.slide = 0.5 is outside 0 .. 0.2"),
+        ({"axle_1.gear": 5}, "axle_1.gear = 5 is not a group"),
+        ({"axle_1.motor.poles": 2}, "axle_1.motor: .*poles"),
+        ({"axle_1.left.wheel.unbalance": 75.0}, "75 g m are 0.075"),
+        ({"axle_1.left.sensor.swapped_with": "axle_3.left"}, "names no other box"),
+        ({"axle_1.left.sensor.swapped_with": "axle_1.left"}, "names no other box"),
+        ({"axle_1.left.sensor.swapped_with": 2}, "is not the name of a box"),
+        (
+            {"axle_1.left.sensor.swapped_with": "axle_1.right", "axle_2.left.sensor.swapped_with": "axle_1.right"},
+            "axle_1.right is swapped with those of axle_1.left and axle_2.left",
+        ),
         ({"axle_1.left.operating.load": 5e4}, "would count twice"),
         ({"axle_1.left.background.track_level": 5.0}, "would count twice"),
         ({"axle_1.left.bench": "nothing"}, "there is no configuration 'nothing'"),
