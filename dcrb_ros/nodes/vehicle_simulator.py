@@ -30,14 +30,19 @@ from dcrb_ros.schema.simulated_time import checked_duration
 from dcrb_ros.settings.files import flatten, parameter_fields, validated
 from dcrb_ros.settings.parameters import COMMANDED
 from dcrb_ros.stream.vehicle_description import SIDES
-from dcrb_ros.vehicle.description import Vehicle
-from dcrb_ros.vehicle.file import DEFAULT_X, OF_VEHICLE, layered, read_parameters, vehicle_of
+from dcrb_ros.vehicle.description import Vehicle, Wheel
+from dcrb_ros.vehicle.file import DEFAULT_X, MOST_SLIDING, OF_VEHICLE, layered, read_parameters, vehicle_of
 from dcrb_ros.vehicle.simulation import VehicleSimulation
 
 OF_BOX = tuple(
     field for field in parameter_fields() if field.run_time and field.key != "time_scale" and field.key.partition(".")[0] not in OF_VEHICLE
 )
 """Parameters of a box that can be set while the node runs."""
+OF_WHEEL = tuple(parameter_fields(Wheel, "wheel."))
+"""Parameters of the wheel under a box, all of which can be set while the node runs."""
+SLIDE = ParameterField(
+    "slide", float, 0.0, 0.0, MOST_SLIDING, "-", "", "Share by which the wheelset turns slower than it rolls", "0 lets it roll", True
+)
 TIME_SCALE = next(field for field in parameter_fields() if field.key == "time_scale")
 BEHIND = "behind real time: lower time_scale to the real_time_factor"
 
@@ -110,8 +115,11 @@ class VehicleSimulatorNode(SimulatingNode):
         self._fields = {"time_scale": TIME_SCALE}
         for box in self._vehicle.boxes:
             present = flatten(box.configuration.model_dump())
-            self._fields |= {f"{box.name}.{field.key}": field for field in OF_BOX}
-            values |= {f"{box.name}.{field.key}": present[field.key] for field in OF_BOX}
+            present |= {f"wheel.{key}": value for key, value in box.wheel.model_dump().items()}
+            self._fields |= {f"{box.name}.{field.key}": field for field in (*OF_BOX, *OF_WHEEL)}
+            values |= {f"{box.name}.{field.key}": present[field.key] for field in (*OF_BOX, *OF_WHEEL)}
+        for axle in self._vehicle.axles:
+            self._fields[f"{axle.name}.slide"], values[f"{axle.name}.slide"] = SLIDE, axle.slide
         for key, field in self._fields.items():
             self.declare_field(key, field, values[key])
 
@@ -212,8 +220,9 @@ class VehicleSimulatorNode(SimulatingNode):
 
     def update_parameters(self) -> None:
         """Set the node's parameters to those of the running boxes, which a reset may have changed."""
-        changed = []
-        for name, simulation in self._source.simulation.simulations.items():
+        running = self._source.simulation
+        changed = [Parameter(key, value=value) for key, value in running.worn().items() if self.get_parameter(key).value != value]
+        for name, simulation in running.simulations.items():
             if simulation.has_pending:
                 continue
             present = flatten(simulation.configuration.model_dump())

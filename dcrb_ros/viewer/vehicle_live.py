@@ -34,7 +34,7 @@ class VehicleLiveView:
         self._description: VehicleDescription | None = None
         self._stream: rr.RecordingStream | None = None
         self._recent: dict[str, TimedWaveform] = {}
-        self._runs = self._newest_ns = self._refused = 0
+        self._runs = self._refused = 0
         self._largest = 0.0
 
     @property
@@ -74,9 +74,9 @@ class VehicleLiveView:
             return
         if not content.waveforms:
             return
-        if content.start_ns < self._newest_ns:  # the bench was reset
-            self._end()
-        self._newest_ns = content.end_ns
+        known = self._recent
+        if any(waveform.time_ns[0] < known[name].time_ns[-1] for name, waveform in content.waveforms.items() if name in known):
+            self._end()  # the bench was reset
         self._show(content)
 
     def _show(self, content: VehicleContent) -> None:
@@ -95,7 +95,7 @@ class VehicleLiveView:
         if self._stream is not None:
             self._stream.flush()
             self._stream.disconnect()
-        self._stream, self._recent, self._newest_ns, self._largest = None, {}, 0, 0.0
+        self._stream, self._recent, self._largest = None, {}, 0.0
 
     def close(self) -> None:
         """Log the remaining messages and close the recording."""
