@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import deque
 from collections.abc import Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
@@ -21,18 +22,11 @@ from dcrb_ros.settings.parameters import Operating
 from dcrb_ros.simulation.drive import Drive
 from dcrb_ros.simulation.loop import ModelFailure, Simulation
 from dcrb_ros.stream.block import Block
-from dcrb_ros.vehicle.changes import VehicleChanges, sorted_changes
+from dcrb_ros.vehicle.changes import RANGES, VehicleChanges, sorted_changes
 from dcrb_ros.vehicle.description import Vehicle
 from dcrb_ros.vehicle.model import FRAME, Plan, TrackEvent, VehicleModel
+from dcrb_ros.vehicle.scenario import PREFIX, VehicleScenario
 
-RANGES = {
-    "speed_kmh": (5.0, 300.0, "km/h"),
-    "curvature": (-0.01, 0.01, "1/m"),
-    "cant": (0.0, 0.18, "m"),
-    "wind": (-1e5, 1e5, "N"),
-    "brake": (0.0, 1.5, "m/s^2"),
-}
-"""Commands, their ranges and units."""
 MEASURED = ("acceleration", "clean", "clipped", "range", "preview", "preview_ns")
 """What a block has from its accelerometer, whose cable may be swapped with that of another box."""
 ROUNDING = 1.0 + 1e-9
@@ -46,6 +40,7 @@ class GuidedDrive(Drive):
         super().__init__(configuration)
         self.fluctuates = True
         self._frame = FRAME / configuration.step_rate
+        self._load_ramp = 0.0
         self.speed = configuration.operating.speed
         """Speed at the end of the frame [rad/s]."""
         self.load = np.array([configuration.operating.lateral_load, -configuration.operating.load])
@@ -59,8 +54,13 @@ class GuidedDrive(Drive):
             turn = abs(self.speed - state.target[TARGET_SPEED])
             state.target[TARGET_SPEED] = self.speed
             state.target[TARGET_X], state.target[TARGET_Y] = self.load
-            payload = payload._replace(speed_ramp=ROUNDING * turn / self._frame, load_ramp=float(ROUNDING * change / self._frame))
+            self._load_ramp = float(ROUNDING * change / self._frame)
+            payload = payload._replace(speed_ramp=ROUNDING * turn / self._frame, load_ramp=self._load_ramp)
         return payload, step - since + FRAME
+
+    def with_ramps(self, payload: Payload, operating: Operating, present: float) -> Payload:
+        """Return a payload with the ramps of the present frame."""
+        return payload._replace(speed_ramp=present, load_ramp=self._load_ramp)
 
 
 @dataclass(frozen=True)
@@ -129,8 +129,17 @@ class VehicleSimulation:
     ...     levels = {name: box.acceleration.std() for name, box in block.boxes.items()}
     """
 
-    def __init__(self, vehicle: Vehicle, *, threads: int | None = None) -> None:
+    def __init__(self, vehicle: Vehicle, scenario: VehicleScenario | None = None, *, threads: int | None = None) -> None:
         """Set up the vehicle at simulated time 0.
+
+        Parameters
+        ----------
+        vehicle
+            The vehicle at the start of the scenario.
+        scenario
+            What changes during the run, see `dcrb_ros.vehicle.scenario.vehicle_scenario`.
+        threads
+            Threads that step the bearings; as many as the machine has processors by default. They change no sample.
 
         Raises
         ------
@@ -139,14 +148,17 @@ class VehicleSimulation:
         """
         self.vehicle = vehicle
         self._model = VehicleModel(vehicle)
-        self._upcoming = self._model.plan()
+        self._wheels = {box.name: box.wheel for box in vehicle.boxes}
+        self._scheduled = deque(scenario.settings if scenario else ())
+        self._planned = 0
+        self._upcoming = self._plan_next()
         self._drives = [GuidedDrive(box.configuration) for box in vehicle.boxes]
         self.simulations = {
-            box.name: Simulation(box.configuration, drive=drive) for box, drive in zip(vehicle.boxes, self._drives, strict=True)
+            box.name: Simulation(box.configuration, scenario.boxes.get(box.name, ()) if scenario else (), drive=drive)
+            for box, drive in zip(vehicle.boxes, self._drives, strict=True)
         }
         """The simulation of each box."""
         self._threads = min(threads or os.cpu_count() or 1, len(vehicle.boxes))
-        self._wheels = {box.name: box.wheel for box in vehicle.boxes}
         self._steps = self._samples = 0
         self._silent: dict[str, str] = {}
         self._plan: Plan
@@ -278,8 +290,22 @@ class VehicleSimulation:
             drive.speed, drive.load = float(plan.shaft_speed[box.axle]), load
         self._steps += FRAME
         futures = {name: pool.submit(simulation.step_to, self._steps) for name, simulation in self._running.items()}
-        self._upcoming = self._model.plan()
+        self._upcoming = self._plan_next()
         return _Stepping(plan, futures)
+
+    def _plan_next(self) -> Plan:
+        """Return the plan of the next frame; the scenario's settings of that frame act from its end on."""
+        while self._scheduled and self._scheduled[0].frame <= self._planned:
+            setting = self._scheduled.popleft()
+            name = setting.key.removeprefix(PREFIX)
+            if name == "speed_kmh":
+                self._model.targets["speed"] = setting.value / 3.6
+            elif name != setting.key:
+                self._model.targets[name] = setting.value
+            else:
+                self._apply(sorted_changes(self.vehicle, self._wheels, {setting.key: setting.value}))
+        self._planned += 1
+        return self._model.plan()
 
     def _collected(self, stepping: _Stepping) -> _Stepped:
         """Wait until all bearings have stepped their frame, and return their motion.
