@@ -48,6 +48,11 @@ class VehicleChanges:
     slides: dict[str, float] = field(default_factory=dict)
     """Share by which a wheelset is to slide [-]."""
 
+    @property
+    def of_model(self) -> bool:
+        """Whether they change wheels or slides, which the model of the vehicle has."""
+        return bool(self.wheels or self.slides)
+
 
 def sorted_changes(vehicle: Vehicle, wheels: Mapping[str, Wheel], changes: Mapping[str, Any], where: str = "") -> VehicleChanges:
     """Return changes by what they change; ``wheels`` are the present ones, and ``where`` begins each refusal.

@@ -13,9 +13,11 @@ from typing import Literal
 
 from pydantic import Field
 
+from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.schema.fields import Group, choice, length, quantity
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.stream.vehicle_description import AxleDescription, BoxDescription, VehicleDescription
 
 GRAVITY = 9.81
 """[m/s^2]"""
@@ -237,3 +239,20 @@ def levels(text: str, count: int, where: str) -> Sequence[float]:
     if loud is not None:
         raise Refusal(f"{where}: {loud:g} dB is outside -120 .. -6 dB: a path takes energy from its source")
     return values
+
+
+def described(vehicle: Vehicle) -> VehicleDescription:
+    """Return the description of a vehicle for a detector: geometry, bearings and sampling, and nothing about faults."""
+    axles = tuple(AxleDescription(axle.name, axle.x, axle.radius, axle.gear.teeth) for axle in vehicle.axles)
+    boxes = tuple(
+        BoxDescription(
+            box.name.replace(".", "/"),
+            vehicle.axles[box.axle].name,
+            "left" if box.side > 0 else "right",
+            characteristic_orders(box.configuration.bearing).as_dict(),
+            box.configuration.bearing.model_dump(),
+            box.configuration.sensor.range,
+        )
+        for box in vehicle.boxes
+    )
+    return VehicleDescription(vehicle.boxes[0].configuration.sensor.sampling_rate, axles, boxes)

@@ -43,10 +43,12 @@ class VehicleScenario:
     """Changes of the parameters of each box, at their time steps."""
     settings: tuple[ScheduledSetting, ...]
     """All other changes, in the order of time."""
+    content: Any = None
+    """The scenario as parsed from YAML, from which a recording is simulated again."""
 
 
 def starting_parameters(tree: Any, parameters: Mapping[str, Any], source: str) -> dict[str, Any]:
-    """Return the parameters of a vehicle at the start of a scenario: with the values under ``start``, if there are any.
+    """Return the parameters of a vehicle at the start of a scenario, None for none: with the values under ``start``, if there are any.
 
     Raises:
         Refusal: ``start`` has no parameters.
@@ -91,7 +93,7 @@ def vehicle_scenario(tree: Any, vehicle: Vehicle, source: str) -> VehicleScenari
         for box in vehicle.boxes
         if of_boxes[box.name]
     }
-    return VehicleScenario(boxes, tuple(sorted(settings, key=lambda setting: setting.frame)))
+    return VehicleScenario(boxes, tuple(sorted(settings, key=lambda setting: setting.frame)), tree)
 
 
 def _flat(given: Mapping[Any, Any], source: str) -> dict[str, Any]:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
+import threading
 from collections import deque
 from collections.abc import Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,16 +17,17 @@ from dcrb_ros.core.layout.state import TARGET_SPEED, TARGET_X, TARGET_Y, State
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.numbers import finite_number
-from dcrb_ros.schema.refusal import Refusal, nearest
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.parameters import Operating
 from dcrb_ros.simulation.drive import Drive
-from dcrb_ros.simulation.loop import ModelFailure, Simulation
+from dcrb_ros.simulation.loop import MAX_PENDING, ModelFailure, Simulation
 from dcrb_ros.stream.block import Block
-from dcrb_ros.vehicle.changes import RANGES, VehicleChanges, sorted_changes
+from dcrb_ros.vehicle.changes import RANGES, VehicleChanges, checked_command, sorted_changes
 from dcrb_ros.vehicle.description import Vehicle
+from dcrb_ros.vehicle.file import vehicle_of
 from dcrb_ros.vehicle.model import FRAME, Plan, TrackEvent, VehicleModel
-from dcrb_ros.vehicle.scenario import PREFIX, VehicleScenario
+from dcrb_ros.vehicle.scenario import PREFIX, VehicleScenario, vehicle_scenario
 
 MEASURED = ("acceleration", "clean", "clipped", "range", "preview", "preview_ns")
 """What a block has from its accelerometer, whose cable may be swapped with that of another box."""
@@ -83,6 +85,10 @@ class VehicleTruth:
     """Joints, crossings and flats that wheels met, and slides that began or ended."""
     silent: tuple[str, ...]
     """Boxes whose model failed."""
+    commanded: Mapping[str, float] = field(default_factory=dict)
+    """The commands in effect at the start of the block, by the names of `RANGES`."""
+    commands: tuple[tuple[str, Any], ...] = ()
+    """Those, and the changes of wheels and slides by their keys, that were given since the block before."""
 
 
 @dataclass(frozen=True)
@@ -111,6 +117,22 @@ class _Stepped(NamedTuple):
     """Acceleration of the outer rings, shape (boxes, `FRAME`, 2) [m/s^2]."""
     angles: Mapping[str, Floats]
     """Angle of the shaft in each box that has not failed [rad]."""
+
+
+def simulation_of(parameters: Mapping[str, Any], source: str, tree: Any = None, scenario: str = "scenario") -> VehicleSimulation:
+    """Return the simulation of a vehicle.
+
+    Args:
+        parameters: those of `dcrb_ros.vehicle.scenario.starting_parameters`.
+        source: the vehicle's name in error messages.
+        tree: a scenario as parsed from YAML; None for a run without changes.
+        scenario: the scenario's name in error messages.
+
+    Raises:
+        Refusal: a parameter or a change of the scenario is invalid.
+    """
+    vehicle = vehicle_of(parameters, source)
+    return VehicleSimulation(vehicle, None if tree is None else vehicle_scenario(tree, vehicle, scenario))
 
 
 class VehicleSimulation:
@@ -148,19 +170,24 @@ class VehicleSimulation:
         """
         self.vehicle = vehicle
         self._model = VehicleModel(vehicle)
+        self.scenario = scenario or VehicleScenario({}, ())
+        """What changes during the run."""
         self._wheels = {box.name: box.wheel for box in vehicle.boxes}
-        self._scheduled = deque(scenario.settings if scenario else ())
+        self._commanded = {name: float(getattr(vehicle.journey, name)) for name in RANGES}
+        self._scheduled = deque(self.scenario.settings)
         self._planned = 0
         self._upcoming = self._plan_next()
         self._drives = [GuidedDrive(box.configuration) for box in vehicle.boxes]
         self.simulations = {
-            box.name: Simulation(box.configuration, scenario.boxes.get(box.name, ()) if scenario else (), drive=drive)
+            box.name: Simulation(box.configuration, self.scenario.boxes.get(box.name, ()), drive=drive)
             for box, drive in zip(vehicle.boxes, self._drives, strict=True)
         }
         """The simulation of each box."""
         self._threads = min(threads or os.cpu_count() or 1, len(vehicle.boxes))
         self._steps = self._samples = 0
         self._silent: dict[str, str] = {}
+        self._pending: deque[tuple[str, Any]] = deque()
+        self._lock = threading.Lock()
         self._plan: Plan
         self._parts: Floats
 
@@ -170,7 +197,9 @@ class VehicleSimulation:
         return round(self._samples * 1_000_000_000 / self.vehicle.boxes[0].configuration.sensor.sampling_rate)
 
     def command(self, **commands: float) -> None:
-        """Command speed_kmh, curvature, cant, wind or brake from the third frame after this block on; the speed follows the vehicle's ramp.
+        """Command speed_kmh, curvature, cant, wind or brake from the third frame of the next block on; the speed follows a ramp.
+
+        Any thread may call it.
 
         Raises
         ------
@@ -178,16 +207,28 @@ class VehicleSimulation:
             A command is unknown or out of range; nothing is changed.
         """
         for name, value in commands.items():
-            if name not in RANGES:
-                raise Refusal(f"there is no command '{name}'{nearest(name, RANGES)} (known: {', '.join(RANGES)})")
-            low, high, unit = RANGES[name]
-            if not low <= finite_number(f"{name} =", value, unit) <= high:
-                raise Refusal(f"{name} = {value:g} {unit} is outside {low:g} .. {high:g} {unit}; the previous command remains in effect")
-        for name, value in commands.items():
-            if name == "speed_kmh":
-                self._model.targets["speed"] = value / 3.6
-            else:
-                self._model.targets[name] = value
+            checked_command(name, value, end="; the previous command remains in effect")
+        self._enqueue({name: float(value) for name, value in commands.items()})
+
+    def _apply_commands(self) -> tuple[tuple[str, Any], ...]:
+        """Give the pending commands and changes to the model, and return them."""
+        with self._lock:
+            commands = tuple(self._pending)
+            self._pending.clear()
+        for name, value in commands:
+            self._give(name, value)
+        return commands
+
+    def _give(self, name: str, value: Any) -> None:
+        """Give the model a command, the ramp of the speed, or a change of a wheel or a slide."""
+        if name in RANGES:
+            self._commanded[name] = value
+        if name == "speed_kmh":
+            self._model.targets["speed"] = value / 3.6
+        elif name in self._model.targets:
+            self._model.targets[name] = value
+        else:
+            self._apply(sorted_changes(self.vehicle, self._wheels, {name: value}))
 
     def change(self, changes: Mapping[str, Any]) -> None:
         """Change parameters of boxes from the next block on, such as ``{"axle_1.left.faults.outer_1.width": 0.002}``.
@@ -205,7 +246,15 @@ class VehicleSimulation:
             altered(self.simulations[name].configuration, changed)
         for name, changed in asked.boxes.items():
             self.simulations[name].change(changed)
-        self._apply(asked)
+        model = {key: value for key, value in changes.items() if sorted_changes(self.vehicle, self._wheels, {key: value}).of_model}
+        self._enqueue(model)
+
+    def _enqueue(self, requests: Mapping[str, Any]) -> None:
+        """Keep commands and changes for the model until the next block."""
+        with self._lock:
+            if len(self._pending) >= MAX_PENDING:
+                raise Refusal(f"{MAX_PENDING} commands are already waiting for the next block; send this one again once the bench runs")
+            self._pending.extend(requests.items())
 
     def _apply(self, changes: VehicleChanges) -> None:
         """Give the model changes of wheels and slides."""
@@ -236,6 +285,7 @@ class VehicleSimulation:
 
     def _block(self, pool: ThreadPoolExecutor, size: int) -> VehicleBlock:
         began, events, parts = self.time_ns, list[TrackEvent](), list[Floats]()
+        commands = self._apply_commands()
         for simulation in self._running.values():
             simulation.prepare(size)
         end = max(simulation.steps_of(size) for simulation in self._running.values())
@@ -262,6 +312,8 @@ class VehicleSimulation:
             {axle.name: float(present.creep[p]) for p, axle in enumerate(self.vehicle.axles)},
             tuple(events),
             tuple(self._silent),
+            dict(self._commanded),
+            commands,
         )
         return VehicleBlock(boxes, truth, self.time_ns)
 
@@ -274,6 +326,11 @@ class VehicleSimulation:
             block, other = boxes[box.name], boxes[box.swapped_with or box.name]
             connected[box.name] = replace(block, **{name: getattr(other, name) for name in MEASURED})
         return connected
+
+    @property
+    def silent(self) -> Mapping[str, str]:
+        """Boxes whose model failed, and why."""
+        return dict(self._silent)
 
     @property
     def _running(self) -> dict[str, Simulation]:
@@ -297,13 +354,7 @@ class VehicleSimulation:
         """Return the plan of the next frame; the scenario's settings of that frame act from its end on."""
         while self._scheduled and self._scheduled[0].frame <= self._planned:
             setting = self._scheduled.popleft()
-            name = setting.key.removeprefix(PREFIX)
-            if name == "speed_kmh":
-                self._model.targets["speed"] = setting.value / 3.6
-            elif name != setting.key:
-                self._model.targets[name] = setting.value
-            else:
-                self._apply(sorted_changes(self.vehicle, self._wheels, {setting.key: setting.value}))
+            self._give(setting.key.removeprefix(PREFIX), setting.value)
         self._planned += 1
         return self._model.plan()
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
+from same_process import dcrb
 
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.simulation.scenario import read_scenario_file
@@ -63,7 +64,7 @@ def test_settings_are_at_whole_frames_and_the_speed_has_the_slope_of_its_duratio
     scenario = vehicle_scenario(yaml.safe_load(RIDE), start, "ride.yaml")
     frame = FRAME / start.boxes[0].configuration.step_rate
     ramps = [(setting.frame * frame, setting.value) for setting in scenario.settings if setting.key == "vehicle.ramp"]
-    assert ramps == [(pytest.approx(0.02), pytest.approx(1.0 / 3.6 / 0.1)), (pytest.approx(0.12), start.journey.ramp)]
+    assert np.array(ramps) == pytest.approx(np.array([(0.02, 1.0 / 3.6 / 0.1), (0.12, start.journey.ramp)]))
     curve = [setting for setting in scenario.settings if setting.key == "vehicle.curvature"]
     assert [setting.value for setting in curve] == pytest.approx(np.linspace(0.00025, 0.002, 8))
     assert [setting.frame for setting in scenario.settings] == sorted(setting.frame for setting in scenario.settings)
@@ -111,3 +112,18 @@ def test_the_shipped_scenario_fits_its_vehicle() -> None:
     keys = {setting.key for setting in scenario.settings}
     assert keys >= {"vehicle.speed_kmh", "vehicle.brake", "axle_2.slide", "axle_2.left.wheel.flat"}
     assert list(scenario.boxes) == ["axle_1.left"]
+
+
+@pytest.mark.slow
+def test_a_recording_of_a_scenario_is_simulated_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file, bag = tmp_path / "ride.yaml", tmp_path / "ride"
+    file.write_text(RIDE)
+    settings = [part for key, value in DRY.items() for part in ("--set", f"{key}={value}")]
+    arguments = ["simulate", "--vehicle", "healthy_bogie", "--scenario", str(file), *settings]
+    assert dcrb(*arguments, "-o", str(bag), "--duration", "0.1", "--quiet") == 0
+    assert dcrb("simulate", "--from", str(bag), "--quiet") == 0
+    assert "the same samples in 4 boxes" in capsys.readouterr().out
+    file.write_text("timeline: [{at: 1.0, set: {axle_2.slid: 0.1}}]")
+    assert dcrb(*arguments, "-o", str(tmp_path / "other"), "--duration", "0.1", "--quiet") == 2
+    assert "'axle_2.slid' names no box; did you mean 'axle_2.slide'?" in capsys.readouterr().err
+    assert not (tmp_path / "other").exists()
