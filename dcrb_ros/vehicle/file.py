@@ -42,6 +42,10 @@ DEFAULT_RADIUS = 0.46
 """[m]"""
 OF_VEHICLE = {"operating": "the vehicle's speed, weight and track", "background": "the vehicle's wheels, track and gear"}
 """Groups of a box's configuration that the vehicle replaces, and by what."""
+COMMON = ("publishing", "recording", "time_scale")
+"""Groups and parameters that a vehicle gives all its boxes."""
+RUN = ("recording.", "time_scale", "publishing.clock", "publishing.listeners", "publishing.wait")
+"""Those of them that a box cannot have of its own."""
 OWN_BACKGROUND = ("impact_rate", "impact_level", "hum_level", "hum_frequency")
 """Background that a box may have of its own."""
 SWAPPED = "sensor.swapped_with"
@@ -100,9 +104,11 @@ def vehicle_of(flat: Mapping[str, Any], source: str) -> Vehicle:
     Raises:
         Refusal: a name is unknown, or a value is out of range or does not fit the others.
     """
+    common = {key: value for key, value in flat.items() if key.partition(".")[0] in COMMON}
     # Empty groups are copied, because other keys may be put into them.
-    tree = nest({key: {} if value == {} else value for key, value in flat.items() if value != {} or key not in GROUPS})
-    names = [*GROUPS, *DEFAULT_X]
+    own = {key: {} if value == {} else value for key, value in flat.items() if key not in common and (value != {} or key not in GROUPS)}
+    tree = nest(own)
+    names = [*GROUPS, *COMMON, *DEFAULT_X]
     unknown = next((name for name in tree if name not in names), None)
     if unknown is not None:
         raise Refusal(f"{source}: unknown group '{unknown}'{nearest(str(unknown), names)} (known: {', '.join(names)})")
@@ -141,7 +147,7 @@ def vehicle_of(flat: Mapping[str, Any], source: str) -> Vehicle:
     for box, (name, _, _, given), (x, y) in zip(bare, parts, loads, strict=True):
         axle = axles[box.axle]
         turning = speed * (1.0 + axle.creep - axle.slide) / axle.radius
-        configuration, wheel, swapped = _box(source, name, given, journey, turning, x, -y)
+        configuration, wheel, swapped = _box(source, name, {**common, **given}, journey, turning, x, -y)
         boxes.append(Box(name, box.axle, box.side, configuration, wheel, swapped))
     first = boxes[0].configuration
     for box in boxes[1:]:
@@ -197,9 +203,12 @@ def _axle(source: str, name: str, given: Any) -> tuple[Axle, dict[str, Mapping[s
             raise Refusal(f"{source}: {name}.{part} = {parameters} is not a group of parameters")
         drive[part] = validated(as_floats(flatten(parameters), model), model, f"{source}, {name}.{part}")
     boxes = {side: given[side] or {} for side in SIDES if side in given}
-    wrong = next((side for side, box in boxes.items() if not isinstance(box, Mapping)), None)
-    if wrong is not None:
-        raise Refusal(f"{source}: {name}.{wrong} = {boxes[wrong]} is not a box: give {{}} for the bench without changes")
+    for side, box in boxes.items():
+        if not isinstance(box, Mapping):
+            raise Refusal(f"{source}: {name}.{side} = {box} is not a box: give {{}} for the bench without changes")
+        shared = next((key for key in flatten(box) if key.startswith(RUN)), None)
+        if shared is not None:
+            raise Refusal(f"{source}: {name}.{side}.{shared} belongs to the whole vehicle: give {shared} beside the group vehicle")
     return Axle(name, values["x"], values["radius"], values["creep"], values["slide"], **drive), boxes
 
 
@@ -226,6 +235,7 @@ def _box(
         "simulation.seed": seed_of(journey.seed, name, "run"),
         "surfaces.seed": seed_of(journey.seed, name, "individual"),
         "structure.seed": seed_of(journey.seed, name, "housing"),
+        "publishing.frame": f"{name.replace('.', '/')}/outer_ring",
         **flat,
         "operating.speed": shaft_speed,
         "operating.load": load,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import json
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -12,11 +12,21 @@ import pytest
 from same_process import dcrb
 
 from dcrb_ros.bearing.frequencies import characteristic_orders
+from dcrb_ros.messages.plain import decode_text
+from dcrb_ros.messages.topics import VIBRATION
+from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_TRUTH
+from dcrb_ros.recordings.digest import digest_mismatch
 from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.recordings.replay import Replay, ReplayParameters
+from dcrb_ros.recordings.reproduction import NotReproduced
+from dcrb_ros.recordings.vehicle import VehicleRecorder, VehicleRecording, VehicleReproduction
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.shipped import shipped
 from dcrb_ros.simulation.loop import ModelFailure, Simulation
-from dcrb_ros.vehicle.file import read_vehicle, vehicle_of
+from dcrb_ros.stream.events import ParameterChange
+from dcrb_ros.stream.vehicle_description import VehicleDescription
+from dcrb_ros.vehicle.description import described
+from dcrb_ros.vehicle.file import read_parameters, read_vehicle, vehicle_of
 from dcrb_ros.vehicle.simulation import VehicleBlock, VehicleSimulation
 
 pytestmark = pytest.mark.slow
@@ -243,6 +253,8 @@ def test_the_others_go_on_where_the_file_asks_for_it(monkeypatch: pytest.MonkeyP
         ({"axle_1.left.sensor.sampling_rate": 25600}, "differ in sensor.sampling_rate"),
         ({"vehicle.speed_kmh": 1.0}, "speed_kmh = 1"),
         ({"axle_1.left": 5}, "is not a box"),
+        ({"axle_1.left.recording.path": "bag"}, "belongs to the whole vehicle"),
+        ({"publishing.block_sice": 512}, "block_sice"),
         ({"axle_1": {}}, "axle_1 has no box"),
         ({"track": 5}, "is not a group"),
         ({"axle_1.left.faults.outer_1.widht": 0.002}, "axle_1.left: .*widht"),
@@ -275,36 +287,120 @@ def test_shipped_vehicles_run(name: str) -> None:
     assert all(np.isfinite(values).all() and values.std() > 0.0 for values in waveforms(blocks).values())
 
 
-def test_a_recording_holds_every_box_and_is_simulated_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    bag = tmp_path / "bogie"
-    settings = [f"{key}={value}" for key, value in {**DRY, **NOTCH}.items()]
-    options = [part for setting in settings for part in ("--set", setting)]
-    assert dcrb("simulate", "--vehicle", "healthy_bogie", "-o", str(bag), "--duration", "0.2", "--quiet", *options) == 0
-    recordings = {name: Recording(bag / name) for name in ("axle_1.left", "axle_1.right", "axle_2.left", "axle_2.right")}
-    assert {recording.namespace for recording in recordings.values()} == {f"/dcrb/{name.replace('.', '/')}" for name in recordings}
+BOXES = ("axle_1.left", "axle_1.right", "axle_2.left", "axle_2.right")
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A recording of 0.2 s, with a command to the vehicle and a change of a box."""
+    bag, parameters = tmp_path_factory.mktemp("vehicle") / "bogie", read_parameters("healthy_bogie", {**DRY, **NOTCH})
+    simulation = VehicleSimulation(vehicle_of(parameters, "test"), threads=2)
+    with VehicleRecorder(bag, parameters, simulation) as recorder:
+        for number, block in enumerate(simulation.blocks(0.2)):
+            recorder.write(block)
+            if number == 3:
+                simulation.command(speed_kmh=90.0, curvature=0.001)
+                simulation.change({"axle_2.right.faults.inner_1.width": 0.002})
+    return bag
+
+
+def test_one_recording_holds_every_box_with_equal_stamps(run: Path) -> None:
+    recordings = {name: Recording(run / name) for name in BOXES}
+    assert {recording.namespace for recording in recordings.values()} == {f"/dcrb/{name.replace('.', '/')}" for name in BOXES}
     for recording in recordings.values():
         assert recording.acceleration.shape == (10240, 2)
         assert recording.complete
         assert recording.orders == characteristic_orders(recording.configuration.bearing)
-    lines = [json.loads(line) for line in (bag / "ground_truth.jsonl").read_text().splitlines()]
-    assert [line["time_ns"] for line in lines] == sorted(line["time_ns"] for line in lines)
-    assert dcrb("simulate", "--from", str(bag), "--quiet") == 0
+        assert not digest_mismatch(recording)
+    stamps = {name: [message.time_ns for message in recording.messages((VIBRATION,))] for name, recording in recordings.items()}
+    assert len(stamps["axle_1.left"]) == 10
+    assert all(times == stamps["axle_1.left"] for times in stamps.values())
+
+
+def test_a_recording_holds_the_vehicle_and_its_commands(run: Path) -> None:
+    recording = VehicleRecording(run)
+    assert [(command.time_ns, command.name, command.value) for command in recording.commands()] == [
+        (80_000_000, "speed_kmh", 90.0),
+        (80_000_000, "curvature", 0.001),
+    ]
+    assert [message.time_ns for message in recording.messages((VEHICLE_TRUTH,))] == [20_000_000 * k for k in range(10)]
+    (description,) = (VehicleDescription.from_json(decode_text(m.data)) for m in recording.messages((VEHICLE_DESCRIPTION,)))
+    assert description == described(vehicle_of(recording.parameters, "test"))
+    assert [command.command for command in recording.boxes["axle_2.right"].commands()] == [ParameterChange({"faults.inner_1.width": 0.002})]
+
+
+def test_a_recording_is_simulated_again_with_its_commands(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert dcrb("simulate", "--from", str(run), "--quiet") == 0
     assert "the same samples in 4 boxes" in capsys.readouterr().out
-    assert dcrb("simulate", "--from", str(bag / "axle_1.left"), "--quiet") == 2
+    assert dcrb("simulate", "--from", str(run / "axle_1.left"), "--quiet") == 2
     assert "is a box of the vehicle in" in capsys.readouterr().err
-    assert dcrb("detect", str(bag)) == 2
-    assert "is the recording of a vehicle" in capsys.readouterr().err
-    assert dcrb("simulate", "--vehicle", "healthy_bogie", "-o", str(bag), "--duration", "0.2", "--quiet", *options) == 2
-    about = (bag / "vehicle.json").read_text()
-    (bag / "vehicle.json").write_text(about.replace("100.0", "101.0"))
-    assert dcrb("simulate", "--from", str(bag), "--quiet") == 2
-    assert "its digest does not match" in capsys.readouterr().err
-    (bag / "vehicle.json").write_text(about)
-    (bag / "axle_1.left").rename(tmp_path / "aside")
-    (bag / "axle_2.left").rename(bag / "axle_1.left")
-    (tmp_path / "aside").rename(bag / "axle_2.left")
-    assert dcrb("simulate", "--from", str(bag), "--quiet") == 2
-    assert "is not the recording that vehicle.json names" in capsys.readouterr().err
+
+
+def test_a_box_of_another_run_is_found_out(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    reproduction = VehicleReproduction(VehicleRecording(run))
+    monkeypatch.setattr(VehicleRecording, "commands", lambda self: [])
+    for _ in reproduction.blocks(VehicleSimulation(vehicle_of(VehicleRecording(run).parameters, "test"))):
+        pass
+    with pytest.raises(NotReproduced, match=r"the samples of axle_1\.left, .* differ"):
+        reproduction.check()
+
+
+@pytest.mark.parametrize("command", ["detect", "plot", "export"])
+def test_commands_for_a_bearing_name_a_box(run: Path, tmp_path: Path, command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    output = {"plot": ("-o", str(tmp_path / "a.png")), "export": ("-o", str(tmp_path / "a.npz"))}.get(command, ())
+    assert dcrb(command, str(run), *output) == 2
+    assert f"give one of its boxes, such as {run / 'axle_1.left'}" in capsys.readouterr().err
+
+
+def test_a_box_that_is_not_there_is_refused(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert dcrb("info", str(run / "axle_3.left")) == 2
+    assert "there is no box axle_3.left" in capsys.readouterr().err
+    assert dcrb("recover", str(run / "axle_1.left"), "-o", str(run.parent / "box")) == 2
+    assert "is recovered as a whole" in capsys.readouterr().err
+
+
+def test_changed_parameters_are_found_out(run: Path, tmp_path: Path) -> None:
+    changed = tmp_path / "changed"
+    shutil.copytree(run, changed)
+    (file,) = changed.glob("*.mcap")
+    data = file.read_bytes()
+    assert data.count(b'"vehicle.speed_kmh": 100.0') == 1
+    file.write_bytes(data.replace(b'"vehicle.speed_kmh": 100.0', b'"vehicle.speed_kmh": 101.0'))
+    with pytest.raises(Refusal, match="their digest does not match"):
+        VehicleRecording(changed)
+
+
+def test_a_recording_that_was_cut_off_is_recovered_with_all_boxes(run: Path, tmp_path: Path) -> None:
+    cut, whole = tmp_path / "cut", tmp_path / "whole"
+    shutil.copytree(run, cut)
+    (file,) = cut.glob("*.mcap")
+    data = file.read_bytes()
+    file.write_bytes(data[: int(0.7 * len(data))])
+    assert dcrb("recover", str(cut), "-o", str(whole)) == 0
+    recording = VehicleRecording(whole)
+    counts = {name: len(box.acceleration) for name, box in recording.boxes.items()}
+    assert min(counts.values()) >= 1024
+    for name, box in recording.boxes.items():
+        count = counts[name]
+        assert box.outcome is not None
+        assert box.outcome["samples"] == count
+        assert np.array_equal(box.acceleration, Recording(run / name).acceleration[:count])
+
+
+def test_a_replay_sends_the_blocks_of_all_boxes_together(run: Path) -> None:
+    replay = Replay(ReplayParameters(bag=str(run)))
+    assert {message.topic.name for message in replay.start()} == {
+        *(f"{name.replace('.', '/')}/outer_ring/sensor" for name in BOXES),
+        "/tf_static",
+        "vehicle/description",
+    }
+    blocks = [[m.time_ns for m in bundle.messages if m.topic in replay.waveforms] for bundle in replay.bundles()]
+    assert [times for times in blocks if times] == [[20_000_000 * k] * 4 for k in range(10)]
+
+
+def test_simulate_refuses_what_it_cannot_record(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert dcrb("simulate", "dry", "--vehicle", "bogie") == 2
     assert dcrb("simulate", "--vehicle", "no_such_vehicle") == 2
     assert "there is no vehicle 'no_such_vehicle'" in capsys.readouterr().err
+    (tmp_path / "there").mkdir()
+    assert dcrb("simulate", "--vehicle", "healthy_bogie", "-o", str(tmp_path / "there"), "--duration", "0.2", "--quiet") == 2
