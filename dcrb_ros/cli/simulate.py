@@ -92,9 +92,10 @@ def simulate(
             reproduce(source, output, quiet=quiet, as_json=as_json)
         return
     if vehicle is not None:
-        if config or scenario:
-            raise Refusal("--vehicle names a file with all boxes, and takes no scenario: leave out CONFIG and --scenario")
-        simulate_vehicle(vehicle, settings or (), output, checked_duration(duration), force=force, quiet=quiet, as_json=as_json)
+        if config:
+            raise Refusal("--vehicle names a file with all boxes: leave out CONFIG")
+        seconds = checked_duration(duration)
+        simulate_vehicle(vehicle, settings or (), output, seconds, scenario=scenario, force=force, quiet=quiet, as_json=as_json)
         return
     if config is None:
         raise Refusal("Missing argument 'CONFIG': give a YAML file or a shipped name, such as healthy, or --from BAG")
@@ -147,15 +148,26 @@ def reproduce(source: Path, output: Path | None, *, quiet: bool, as_json: bool) 
 
 
 def simulate_vehicle(
-    source: str, settings: Sequence[str], output: Path | None, seconds: float, *, force: bool, quiet: bool, as_json: bool
+    source: str,
+    settings: Sequence[str],
+    output: Path | None,
+    seconds: float,
+    *,
+    scenario: Path | None = None,
+    force: bool,
+    quiet: bool,
+    as_json: bool,
 ) -> None:
     """Simulate a vehicle and write a recording with the topics of all its boxes."""
     from dcrb_ros.recordings.vehicle import VehicleRecorder
-    from dcrb_ros.vehicle.file import read_parameters, vehicle_of
-    from dcrb_ros.vehicle.simulation import VehicleSimulation
+    from dcrb_ros.simulation.scenario import read_scenario_file
+    from dcrb_ros.vehicle.file import read_parameters
+    from dcrb_ros.vehicle.scenario import starting_parameters
+    from dcrb_ros.vehicle.simulation import simulation_of
 
-    parameters, path = read_parameters(source, settings), output or Path(Path(source).stem)
-    simulation = VehicleSimulation(vehicle_of(parameters, source))
+    tree, path = read_scenario_file(scenario) if scenario else None, output or Path(Path(source).stem)
+    parameters = starting_parameters(tree, read_parameters(source, settings), str(scenario))
+    simulation = simulation_of(parameters, source, tree, str(scenario))
     with replacing("-o", path, force=force), VehicleRecorder(path, parameters, simulation) as recorder:
         progress = _run(path.name, simulation.blocks(seconds), seconds, recorder.write, quiet=quiet, partial=True)
     if as_json:
@@ -170,12 +182,11 @@ def simulate_vehicle(
 def reproduce_vehicle(source: Path, output: Path | None, *, force: bool, quiet: bool, as_json: bool) -> None:
     """Simulate a vehicle's recording again and compare the samples of every box; write them if ``output`` is given."""
     from dcrb_ros.recordings.vehicle import VehicleRecorder, VehicleRecording, VehicleReproduction
-    from dcrb_ros.vehicle.file import vehicle_of
-    from dcrb_ros.vehicle.simulation import VehicleSimulation
+    from dcrb_ros.vehicle.simulation import simulation_of
 
     recording = VehicleRecording(source)
     reproduction = VehicleReproduction(recording)
-    simulation = VehicleSimulation(vehicle_of(recording.parameters, str(source)))
+    simulation = simulation_of(recording.parameters, str(source), recording.scenario, f"{source}: scenario")
     with ExitStack() as stack:
         write = None
         if output is not None:

@@ -30,10 +30,9 @@ from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.simulation.ground_truth import commands_in as changes_in
 from dcrb_ros.stream.events import CommandSchedule, TimedCommand
-from dcrb_ros.stream.states import BodyNames
 from dcrb_ros.text.json import parsed_json
-from dcrb_ros.vehicle.description import Vehicle
-from dcrb_ros.vehicle.simulation import RANGES, VehicleBlock, VehicleSimulation
+from dcrb_ros.vehicle.changes import RANGES
+from dcrb_ros.vehicle.simulation import VehicleBlock, VehicleSimulation
 
 FORMAT = 2
 """Format of the record `VEHICLE`; the first was a file beside the recordings of the boxes."""
@@ -130,7 +129,7 @@ class VehicleRecorder:
         self._recorded |= {*BESIDE, *VEHICLE_DETECTED}
         self._bag = Bag(
             Path(path),
-            opening=_opening(vehicle, parameters, bodies, namespace),
+            opening=_opening(simulation, parameters, namespace),
             closing=self._closing,
             compression=settings.compression,
             splitting=Splitting(settings.split_size, round(settings.split_duration * SECOND)),
@@ -186,9 +185,12 @@ class VehicleRecorder:
         return records
 
 
-def _opening(vehicle: Vehicle, parameters: Mapping[str, Any], bodies: Mapping[str, BodyNames], namespace: str) -> dict[str, dict[str, str]]:
+def _opening(simulation: VehicleSimulation, parameters: Mapping[str, Any], namespace: str) -> dict[str, dict[str, str]]:
     """Return the metadata records at the beginning of every file."""
+    vehicle, bodies = simulation.vehicle, {name: box.bodies for name, box in simulation.simulations.items()}
     about = {"format": FORMAT, "dcrb_ros": __version__, "vehicle": dict(parameters), "namespace": namespace, "recorded": now()}
+    if simulation.scenario.content is not None:
+        about["scenario"] = simulation.scenario.content
     records = {VEHICLE: {"vehicle": json.dumps({**about, "sha256": _digest(about)})}}
     for box in vehicle.boxes:
         below = f"{namespace.rstrip('/')}/{box_path(box.name)}"
@@ -224,6 +226,8 @@ class VehicleRecording:
             raise Refusal(f"{path}: the parameters of the vehicle were changed: their digest does not match; simulate it again")
         self.parameters: Mapping[str, Any] = about["vehicle"]
         """Parameters of the vehicle by dotted keys."""
+        self.scenario: Any = about.get("scenario")
+        """The scenario as parsed from YAML; None without one."""
         self.namespace = str(about.get("namespace", NAMESPACE))
         self.boxes = {name: Recording(path / name) for name in names}
         """The recording of each box by name."""

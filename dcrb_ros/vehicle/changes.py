@@ -12,7 +12,29 @@ from dcrb_ros.settings.files import validated
 from dcrb_ros.vehicle.description import Vehicle, Wheel, orders
 from dcrb_ros.vehicle.file import MOST_SLIDING, SWAPPED, as_floats, made_by_vehicle
 
-COMMANDS = "vehicle.speed_kmh, curvature, cant, wind and brake"
+RANGES = {
+    "speed_kmh": (5.0, 300.0, "km/h"),
+    "curvature": (-0.01, 0.01, "1/m"),
+    "cant": (0.0, 0.18, "m"),
+    "wind": (-1e5, 1e5, "N"),
+    "brake": (0.0, 1.5, "m/s^2"),
+}
+"""Commands, their ranges and units."""
+
+
+def checked_command(name: str, value: Any, where: str = "", end: str = "") -> float:
+    """Return the value of a command; ``where`` begins and ``end`` completes each refusal.
+
+    Raises:
+        Refusal: the command is unknown, or the value out of range.
+    """
+    if name not in RANGES:
+        raise Refusal(f"{where}there is no command '{name}'{nearest(name, RANGES)} (known: {', '.join(RANGES)})")
+    low, high, unit = RANGES[name]
+    number = finite_number(f"{where}{name} =", value, unit)
+    if not low <= number <= high:
+        raise Refusal(f"{where}{name} = {value:g} {unit} is outside {low:g} .. {high:g} {unit}{end}")
+    return number
 
 
 @dataclass
@@ -57,7 +79,7 @@ def sorted_changes(vehicle: Vehicle, wheels: Mapping[str, Wheel], changes: Mappi
             raise Refusal(f"{where}'{key}' names no box{nearest(name, known)} (known: {', '.join(known)})")
         owner = made_by_vehicle(parameter)
         if owner:
-            raise Refusal(f"{where}'{key}' belongs to the vehicle: it follows from {owner}; command {COMMANDS}")
+            raise Refusal(f"{where}'{key}' belongs to the vehicle: it follows from {owner}; command {', '.join(RANGES)}")
         if parameter == SWAPPED:
             raise Refusal(f"{where}'{key}' cannot change during a run: give it in the vehicle's file")
         if parameter.startswith("wheel."):

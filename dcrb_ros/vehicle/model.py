@@ -141,12 +141,13 @@ class VehicleModel:
         journey = vehicle.journey
         self.targets = {
             "speed": journey.speed_kmh / 3.6,
+            "ramp": journey.ramp,
             "curvature": journey.curvature,
             "cant": journey.cant,
             "wind": journey.wind,
             "brake": journey.brake,
         }
-        """What was commanded: speed [m/s], curvature [1/m], cant [m], wind [N], brake [m/s^2]."""
+        """What was commanded: speed [m/s] and its ramp [m/s^2], curvature [1/m], cant [m], wind [N], brake [m/s^2]."""
         self.slides = np.array([axle.slide for axle in vehicle.axles])
         """Share by which each wheelset is to slide, shape (axles,) [-]."""
         self._slide, self._slid = self.slides.copy(), np.zeros(len(vehicle.axles))
@@ -254,7 +255,7 @@ class VehicleModel:
         vehicle, dt = self.vehicle, self._interval
         speed = np.empty(TICKS + 1)
         speed[0] = self._speed
-        target, step = self.targets["speed"], vehicle.journey.ramp * dt
+        target, step = self.targets["speed"], self.targets["ramp"] * dt
         for n in range(TICKS):
             speed[n + 1] = speed[n] + max(-step, min(step, target - speed[n]))
         forward = 0.5 * (speed[:-1] + speed[1:]) * dt

@@ -17,24 +17,18 @@ from dcrb_ros.core.layout.state import TARGET_SPEED, TARGET_X, TARGET_Y, State
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.numbers import finite_number
-from dcrb_ros.schema.refusal import Refusal, nearest
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.parameters import Operating
 from dcrb_ros.simulation.drive import Drive
 from dcrb_ros.simulation.loop import MAX_PENDING, ModelFailure, Simulation
 from dcrb_ros.stream.block import Block
-from dcrb_ros.vehicle.changes import VehicleChanges, sorted_changes
+from dcrb_ros.vehicle.changes import RANGES, VehicleChanges, checked_command, sorted_changes
 from dcrb_ros.vehicle.description import Vehicle
+from dcrb_ros.vehicle.file import vehicle_of
 from dcrb_ros.vehicle.model import FRAME, Plan, TrackEvent, VehicleModel
+from dcrb_ros.vehicle.scenario import PREFIX, VehicleScenario, vehicle_scenario
 
-RANGES = {
-    "speed_kmh": (5.0, 300.0, "km/h"),
-    "curvature": (-0.01, 0.01, "1/m"),
-    "cant": (0.0, 0.18, "m"),
-    "wind": (-1e5, 1e5, "N"),
-    "brake": (0.0, 1.5, "m/s^2"),
-}
-"""Commands, their ranges and units."""
 MEASURED = ("acceleration", "clean", "clipped", "range", "preview", "preview_ns")
 """What a block has from its accelerometer, whose cable may be swapped with that of another box."""
 ROUNDING = 1.0 + 1e-9
@@ -48,6 +42,7 @@ class GuidedDrive(Drive):
         super().__init__(configuration)
         self.fluctuates = True
         self._frame = FRAME / configuration.step_rate
+        self._load_ramp = 0.0
         self.speed = configuration.operating.speed
         """Speed at the end of the frame [rad/s]."""
         self.load = np.array([configuration.operating.lateral_load, -configuration.operating.load])
@@ -61,8 +56,13 @@ class GuidedDrive(Drive):
             turn = abs(self.speed - state.target[TARGET_SPEED])
             state.target[TARGET_SPEED] = self.speed
             state.target[TARGET_X], state.target[TARGET_Y] = self.load
-            payload = payload._replace(speed_ramp=ROUNDING * turn / self._frame, load_ramp=float(ROUNDING * change / self._frame))
+            self._load_ramp = float(ROUNDING * change / self._frame)
+            payload = payload._replace(speed_ramp=ROUNDING * turn / self._frame, load_ramp=self._load_ramp)
         return payload, step - since + FRAME
+
+    def with_ramps(self, payload: Payload, operating: Operating, present: float) -> Payload:
+        """Return a payload with the ramps of the present frame."""
+        return payload._replace(speed_ramp=present, load_ramp=self._load_ramp)
 
 
 @dataclass(frozen=True)
@@ -119,6 +119,22 @@ class _Stepped(NamedTuple):
     """Angle of the shaft in each box that has not failed [rad]."""
 
 
+def simulation_of(parameters: Mapping[str, Any], source: str, tree: Any = None, scenario: str = "scenario") -> VehicleSimulation:
+    """Return the simulation of a vehicle.
+
+    Args:
+        parameters: those of `dcrb_ros.vehicle.scenario.starting_parameters`.
+        source: the vehicle's name in error messages.
+        tree: a scenario as parsed from YAML; None for a run without changes.
+        scenario: the scenario's name in error messages.
+
+    Raises:
+        Refusal: a parameter or a change of the scenario is invalid.
+    """
+    vehicle = vehicle_of(parameters, source)
+    return VehicleSimulation(vehicle, None if tree is None else vehicle_scenario(tree, vehicle, scenario))
+
+
 class VehicleSimulation:
     """Simulates the bearings of a vehicle and yields a block of each, with equal stamps.
 
@@ -135,8 +151,17 @@ class VehicleSimulation:
     ...     levels = {name: box.acceleration.std() for name, box in block.boxes.items()}
     """
 
-    def __init__(self, vehicle: Vehicle, *, threads: int | None = None) -> None:
+    def __init__(self, vehicle: Vehicle, scenario: VehicleScenario | None = None, *, threads: int | None = None) -> None:
         """Set up the vehicle at simulated time 0.
+
+        Parameters
+        ----------
+        vehicle
+            The vehicle at the start of the scenario.
+        scenario
+            What changes during the run, see `dcrb_ros.vehicle.scenario.vehicle_scenario`.
+        threads
+            Threads that step the bearings; as many as the machine has processors by default. They change no sample.
 
         Raises
         ------
@@ -145,17 +170,22 @@ class VehicleSimulation:
         """
         self.vehicle = vehicle
         self._model = VehicleModel(vehicle)
-        self._upcoming = self._model.plan()
+        self.scenario = scenario or VehicleScenario({}, ())
+        """What changes during the run."""
+        self._wheels = {box.name: box.wheel for box in vehicle.boxes}
+        self._commanded = {name: float(getattr(vehicle.journey, name)) for name in RANGES}
+        self._scheduled = deque(self.scenario.settings)
+        self._planned = 0
+        self._upcoming = self._plan_next()
         self._drives = [GuidedDrive(box.configuration) for box in vehicle.boxes]
         self.simulations = {
-            box.name: Simulation(box.configuration, drive=drive) for box, drive in zip(vehicle.boxes, self._drives, strict=True)
+            box.name: Simulation(box.configuration, self.scenario.boxes.get(box.name, ()), drive=drive)
+            for box, drive in zip(vehicle.boxes, self._drives, strict=True)
         }
         """The simulation of each box."""
         self._threads = min(threads or os.cpu_count() or 1, len(vehicle.boxes))
-        self._wheels = {box.name: box.wheel for box in vehicle.boxes}
         self._steps = self._samples = 0
         self._silent: dict[str, str] = {}
-        self._commanded = {name: float(getattr(vehicle.journey, name)) for name in RANGES}
         self._pending: deque[tuple[str, Any]] = deque()
         self._lock = threading.Lock()
         self._plan: Plan
@@ -177,11 +207,7 @@ class VehicleSimulation:
             A command is unknown or out of range; nothing is changed.
         """
         for name, value in commands.items():
-            if name not in RANGES:
-                raise Refusal(f"there is no command '{name}'{nearest(name, RANGES)} (known: {', '.join(RANGES)})")
-            low, high, unit = RANGES[name]
-            if not low <= finite_number(f"{name} =", value, unit) <= high:
-                raise Refusal(f"{name} = {value:g} {unit} is outside {low:g} .. {high:g} {unit}; the previous command remains in effect")
+            checked_command(name, value, end="; the previous command remains in effect")
         self._enqueue({name: float(value) for name, value in commands.items()})
 
     def _apply_commands(self) -> tuple[tuple[str, Any], ...]:
@@ -190,15 +216,19 @@ class VehicleSimulation:
             commands = tuple(self._pending)
             self._pending.clear()
         for name, value in commands:
-            if name not in RANGES:
-                self._apply(sorted_changes(self.vehicle, self._wheels, {name: value}))
-                continue
-            if name == "speed_kmh":
-                self._model.targets["speed"] = value / 3.6
-            else:
-                self._model.targets[name] = value
-            self._commanded[name] = value
+            self._give(name, value)
         return commands
+
+    def _give(self, name: str, value: Any) -> None:
+        """Give the model a command, the ramp of the speed, or a change of a wheel or a slide."""
+        if name in RANGES:
+            self._commanded[name] = value
+        if name == "speed_kmh":
+            self._model.targets["speed"] = value / 3.6
+        elif name in self._model.targets:
+            self._model.targets[name] = value
+        else:
+            self._apply(sorted_changes(self.vehicle, self._wheels, {name: value}))
 
     def change(self, changes: Mapping[str, Any]) -> None:
         """Change parameters of boxes from the next block on, such as ``{"axle_1.left.faults.outer_1.width": 0.002}``.
@@ -325,8 +355,16 @@ class VehicleSimulation:
             drive.speed, drive.load = float(plan.shaft_speed[box.axle]), load
         self._steps += FRAME
         futures = {name: pool.submit(simulation.step_to, self._steps) for name, simulation in self._running.items()}
-        self._upcoming = self._model.plan()
+        self._upcoming = self._plan_next()
         return _Stepping(plan, futures)
+
+    def _plan_next(self) -> Plan:
+        """Return the plan of the next frame; the scenario's settings of that frame act from its end on."""
+        while self._scheduled and self._scheduled[0].frame <= self._planned:
+            setting = self._scheduled.popleft()
+            self._give(setting.key.removeprefix(PREFIX), setting.value)
+        self._planned += 1
+        return self._model.plan()
 
     def _collected(self, stepping: _Stepping) -> _Stepped:
         """Wait until all bearings have stepped their frame, and return their motion.
