@@ -84,7 +84,7 @@ def vehicle_info(bag: Path, *, as_json: bool) -> None:
     recording, flaw = VehicleRecording(bag), metadata_flaw(bag)
     counts = next(iter(recording.boxes.values())).counts()
     commands = [(command.time_ns * 1e-9, command.name, command.value) for command in recording.commands()]
-    boxes, mismatches = {}, list[str]()
+    boxes, mismatches = dict[str, dict[str, Any]](), list[str]()
     for name, box in recording.boxes.items():
         digests, mismatch = _digests(box)
         boxes[name] = {
