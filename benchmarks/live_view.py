@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import rclpy
+from process import processor_times
 from rclpy.utilities import try_shutdown
 
 from dcrb_ros.messages.statuses import decode_diagnostics
@@ -26,7 +27,6 @@ from dcrb_ros.nodes.ros import limit_discovery
 
 START = 60.0
 """Longest wall time that the viewer may take to start [s]."""
-TICK = os.sysconf("SC_CLK_TCK")
 
 
 class Reports:
@@ -47,10 +47,9 @@ class Reports:
 def busy(process: subprocess.Popen[bytes]) -> float:
     """Return the processor time of all threads of a process [s]; 0 after it has ended."""
     try:
-        fields = Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
+        return sum(processor_times(process.pid).values())
     except OSError:
         return 0.0
-    return (int(fields[11]) + int(fields[12])) / TICK
 
 
 def run(folder: Path, config: Path | None, seconds: float, *, with_viewer: bool) -> str:
