@@ -253,5 +253,6 @@ def _independent_engine(healthy: PaperRun, outer: PaperRun) -> Iterator[ReportRo
         ("largest roller force", float(outer.inner_force[settled].max()) * 1e-3, 35.2, 35.2, "kN"),
         ("RMS, healthy", float(healthy.steady_acceleration.std()), 10.0, 10.0, "m/s^2"),
     ):
-        name = f"Power-law contact, outer ring defect, against an independent engine within 10 %: {quantity}"
+        stated = f"{low:g}" if low == high else f"{low:g}-{high:g}"
+        name = f"Power-law contact, outer ring defect: {quantity}, by an independent engine {stated} {unit}, within 10 %"
         yield between(PAPER, name, value, 0.9 * low, 1.1 * high, unit, joint="revolute")
