@@ -32,8 +32,6 @@ from dcrb_ros.schema.verdicts import FAULT_CLASSES
 from dcrb_ros.stream.diagnosis import Diagnosis
 
 TABLE = "recordings.csv"
-OPTIONAL_COLUMNS = ("speed_rpm_from_lines", "machine", "bearing")
-"""Columns that the table may have: the measured speed, the physical rig and the bearing of each recording; see `read_measured`."""
 COLUMNS = ("name", "rig", "truth", "sampling_rate", "unit", "speed_rpm_documented", *CHARACTERISTIC_FREQUENCIES)
 """Columns that the table must have."""
 SPEEDS = {"lines": "speed_rpm_from_lines", "documented": "speed_rpm_documented"}
