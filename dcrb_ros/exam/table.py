@@ -150,7 +150,9 @@ def _rigs(report: Report) -> Iterator[Table]:
 def _confusion(report: Report) -> Table:
     counts = report.confusion()
     answers = [answer for answer in next(iter(counts.values()), {}) if any(row[answer] for row in counts.values())]
-    rows = [(verdict, *(_count(row[answer], correct=answer == verdict) for answer in answers)) for verdict, row in counts.items()]
+    rows: list[list[str | Text]] = [
+        [verdict, *(_count(row[answer], correct=answer == verdict) for answer in answers)] for verdict, row in counts.items()
+    ]
     return table("Scenarios by correct verdict and answer", ("correct \\ answer", *answers), rows)
 
 
