@@ -181,5 +181,5 @@ def _check_same(known: dict[str, Any], about: dict[str, Any], store: Store, *, e
     keys = [key for part in PARTS for key in sorted({*before[part], *after[part]}) if before[part].get(key) != after[part].get(key)]
     raise Refusal(
         f"{store.address} was made with another sweep ({', '.join(keys[:5])} differ{'s' if len(keys) == 1 else ''}): give another folder, "
-        f"or continue this one with its own {COPY}, in which more points or lives, or more values at the end of an axis of a grid, add runs"
+        f"or continue this one with its own {COPY}; more points or lives, or more values at the end of an axis of a grid, add runs"
     )
