@@ -22,6 +22,7 @@ from dcrb_ros.diagnosis.features.spectral_coherence import SpectralCoherence as 
 from dcrb_ros.diagnosis.features.spectral_coherence import spectral_coherence as spectral_coherence
 from dcrb_ros.diagnosis.parameters import DetectorParameters as DetectorParameters
 from dcrb_ros.diagnosis.thermal_detector import ThermalFaultDetector as ThermalFaultDetector
+from dcrb_ros.diagnosis.vehicle.detector import VehicleDetector as VehicleDetector
 from dcrb_ros.exam.in_process import score as score
 from dcrb_ros.exam.report import Report as Report
 from dcrb_ros.plots.envelope_spectrum import plot_envelope_spectrum as plot_envelope_spectrum

@@ -16,7 +16,6 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.bearing.frequencies import Orders
-from dcrb_ros.diagnosis.baseline_learning import BaselineLearner
 from dcrb_ros.diagnosis.combination import Combination
 from dcrb_ros.diagnosis.demodulation import QUARTERS, Demodulator, band_tree, detector_bands, kurtosis
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence, LevelEvidence, LevelHistory, SampleEvidence, SharedSearch, highest_searched
@@ -25,7 +24,7 @@ from dcrb_ros.diagnosis.hysteresis import Hysteresis, confidence, least_evidence
 from dcrb_ros.diagnosis.order_spectrum import HARMONICS, SHAFT_SIDEBANDS, OrderSpectrum, order_spectra
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.registry import BEARING_RULES, LEVEL_RULES, SAMPLE_RULES
-from dcrb_ros.diagnosis.rule import Finding, LineRule, found_lines
+from dcrb_ros.diagnosis.rule import EvidenceListener, Finding, LineRule, found_lines
 from dcrb_ros.diagnosis.segments import Segment, Segmenter
 from dcrb_ros.diagnosis.speed_estimation import estimated_frequency
 from dcrb_ros.diagnosis.trend import Trend
@@ -97,7 +96,7 @@ class FaultDetector:
         self._sample_rules = [rule(p) for rule in SAMPLE_RULES]
         self._level_rules = [rule(p) for rule in LEVEL_RULES]
         self._bearing_rules = [rule(p) for rule in BEARING_RULES]
-        self.learner: BaselineLearner | None = None
+        self.learner: EvidenceListener | None = None
         """Takes the evidence of every judgement, if there is one."""
         self._baseline = baseline if baseline is not None or not p.baseline else read_baseline(Path(p.baseline))
         self._use_baseline()
