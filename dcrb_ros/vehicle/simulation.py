@@ -334,6 +334,14 @@ class VehicleSimulation:
             connected[box.name] = replace(block, **{name: getattr(other, name) for name in MEASURED})
         return connected
 
+    def worn(self) -> dict[str, Any]:
+        """Return the parameters of wheels and the slides by their keys, as `change` takes them; those that are pending are left out."""
+        with self._lock:
+            pending = {key for key, _ in self._pending}
+        wheels = {f"{name}.wheel.{key}": value for name, wheel in self._wheels.items() for key, value in wheel.model_dump().items()}
+        slides = {f"{axle.name}.slide": float(self._model.slides[p]) for p, axle in enumerate(self.vehicle.axles)}
+        return {key: value for key, value in (wheels | slides).items() if key not in pending}
+
     @property
     def silent(self) -> Mapping[str, str]:
         """Boxes whose model failed, and why."""

@@ -147,16 +147,17 @@ def _track_status(passages: Sequence[Passage]) -> Status:
     return Status("crossing", f"{len(passages)} impacts on the {' and the '.join(sides)} rail, {lagged}", probability(score), score)
 
 
-def clock_difference(first: Sequence[tuple[float, float]], second: Sequence[tuple[float, float]]) -> float:
-    """Return by how much the clock of the second box of a wheelset is faster than that of the first [ppm].
+def clock_differences(description: VehicleDescription, contacts: Mapping[str, Contact]) -> dict[str, float]:
+    """Return by how much faster the clock of the left box of each wheelset is than that of the right one [ppm].
 
-    Each is a sequence of times on its own clock [s] and turns of the common shaft since the start; a fast clock counts fewer turns in its
-    second. NaN without turns of both.
+    Both count the turns of one shaft. A fast clock takes more samples in a turn, so the shaft seems to turn more slowly.
     """
-    slopes = []
-    for points in (first, second):
-        values = np.asarray(points, np.float64)
-        if len(values) < 2 or not np.isfinite(values).all():
-            return math.nan
-        slopes.append((values[-1, 1] - values[0, 1]) / (values[-1, 0] - values[0, 0]))
-    return 1e6 * (slopes[0] / slopes[1] - 1.0) if slopes[1] else math.nan
+    differences = {}
+    for axle in description.axles:
+        left, right = (contacts.get(f"{axle.name}/{side}") for side in SIDES)
+        if left is None or right is None or left.seconds != right.seconds or not abs(left.turns) > 1.0:
+            continue
+        difference = 1e6 * (right.shaft_frequency / left.shaft_frequency - 1.0)
+        if math.isfinite(difference):
+            differences[axle.name] = difference
+    return differences

@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence
+from dcrb_ros.diagnosis.line_search import GUARD
 from dcrb_ros.diagnosis.rule import BearingRule, LineRule, modulation_excess
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
 from dcrb_ros.schema.arrays import Floats
@@ -35,10 +36,10 @@ LEAST_NOISE = 0.2
 """Least noise that is assumed in that scale [-]: sidebands make lines deeper than 2."""
 LEAST_MODULATION = 1e-3
 """Modulation at which a line is no larger than the noise of the spectrum [-]."""
-WHEEL_HARMONICS = 64
-"""Harmonics of a wheel's rotation whose lines are explained by a flat [-]."""
-LEAST_REMAINDER = 0.5
-"""Share of the depth that lines of a bearing keep without those of a wheel [-]."""
+BESIDE = np.array([-2.0, -1.0, 1.0, 2.0])
+"""Harmonics of a wheel's rotation that are compared with the one on which a line lies [-]."""
+LEAST_BESIDE = 0.1
+"""Power of those harmonics over that of the line from which it is one of them [-]."""
 NOT_OWN = -60.0
 """Excess of lines that belong to another box or to a wheel [dB]."""
 
@@ -66,14 +67,12 @@ class Compared(NamedTuple):
     """Name of that box; empty without one."""
 
 
-def compare(
-    judgements: Mapping[str, Judgement], parameters: VehicleDetectorParameters, flats: Mapping[str, bool]
-) -> dict[str, dict[Component, Compared]]:
-    """Return the evidence for every component of every box that was judged; ``flats`` says whose wheel has one."""
+def compare(judgements: Mapping[str, Judgement], parameters: VehicleDetectorParameters) -> dict[str, dict[Component, Compared]]:
+    """Return the evidence for every component of every box that was judged."""
     judged = {name: judgement for name, judgement in judgements.items() if judgement.evidence is not None}
     return {
         name: {
-            component: _compared(name, component, judged, parameters, flats)
+            component: _compared(name, component, judged, parameters)
             for component in COMPONENTS
             if component in judged[name].diagnosis.scores
         }
@@ -81,14 +80,12 @@ def compare(
     }
 
 
-def _compared(
-    name: str, component: Component, judged: Mapping[str, Judgement], parameters: VehicleDetectorParameters, flats: Mapping[str, bool]
-) -> Compared:
+def _compared(name: str, component: Component, judged: Mapping[str, Judgement], parameters: VehicleDetectorParameters) -> Compared:
     own = judged[name]
     lines, excess = own.diagnosis.lines.get(component), own.diagnosis.scores[component]
     if lines is None or own.evidence is None or excess < -LIMIT:
         return Compared(excess, NOT_OWN, 0.0, "")
-    if _of_wheel(lines, component, own, judged, flats):
+    if _of_wheel(lines, own, judged):
         return Compared(NOT_OWN, NOT_OWN, 0.0, "")
     contrasts = {other: contrast(lines, own, judged[other]) for other in judged if other != name}
     if not contrasts:
@@ -134,21 +131,22 @@ def _decibels(first: float, second: float) -> float:
     return float(np.clip(10.0 * np.log10((first + tiny) / (second + tiny)), -LIMIT, LIMIT))
 
 
-def _of_wheel(lines: FoundLines, component: Component, own: Judgement, judged: Mapping[str, Judgement], flats: Mapping[str, bool]) -> bool:
-    """Return whether the lines found for a component are harmonics of the rotation of a wheel with a flat."""
+def _of_wheel(lines: FoundLines, own: Judgement, judged: Mapping[str, Judgement]) -> bool:
+    """Return whether the lines found for a bearing are harmonics of the rotation of a wheel.
+
+    A flat makes a line at every order of its wheelset. Lines of a bearing that lie on such orders have none of that size beside them.
+    """
     assert own.evidence is not None
-    rule = next((rule for rule in own.rules if isinstance(rule, LineRule) and rule.component == component), None)
     band = next((band for band in own.evidence.bands if (band.band.low, band.band.high) == lines.band), None)
-    if rule is None or band is None:
+    if band is None:
         return False
-    for other, judgement in judged.items():
-        if not flats.get(other):
+    orders = np.asarray(lines.orders or (lines.order,), np.float64)
+    for turn in {judgement.diagnosis.shaft_frequency / max(own.diagnosis.shaft_frequency, 1e-9) for judgement in judged.values()}:
+        harmonics = np.rint(orders / max(turn, 1e-9))
+        if np.abs(orders - harmonics * turn).max() > GUARD * band.step:
             continue
-        turn = judgement.diagnosis.shaft_frequency / max(own.diagnosis.shaft_frequency, 1e-9)
-        comb = min(rule.combs(own.evidence.orders), key=lambda comb: abs(comb.order - lines.order))
-        family = rule.family(band, comb)
-        remaining = band.remainder(comb, family, turn * np.arange(1.0, WHEEL_HARMONICS + 1.0)).depth
-        if family.depth > 0.0 and remaining < LEAST_REMAINDER * family.depth:
+        beside = turn * np.maximum(harmonics[0] + BESIDE, 1.0)
+        if float(np.median(band.at(beside))) >= LEAST_BESIDE * float(band.at(orders[:1])[0]):
             return True
     return False
 

@@ -16,7 +16,7 @@ from dcrb_ros.diagnosis.hysteresis import Hysteresis, Suspicion, confidence, lea
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.rule import LEAST_EXCESS
 from dcrb_ros.diagnosis.vehicle.box_watch import BoxHop, BoxWatch
-from dcrb_ros.diagnosis.vehicle.causes import flats, silent_boxes, track
+from dcrb_ros.diagnosis.vehicle.causes import clock_differences, flats, silent_boxes, track
 from dcrb_ros.diagnosis.vehicle.comparison import NOT_OWN, Compared, compare
 from dcrb_ros.diagnosis.vehicle.contact import Contact
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
@@ -161,15 +161,16 @@ class VehicleDetector:
         quiet = silent_boxes(contacts, q)
         wheels = self._wheels({name: contact for name, contact in heard.items() if name not in quiet})
         hearing = track(self.description, heard, wheels, q)
-        struck = {name: status.verdict != "healthy" for name, status in wheels.items()}
-        compared = compare({name: hop.judgement for name, hop in hops.items() if name not in quiet}, q, struck)
+        compared = compare({name: hop.judgement for name, hop in hops.items() if name not in quiet}, q)
+        clocks = clock_differences(self.description, contacts)
         statuses: dict[str, Status] = {}
         indicators: dict[str, float] = {}
         for name in self._boxes:
             hop = hops.get(name)
             statuses[f"{name}/bearing"] = self._bearing(name, hop, compared.get(name), quiet)
             statuses[f"{name}/wheel"] = wheels.get(name, Status("waiting", "no turn of the wheel is known yet"))
-            statuses[f"{name}/sensor"] = _sensor(hop, quiet.get(name), self._reversed(name, hearing.reversed_sides))
+            clock = clocks.get(self.description.box(name).axle, 0.0)
+            statuses[f"{name}/sensor"] = _sensor(hop, quiet.get(name), self._reversed(name, hearing.reversed_sides), clock, q.clock)
             if hop is not None:
                 indicators |= {f"{name}/{line}": level for line, level in hop.judgement.diagnosis.levels.items()}
             for component, evidence in compared.get(name, {}).items():
@@ -181,6 +182,7 @@ class VehicleDetector:
             if axle.driven:
                 statuses[f"{axle.name}/gear"] = Status("healthy", "no lines of a bearing lie at multiples of the mesh frequency")
         statuses["track"] = hearing.status
+        indicators |= {f"{axle}/clock": difference for axle, difference in clocks.items()}
         for side in SIDES:
             lags = [passage.lag for passage in hearing.passages if passage.side == side]
             if lags:
@@ -245,8 +247,8 @@ def _reason(component: Component, compared: Mapping[Component, Compared], diagno
     return f"lines of the {component} {depth}{larger}"
 
 
-def _sensor(hop: BoxHop | None, below: float | None, swapped: bool) -> Status:
-    """Return the status of a sensor."""
+def _sensor(hop: BoxHop | None, below: float | None, swapped: bool, clock: float, most: float) -> Status:
+    """Return the status of a sensor; ``clock`` is the difference of the clocks of its wheelset, ``most`` what is allowed [ppm]."""
     if hop is None:
         return Status("sensor", "no signal arrives", 0.99)
     diagnosis = hop.judgement.diagnosis
@@ -256,6 +258,9 @@ def _sensor(hop: BoxHop | None, below: float | None, swapped: bool) -> Status:
         return Status("sensor", f"it hears the rail {below:.0f} dB less than the others", 0.99, below)
     if swapped:
         return Status("swapped", "the trailing wheelset meets kinks of the rail first: the sensors of this side are swapped", 0.9)
+    if abs(clock) >= most:
+        reason = f"the clocks of the two boxes of the wheelset differ by {abs(clock):.0f} ppm, and one of them is wrong"
+        return Status(UNDECIDED, reason, 0.0, abs(clock) / most)
     return Status("healthy", "it hears the rail as the others do")
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import functools
 import hashlib
 from collections import OrderedDict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,14 +18,16 @@ import numpy as np
 
 from dcrb_ros.diagnosis.vehicle.detector import BoxBlock
 from dcrb_ros.exam.case import canonical
+from dcrb_ros.measurement.sensor import Measurement, Sensor
 from dcrb_ros.recordings.manifest import model_fingerprint, software
 from dcrb_ros.schema.arrays import Floats, Samples
+from dcrb_ros.simulation.block_queue import wrapped
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.stream.vehicle_description import VehicleDescription
 from dcrb_ros.text.writing import whole_file
 from dcrb_ros.vehicle.description import Box, Vehicle, described
 from dcrb_ros.vehicle.file import vehicle_of
-from dcrb_ros.vehicle.model import FRAME
+from dcrb_ros.vehicle.model import FRAME, VehicleModel
 from dcrb_ros.vehicle.simulation import VehicleSimulation
 
 BLOCK = 1024
@@ -94,6 +96,9 @@ class RememberedBearing:
 
 def simulated_signal(vehicle: Vehicle, duration: float, memory: MotionMemory, threads: int | None = None) -> VehicleSignal:
     """Return the signal of a vehicle over a time [s]; a remembered motion must be as long."""
+    remembered = [memory.motion(vehicle, box) for box in vehicle.boxes]
+    if all(remembered) and not any(box.swapped_with for box in vehicle.boxes):
+        return _mixed(vehicle, duration, remembered)
     simulation = VehicleSimulation(vehicle, threads=threads)
     for box in vehicle.boxes:
         bearing: Any = RememberedBearing(simulation.simulations[box.name], memory.motion(vehicle, box))
@@ -107,6 +112,22 @@ def simulated_signal(vehicle: Vehicle, duration: float, memory: MotionMemory, th
         {_topic(name): np.concatenate([block.acceleration for block in blocks]) for name, blocks in pieces.items()},
         {_topic(name): np.concatenate([block.shaft_angle for block in blocks]) for name, blocks in pieces.items()},
     )
+
+
+def _mixed(vehicle: Vehicle, duration: float, motions: Sequence[Motion]) -> VehicleSignal:
+    """Return the signal of a vehicle whose bearings have all been stepped, mixed and sensed as `VehicleSimulation` does it."""
+    model, rate = VehicleModel(vehicle), vehicle.boxes[0].configuration.sensor.sampling_rate
+    sensors = [Sensor(box.configuration.measurement) for box in vehicle.boxes]
+    measured: list[list[Measurement]] = [[] for _ in sensors]
+    for frame in zip(*motions, strict=True):
+        mixed, _ = model.mix(np.array([acceleration for acceleration, _ in frame]), model.plan())
+        for j, (_, angle) in enumerate(frame):
+            measured[j].append(sensors[j].measure(mixed[j], angle))
+    count = round(duration * rate)
+    names = [_topic(box.name) for box in vehicle.boxes]
+    accelerations = [np.concatenate([part.measured for part in parts])[:count].astype(np.float32) for parts in measured]
+    angles = [wrapped(np.concatenate([part.angle for part in parts])[:count]) for parts in measured]
+    return VehicleSignal(described(vehicle), dict(zip(names, accelerations, strict=True)), dict(zip(names, angles, strict=True)))
 
 
 def kept_signal(parameters: Mapping[str, Any], duration: float, folder: Path, memory: MotionMemory) -> VehicleSignal:
