@@ -23,6 +23,9 @@ class VehicleDetectorParameters(Group):
         0.0,
         10.0,
     )
+    rare: float = quantity(
+        0.02, "-", "Share of the time in which the envelopes of a bearing are limited, because kinks of the rail are rare", 0.0, 0.2
+    )
     contact_low: float = quantity(300.0, "Hz", "Lower edge of the band in which wheels and track are heard", 20.0, 10e3)
     contact_high: float = quantity(2000.0, "Hz", "Upper edge of that band", 100.0, 20e3)
     flat: float = quantity(
