@@ -148,10 +148,15 @@ def _drawn(entry: Any, secret: str, where: str) -> list[Any]:
     ranges = entry["draw"]
     if not isinstance(ranges, Mapping) or not ranges or set(ranges) - {"set", "fault"}:
         raise Refusal(f"{where}: 'draw' must have 'set' or 'fault', each with parameters and their ranges")
+    if not isinstance(entry.get("name"), str):
+        raise Refusal(f"{where}: name = {entry.get('name')!r} is not a text: give the scenario a name")
     rest = {key: value for key, value in entry.items() if key not in ("draw", "count")}
+    for group in ("set", "fault"):
+        if not isinstance(rest.get(group) or {}, Mapping):
+            raise Refusal(f"{where}: {group} = {rest[group]!r} must name parameters and their values")
     drawn = []
     for number in range(1, _count(entry, where) + 1):
-        name = f"{entry.get('name')}/{number}"
+        name = f"{entry['name']}/{number}"
         scenario: dict[str, Any] = {**rest, "name": name, "seeds": [int(_share(secret, name, "seed") * SEEDS)]}
         for group, axes in ranges.items():
             if not isinstance(axes, Mapping):

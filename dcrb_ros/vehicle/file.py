@@ -158,6 +158,8 @@ def _axle(source: str, name: str, given: Any) -> tuple[Axle, dict[str, Mapping[s
         if isinstance(value, bool) or not isinstance(value, (int, float)) or not low <= value <= high:
             raise Refusal(f"{source}: {name}.{key} = {value} is outside {low:g} .. {high:g} {unit}")
         values[key] = float(value)
+    if not isinstance(given.get("gear", {}), Mapping):
+        raise Refusal(f"{source}: {name}.gear = {given['gear']} is not a gear: give teeth and level")
     gear = validated(_as_floats(flatten(given.get("gear", {})), Gear), Gear, f"{source}, {name}.gear")
     boxes = {side: given[side] or {} for side in SIDES if side in given}
     wrong = next((side for side, box in boxes.items() if not isinstance(box, Mapping)), None)

@@ -45,6 +45,20 @@ TEMPLATE: dict[str, Any] = {
 }
 
 
+@pytest.mark.parametrize(
+    ("entry", "sentence"),
+    [
+        ({"name": {"a": 1}}, "name = {'a': 1} is not a text"),
+        ({"name": None}, "name = None is not a text"),
+        ({"set": [1]}, r"set = \[1\] must name parameters"),
+    ],
+)
+def test_a_drawn_scenario_has_a_name_and_groups_of_parameters(entry: dict[str, Any], sentence: str) -> None:
+    template = {**TEMPLATE, "scenarios": [{**TEMPLATE["scenarios"][0], **entry}]}
+    with pytest.raises(Refusal, match=sentence):
+        drawn_exam(template, SECRET, "t")
+
+
 def test_the_same_secret_draws_the_same_exam_and_another_secret_another_one() -> None:
     first, again, other = (exam_of(drawn_exam(TEMPLATE, secret, "t"), "t") for secret in (SECRET, SECRET, "f" * 64))
     assert scenarios_hash(first.cases) == scenarios_hash(again.cases) != scenarios_hash(other.cases)

@@ -163,6 +163,7 @@ def test_the_others_go_on_where_the_file_asks_for_it(monkeypatch: pytest.MonkeyP
         ({"axle_1.left.sensor.sampling_rate": 25600}, "differ in sensor.sampling_rate"),
         ({"vehicle.speed_kmh": 1.0}, "speed_kmh = 1"),
         ({"axle_1.left": 5}, "is not a box"),
+        ({"axle_1.gear": "spur"}, "axle_1.gear = spur is not a gear"),
         ({"axle_1": {}}, "axle_1 has no box"),
         ({"track": 5}, "is not a group"),
         ({"axle_1.left.faults.outer_1.widht": 0.002}, "axle_1.left: .*widht"),
