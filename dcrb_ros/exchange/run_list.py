@@ -11,8 +11,8 @@ import numpy as np
 
 from dcrb_ros.bearing.waveform import Waveform
 from dcrb_ros.exchange.importing import WaveformImport
-from dcrb_ros.exchange.public_sets import find_description
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.settings.shipped import find_shipped
 from dcrb_ros.text.tables import read_rows
 
 NEEDED = ("file", "fault")
@@ -60,7 +60,7 @@ def listed_runs(table: Path, about: str, rate: int = 0) -> Iterator[ListedRun]:
             raise Refusal(f"{line}: there is no file {file}")
         settings = [part.strip() for part in (row.get("set") or "").split(";") if part.strip()]
         settings += [f"speed_rpm={row['speed_rpm']}"] if row.get("speed_rpm") else []
-        read = WaveformImport([file], find_description(description), settings)
+        read = WaveformImport([file], find_shipped("description", description), settings)
         sha256 = read.sha256()
         if row.get(SHA256, sha256).lower() != sha256:
             raise Refusal(f"{line}: {file} has the SHA-256 {sha256} instead of {row[SHA256]}: get the file again, or correct the list")
