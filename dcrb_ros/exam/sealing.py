@@ -72,8 +72,16 @@ def seal(template: Any, secret: str, source: str) -> SealedExam:
 
 
 def commitment(template: Any, secret: str) -> str:
-    """Return the SHA-256 of template and secret seed, which binds both and reveals neither scenarios nor seed."""
-    return hashlib.sha256(canonical({"secret": secret, "template": template}).encode()).hexdigest()
+    """Return the SHA-256 of template and secret seed, which binds both and reveals neither scenarios nor seed.
+
+    Raises:
+        Refusal: the template has a value or a key that JSON does not have.
+    """
+    try:
+        about = canonical({"secret": secret, "template": template})
+    except (TypeError, ValueError) as error:
+        raise Refusal(f"the template cannot be sealed ({error}): its keys must be words, and its values finite numbers or texts") from None
+    return hashlib.sha256(about.encode()).hexdigest()
 
 
 def open_exam(sealed: SealedExam, secret: str, source: str) -> OpenedExam:
