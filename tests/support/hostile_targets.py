@@ -99,7 +99,8 @@ class Material:
         )
         (self.folder / "list.csv").write_text(
             "file,fault,name,split,bearing_id,width,load,about,speed_rpm\n"
-            "wave.npz,healthy,a,train,b1,,1000,about.yaml,1797\nwave.csv,outer_ring,b,test,b2,0.001,1000,about.yaml,1750\n"
+            f"wave.npz,healthy,a,train,b1,,1000,{self.words['ABOUT']},1797\n"
+            f"wave.csv,outer_ring,b,test,b2,0.001,1000,{self.words['ABOUT']},1750\n"
         )
 
     def _data_set(self) -> None:
@@ -183,7 +184,7 @@ def targets(material: Material) -> dict[str, Target]:
         "detect": ("long", ("detect", INPUT)),
         "export": ("good", ("export", INPUT, "-o", f"{NEW}.npz")),
         "recover": ("good", ("recover", INPUT, "-o", NEW)),
-        "score": ("long", ("score", INPUT)),
+        "score": ("long", ("score", INPUT, "--reference")),
         "view": ("good", ("view", INPUT, "--save", f"{NEW}.rrd")),
     }
     for name, (folder, command) in commands.items():
@@ -207,7 +208,6 @@ def targets(material: Material) -> dict[str, Target]:
     for file in ("about.json", "sums.json"):
         if (material.folder / "set" / file).is_file():
             add(f"set:{file}", material.read(f"set/{file}"), changed_json(), sweep_again, ("shards", INPUT, "-o", NEW))
-    add("set:labels.parquet", material.read("set/labels.parquet"), changed_bytes, ("shards", INPUT, "-o", NEW))
     add(
         "shards:index.json",
         material.read("shards/index.json"),
