@@ -124,9 +124,7 @@ def vehicle_of(flat: Mapping[str, Any], source: str) -> Vehicle:
     journey: Journey = groups["vehicle"]
     bench = load_configuration(journey.bench)
     bare = tuple(Box(name, axle, 1 if side == SIDES[0] else -1, bench, Wheel()) for name, axle, side, _ in parts)
-    vehicle = Vehicle(
-        journey, groups["body"], groups["frame"], groups["suspension"], groups["track"], groups["paths"], tuple(axles), bare
-    )
+    vehicle = Vehicle(journey, groups["body"], groups["frame"], groups["suspension"], groups["track"], groups["paths"], tuple(axles), bare)
     speed = journey.speed_kmh / 3.6
     loads = quasi_static(vehicle, speed, journey.curvature, journey.cant, journey.wind, journey.brake)
     boxes = []

@@ -168,5 +168,3 @@ def coherence(wavelength: float, spectrum: str = "erri_low") -> float:
     vertical = IRREGULARITY[spectrum] * c**2 / ((w**2 + r**2) * (w**2 + c**2))
     cross = vertical * w**2 / (w**2 + s**2)
     return ((vertical - cross) / (vertical + cross)) ** 2
-
-
