@@ -9,6 +9,7 @@ from dcrb_ros.runtime.terminal import console, table
 
 if TYPE_CHECKING:
     from dcrb_ros.exam.exam_file import Exam
+    from dcrb_ros.exam.vehicle.exam_file import VehicleExam
 
 HEADS = ("scenario", "correct verdict", "onset [s]", "duration [s]", "twin")
 LONGEST_TABLE = 300
@@ -37,7 +38,19 @@ def _cells(exam: Exam) -> Iterable[tuple[str, ...]]:
         yield name, expectation.verdict, onset, f"{expectation.duration:g}", expectation.twin or "-"
 
 
-def _print_columns(title: str, rows: Sequence[tuple[str, ...]]) -> None:
-    widths = [max(map(len, column)) for column in zip(HEADS, *rows, strict=True)]
-    lines = ("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in (HEADS, *rows))
+def _print_columns(title: str, rows: Sequence[tuple[str, ...]], heads: tuple[str, ...] = HEADS) -> None:
+    widths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
+    lines = ("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in (heads, *rows))
     console().print("\n".join([title, *lines]), soft_wrap=True)
+
+
+def print_vehicles(exam: VehicleExam) -> None:
+    """Print the vehicles of an exam with the boxes that are not healthy, and the hash of them all."""
+    heads = ("scenario", "not healthy", "duration [s]")
+    rows = [
+        (case.name, ", ".join(f"{box} {verdict}" for box, verdict in case.damaged.items()) or "-", f"{case.duration:g}")
+        for case in exam.cases
+    ]
+    _print_columns(f"{exam.name}: {exam.about}", rows, heads)
+    seconds = sum(case.duration for case in exam.cases)
+    print(f"{len(exam.cases)} vehicles, {seconds:.0f} s simulated, sha256 {exam.digest}")

@@ -122,6 +122,8 @@ def exam_of(tree: Any, source: str) -> Exam:
     """Return the exam described by a tree read from YAML; see `read_exam`."""
     if not isinstance(tree, Mapping):
         raise Refusal(f"{source} is not an exam: it must have the keys 'exam', 'criteria' and a list 'scenarios'")
+    if "vehicle" in tree:
+        raise Refusal(f"{source} is the exam of a vehicle: score it with dcrb score, or read it with read_vehicle_exam")
     drawn = tree.get("scenarios")
     if "template" in tree or (isinstance(drawn, list) and any(isinstance(entry, Mapping) and "draw" in entry for entry in drawn)):
         raise Refusal(

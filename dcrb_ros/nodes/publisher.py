@@ -31,16 +31,20 @@ def message_class(topic: Topic) -> type[Any]:
 
 
 class Publisher:
-    """A sink that publishes on topics of a node."""
+    """A sink that publishes on topics of a node, except those whose package of messages is not installed, such as tf2_msgs."""
 
     def __init__(self, node: Node, topics: Iterable[Topic]) -> None:
         from dcrb_ros.nodes.qos_overrides import overridable
+        from dcrb_ros.nodes.ros import installed
 
         self._node = node
         # Latched topics last: who has received one of their messages has discovered the publishers of the others.
+        ordered = sorted(topics, key=lambda topic: topic.latched)
+        self._absent = {topic for topic in ordered if not installed(topic.type.split("/")[0])}
         self._publishers: dict[Topic, Any] = {
             topic: node.create_publisher(message_class(topic), topic.name, qos(topic), qos_overriding_options=overridable())
-            for topic in sorted(topics, key=lambda topic: topic.latched)
+            for topic in ordered
+            if topic not in self._absent
         }
 
     def start(self, messages: Sequence[Message]) -> None:
@@ -54,7 +58,8 @@ class Publisher:
     def write_messages(self, messages: Iterable[Message]) -> None:
         """Publish messages."""
         for message in messages:
-            self._publishers[message.topic].publish(message.data)
+            if message.topic not in self._absent:
+                self._publishers[message.topic].publish(message.data)
 
     def subscribers(self, topic: Topic) -> int:
         """Return the number of subscribers to a topic."""
