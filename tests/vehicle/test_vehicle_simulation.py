@@ -261,6 +261,7 @@ def test_the_others_go_on_where_the_file_asks_for_it(swapped: dict[str, str], le
         ({"axle_1.left.thermal.acceleration": 100.0}, "differ in thermal.acceleration"),
         ({"vehicle.speed_kmh": 1.0}, "speed_kmh = 1"),
         ({"axle_1.left": 5}, "is not a box"),
+        ({"axle_1.gear": "spur"}, "axle_1.gear = spur is not a group"),
         ({"axle_1.left.recording.path": "bag"}, "belongs to the whole vehicle"),
         ({"publishing.block_sice": 512}, "block_sice"),
         ({"axle_1": {}}, "axle_1 has no box"),
