@@ -211,11 +211,7 @@ def _changed(recording: Recording) -> list[tuple[str, str]]:
 
 
 def _table(title: str, heads: tuple[str, ...], rows: Any) -> Table:
-    from rich.table import Table
-
+    from dcrb_ros.runtime.terminal import table
     from dcrb_ros.schema.printable import shortened
 
-    table = Table(*heads, title=title)
-    for row in rows:
-        table.add_row(*(shortened(str(cell), LONGEST_CELL) for cell in row))
-    return table
+    return table(title, heads, ([shortened(str(cell), LONGEST_CELL) for cell in row] for row in rows))
