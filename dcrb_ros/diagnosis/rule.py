@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Any, ClassVar, Generic, NamedTuple, Protocol, TypeVar
+from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -19,7 +19,7 @@ from dcrb_ros.diagnosis.line_search import NO_LINES, Comb, LineFamily
 from dcrb_ros.diagnosis.order_spectrum import decibels, ratio
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import Group, quantity
-from dcrb_ros.schema.verdicts import Component, Verdict
+from dcrb_ros.schema.verdicts import Component
 from dcrb_ros.stream.diagnosis import FoundLines
 
 LEAST_EXCESS = -60.0
@@ -130,13 +130,6 @@ class BearingRule(Rule[Parameters]):
         Raises:
             Refusal: the parameters of the rule give a baseline, too.
         """
-
-
-class EvidenceListener(Protocol):
-    """Takes the evidence of every judgement of a detector."""
-
-    def add(self, evidence: Evidence, rules: Sequence[BearingRule[Any]], verdict: Verdict, time: float) -> None:
-        """Take the evidence of a judgement at a ``time`` [s], the rules that looked at it, and the verdict."""
 
 
 class LineRule(BearingRule[Lines]):

@@ -14,8 +14,8 @@ from typing import Any
 
 from dcrb_ros.messages.points import packed
 from dcrb_ros.messages.topics import DETECTED, GROUND_TRUTH, MANIFEST, NAMESPACE, SIMULATED, VIBRATION, Message, Topic
-from dcrb_ros.messages.topics.vehicle import VEHICLE_DETECTED, VEHICLE_TRUTH
-from dcrb_ros.messages.vehicle import GIVEN, box_path, decode_vehicle_commands
+from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DETECTED, VEHICLE_TRUTH
+from dcrb_ros.messages.vehicle import GIVEN, box_path, decode_description, decode_vehicle_commands
 from dcrb_ros.messages.vehicle_encoder import BESIDE, VehicleEncoder, box_topics
 from dcrb_ros.recordings.digest import digest_mismatch
 from dcrb_ros.recordings.manifest import OUTCOME, Outcome, now, opening
@@ -30,6 +30,7 @@ from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.simulation.ground_truth import commands_in as changes_in
 from dcrb_ros.stream.events import CommandSchedule, TimedCommand
+from dcrb_ros.stream.vehicle_description import VehicleDescription
 from dcrb_ros.text.json import parsed_json
 from dcrb_ros.vehicle.changes import RANGES
 from dcrb_ros.vehicle.simulation import VehicleBlock, VehicleSimulation
@@ -233,6 +234,18 @@ class VehicleRecording:
         """The recording of each box by name."""
         ending = records.get(VEHICLE_OUTCOME)
         self._outcome = parsed_json(ending.metadata.get("outcome", ""), f"{path}: the record {VEHICLE_OUTCOME}") if ending else None
+
+    @cached_property
+    def description(self) -> VehicleDescription:
+        """What a detector may know about the vehicle.
+
+        Raises:
+            Refusal: the recording has none, or a damaged one.
+        """
+        message = next(self.messages((VEHICLE_DESCRIPTION,)), None)
+        if message is None:
+            raise Refusal(f"{self.path} has no message on {VEHICLE_DESCRIPTION.name}: record this topic, too")
+        return decode_description(message.data)
 
     @property
     def damage(self) -> list[str]:

@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy.typing as npt
 
 from dcrb_ros.bearing.frequencies import Orders
-from dcrb_ros.diagnosis.demodulation import Band
-from dcrb_ros.diagnosis.evidence import Evidence
+from dcrb_ros.diagnosis.demodulation import NYQUIST_SHARE, Band
 from dcrb_ros.diagnosis.parameters import DetectorParameters
-from dcrb_ros.diagnosis.rule import BearingRule
+from dcrb_ros.diagnosis.rule import found_lines
 from dcrb_ros.diagnosis.thermal_detector import ThermalFaultDetector
 from dcrb_ros.diagnosis.vehicle.comparison import Judgement
 from dcrb_ros.diagnosis.vehicle.contact import Contact, ContactMonitor
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
-from dcrb_ros.schema.verdicts import Verdict
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.stream.diagnosis import Diagnosis
 from dcrb_ros.stream.vehicle_description import BoxDescription
 
 
@@ -26,14 +25,17 @@ from dcrb_ros.stream.vehicle_description import BoxDescription
 class BoxHop:
     """What one box concluded at the end of a hop."""
 
-    judgement: Judgement
+    diagnosis: Diagnosis
+    """The diagnosis of the box by itself."""
+    judgement: Judgement | None
+    """The evidence to be compared; None without a judgement of the bearing."""
     contact: Contact | None
     """None while the window begins anew."""
 
     @property
     def index(self) -> int:
         """Index of the last sample of the hop."""
-        return self.judgement.diagnosis.index
+        return self.diagnosis.index
 
 
 class BoxWatch:
@@ -44,33 +46,43 @@ class BoxWatch:
         self.name, self.detector = box.name, ThermalFaultDetector(Orders.from_dict(box.orders), rate, box_parameters)
         self.detector.take_bearing(box.bearing)
         self.detector.sensor_range = box.sensor_range
-        self.detector.learner = self
         p, q = box_parameters, parameters
         self.hop = max(1, round(p.hop * rate))
         hops = max(1, round(p.window / p.hop))
         gap = round(min(p.longest_gap, 0.5 * p.hop) * rate)
-        self._monitor = ContactMonitor(rate, self.hop, hops, Band(q.contact_low, min(q.contact_high, 0.45 * rate)), gap, q.event)
-        self._judged: tuple[Evidence, Sequence[BearingRule[Any]]] | None = None
+        usable = NYQUIST_SHARE * rate
+        wheel, kink = Band(q.wheel_low, min(q.wheel_high, usable)), Band(q.kink_low, min(q.kink_high, usable))
+        if wheel.low >= wheel.high or kink.low >= kink.high:
+            raise Refusal(
+                f"the bands of wheels and kinks, {q.wheel_low:g} to {q.wheel_high:g} Hz and {q.kink_low:g} to {q.kink_high:g} Hz, are "
+                f"empty below {usable:g} Hz, the usable part of the sampling rate: change them or sample faster"
+            )
+        self._monitor = ContactMonitor(rate, self.hop, hops, (wheel, kink), gap, q.event)
+        self._share = parameters.rare
         self._contacts: deque[Contact] = deque(maxlen=4)
         self.hops: deque[BoxHop] = deque()
         """Hops that have not been compared yet."""
         self.reached = -1
         """Index of the last sample that arrived."""
 
-    def add(self, evidence: Evidence, rules: Sequence[BearingRule[Any]], verdict: Verdict, time: float) -> None:
-        """Take the evidence of a judgement, as the fault detector gives it."""
-        self._judged = evidence, rules
-
     def take(self, index: int, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any] | None) -> None:
         """Take samples, at most as many as a hop has."""
-        self._judged = None
         diagnosis = self.detector.update(index, acceleration, shaft_angle)
         self._contacts.extend(self._monitor.add(index, acceleration, shaft_angle))
         self.reached = max(self.reached, index + len(acceleration) - 1)
         if diagnosis is None:
             return
-        judgement = Judgement(diagnosis, *self._judged) if self._judged is not None else Judgement(diagnosis)
-        self.hops.append(BoxHop(judgement, self._latest(diagnosis.index)))
+        self.hops.append(BoxHop(diagnosis, self._judged(diagnosis), self._latest(diagnosis.index)))
+
+    def _judged(self, diagnosis: Diagnosis) -> Judgement | None:
+        """Return the evidence on the bearing with rare impacts limited; None without a judgement."""
+        limited = self.detector.limited_evidence(self._share) if diagnosis.verdict != "sensor" else None
+        if limited is None:
+            return None
+        evidence, findings = limited
+        scores = {component: finding.excess for component, finding in findings.items()}
+        lines = {component: found for component, finding in findings.items() if (found := found_lines(finding)) is not None}
+        return Judgement(evidence, scores, lines, self.detector.rules)
 
     def _latest(self, index: int) -> Contact | None:
         """Return what was heard up to a sample, at most a hop earlier; later samples may have arrived or not."""

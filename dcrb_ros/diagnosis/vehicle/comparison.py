@@ -24,7 +24,7 @@ from dcrb_ros.diagnosis.rule import BearingRule, LineRule, modulation_excess
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.verdicts import COMPONENTS, Component
-from dcrb_ros.stream.diagnosis import Diagnosis, FoundLines
+from dcrb_ros.stream.diagnosis import FoundLines
 
 FAINTEST = 0.02
 """Modulation depth of lines from which a band is compared [-]: a fifth of the least that a rule requires."""
@@ -46,12 +46,19 @@ NOT_OWN = -60.0
 
 @dataclass(frozen=True)
 class Judgement:
-    """What the fault detector of a box concluded at a hop, and from what."""
+    """The evidence on the bearing of one box at a hop, by itself."""
 
-    diagnosis: Diagnosis
-    evidence: Evidence | None = None
-    """None without a judgement of the bearing."""
-    rules: Sequence[BearingRule[Any]] = ()
+    evidence: Evidence
+    scores: Mapping[Component, float]
+    """Evidence for a fault of each component relative to its threshold [dB]."""
+    lines: Mapping[Component, FoundLines]
+    """Lines found for each component."""
+    rules: Sequence[BearingRule[Any]]
+
+    @property
+    def shaft_frequency(self) -> float:
+        """Mean within the window [Hz]."""
+        return self.evidence.shaft_frequency
 
 
 class Compared(NamedTuple):
@@ -69,21 +76,16 @@ class Compared(NamedTuple):
 
 def compare(judgements: Mapping[str, Judgement], parameters: VehicleDetectorParameters) -> dict[str, dict[Component, Compared]]:
     """Return the evidence for every component of every box that was judged."""
-    judged = {name: judgement for name, judgement in judgements.items() if judgement.evidence is not None}
     return {
-        name: {
-            component: _compared(name, component, judged, parameters)
-            for component in COMPONENTS
-            if component in judged[name].diagnosis.scores
-        }
-        for name in judged
+        name: {component: _compared(name, component, judgements, parameters) for component in COMPONENTS if component in judgement.scores}
+        for name, judgement in judgements.items()
     }
 
 
 def _compared(name: str, component: Component, judged: Mapping[str, Judgement], parameters: VehicleDetectorParameters) -> Compared:
     own = judged[name]
-    lines, excess = own.diagnosis.lines.get(component), own.diagnosis.scores[component]
-    if lines is None or own.evidence is None or excess < -LIMIT:
+    lines, excess = own.lines.get(component), own.scores[component]
+    if lines is None or excess < -LIMIT:
         return Compared(excess, NOT_OWN, 0.0, "")
     if _of_wheel(lines, own, judged):
         return Compared(NOT_OWN, NOT_OWN, 0.0, "")
@@ -99,11 +101,9 @@ def _compared(name: str, component: Component, judged: Mapping[str, Judgement], 
 
 def contrast(lines: FoundLines, own: Judgement, other: Judgement) -> float:
     """Return by how much lines found in one box are larger there than in another one, in the median of bands [dB]."""
-    assert own.evidence is not None
-    assert other.evidence is not None
     orders = np.asarray(lines.orders or (lines.order,), np.float64)
     # The other wheelset may turn faster or more slowly; its spectrum is over its own orders.
-    elsewhere = orders * own.diagnosis.shaft_frequency / max(other.diagnosis.shaft_frequency, 1e-9)
+    elsewhere = orders * own.shaft_frequency / max(other.shaft_frequency, 1e-9)
     ratios = []
     for here, there in zip(own.evidence.bands, other.evidence.bands, strict=True):
         if here.band.low < own.evidence.whole.low or here not in own.evidence.loud:
@@ -136,12 +136,11 @@ def _of_wheel(lines: FoundLines, own: Judgement, judged: Mapping[str, Judgement]
 
     A flat makes a line at every order of its wheelset. Lines of a bearing that lie on such orders have none of that size beside them.
     """
-    assert own.evidence is not None
     band = next((band for band in own.evidence.bands if (band.band.low, band.band.high) == lines.band), None)
     if band is None:
         return False
     orders = np.asarray(lines.orders or (lines.order,), np.float64)
-    for turn in {judgement.diagnosis.shaft_frequency / max(own.diagnosis.shaft_frequency, 1e-9) for judgement in judged.values()}:
+    for turn in {judgement.shaft_frequency / max(own.shaft_frequency, 1e-9) for judgement in judged.values()}:
         harmonics = np.rint(orders / max(turn, 1e-9))
         if np.abs(orders - harmonics * turn).max() > GUARD * band.step:
             continue
@@ -156,9 +155,9 @@ def _relieved(lines: FoundLines, component: Component, own: Judgement, relief: f
 
     The other boxes of the vehicle do not have the lines, as a healthy bearing of this kind would.
     """
-    scores = own.diagnosis.scores
+    scores = own.scores
     rule = next((rule for rule in own.rules if isinstance(rule, LineRule) and rule.component == component), None)
-    if rule is None or own.evidence is None or scores[component] < max(scores.values()):
+    if rule is None or scores[component] < max(scores.values()):
         return NOT_OWN
     found = next((band for band in own.evidence.bands if (band.band.low, band.band.high) == lines.band), None)
     if found is None:

@@ -9,21 +9,19 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol, TypeAlias
 
-import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.diagnosis.hysteresis import Hysteresis, Suspicion, confidence, least_evidence
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.rule import LEAST_EXCESS
 from dcrb_ros.diagnosis.vehicle.box_watch import BoxHop, BoxWatch
-from dcrb_ros.diagnosis.vehicle.causes import clock_differences, flats, silent_boxes, track
-from dcrb_ros.diagnosis.vehicle.comparison import NOT_OWN, Compared, compare
+from dcrb_ros.diagnosis.vehicle.causes import clock_differences, flats, lags, silent_boxes, swapped_sides, track
+from dcrb_ros.diagnosis.vehicle.comparison import NOT_OWN, Compared, Judgement, compare
 from dcrb_ros.diagnosis.vehicle.contact import Contact
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.schema.verdicts import COMPONENTS, TROUBLES, Component, is_alarm
-from dcrb_ros.stream.diagnosis import Diagnosis
-from dcrb_ros.stream.vehicle_description import SIDES, VehicleDescription
+from dcrb_ros.stream.vehicle_description import VehicleDescription
 from dcrb_ros.stream.vehicle_diagnosis import UNDECIDED, Status, VehicleDiagnosis
 
 Samples: TypeAlias = tuple[int, npt.NDArray[Any], npt.NDArray[Any] | None]
@@ -157,11 +155,12 @@ class VehicleDetector:
         """Return the diagnosis of the vehicle from the hops of its boxes."""
         q = self.parameters
         contacts = {name: hop.contact for name, hop in hops.items() if hop.contact is not None}
-        heard = {name: contact for name, contact in contacts.items() if hops[name].judgement.diagnosis.verdict != "sensor"}
+        heard = {name: contact for name, contact in contacts.items() if hops[name].diagnosis.verdict != "sensor"}
         quiet = silent_boxes(contacts, q)
         wheels = self._wheels({name: contact for name, contact in heard.items() if name not in quiet})
-        hearing = track(self.description, heard, wheels, q)
-        compared = compare({name: hop.judgement for name, hop in hops.items() if name not in quiet}, q)
+        sides = lags(self.description, heard, q.lag_tolerance)
+        swapped = swapped_sides(sides)
+        compared = compare({name: hop.judgement for name, hop in hops.items() if hop.judgement is not None and name not in quiet}, q)
         clocks = clock_differences(self.description, contacts)
         statuses: dict[str, Status] = {}
         indicators: dict[str, float] = {}
@@ -170,9 +169,9 @@ class VehicleDetector:
             statuses[f"{name}/bearing"] = self._bearing(name, hop, compared.get(name), quiet)
             statuses[f"{name}/wheel"] = wheels.get(name, Status("waiting", "no turn of the wheel is known yet"))
             clock = clocks.get(self.description.box(name).axle, 0.0)
-            statuses[f"{name}/sensor"] = _sensor(hop, quiet.get(name), self._reversed(name, hearing.reversed_sides), clock, q.clock)
+            statuses[f"{name}/sensor"] = _sensor(hop, quiet.get(name), self.description.box(name).side in swapped, clock, q.clock)
             if hop is not None:
-                indicators |= {f"{name}/{line}": level for line, level in hop.judgement.diagnosis.levels.items()}
+                indicators |= {f"{name}/{line}": level for line, level in hop.diagnosis.levels.items()}
             for component, evidence in compared.get(name, {}).items():
                 if evidence.rival and evidence.excess > LEAST_EXCESS:
                     indicators[f"{name}/{component}/contrast"] = evidence.contrast
@@ -181,13 +180,11 @@ class VehicleDetector:
         for axle in self.description.axles:
             if axle.driven:
                 statuses[f"{axle.name}/gear"] = Status("healthy", "no lines of a bearing lie at multiples of the mesh frequency")
-        statuses["track"] = hearing.status
+        statuses["track"] = track(self.description, heard, wheels, q)
         indicators |= {f"{axle}/clock": difference for axle, difference in clocks.items()}
-        for side in SIDES:
-            lags = [passage.lag for passage in hearing.passages if passage.side == side]
-            if lags:
-                indicators[f"{side}/lag"] = float(np.median(lags))
-        diagnoses = {name: hop.judgement.diagnosis for name, hop in hops.items()}
+        for side, lag in sides.items():
+            indicators |= {f"{side}/lag": lag.found, f"{side}/lag/correlation": lag.forward}
+        diagnoses = {name: hop.diagnosis for name, hop in hops.items()}
         return VehicleDiagnosis(index, index / self.description.sampling_rate, statuses, indicators, diagnoses)
 
     def _wheels(self, contacts: Mapping[str, Contact]) -> dict[str, Status]:
@@ -203,22 +200,22 @@ class VehicleDetector:
         """Return the status of a bearing."""
         if hop is None:
             return Status("waiting", "no signal")
-        diagnosis = hop.judgement.diagnosis
-        if compared is None:
+        diagnosis = hop.diagnosis
+        if compared is None or hop.judgement is None:
             self._decided[name].reset()
             self._undecided[name].reset()
             if name in quiet:
                 return Status("waiting", f"the sensor is {quiet[name]:.0f} dB quieter than the others")
             verdict = diagnosis.verdict if diagnosis.verdict in ("waiting", *TROUBLES) else "waiting"
             return Status(verdict, diagnosis.reason, diagnosis.confidence)
-        p = self.box_parameters
+        p, scores = self.box_parameters, hop.judgement.scores
         least = dict.fromkeys(COMPONENTS, least_evidence(p.confirm, diagnosis.time, p.alarm_evidence))
         own = {component: compared[component].excess if component in compared else NOT_OWN for component in COMPONENTS}
         open_ = {component: compared[component].undecided if component in compared else NOT_OWN for component in COMPONENTS}
         verdict, doubtful = self._decided[name].verdict(own, least), self._undecided[name].verdict(open_, least)
         if is_alarm(verdict):
             confirmed = self._decided[name].confirmed
-            reasons = "; ".join(_reason(component, compared, diagnosis) for component in confirmed)
+            reasons = "; ".join(_reason(component, compared, hop.judgement) for component in confirmed)
             return Status(verdict, reasons, confidence(verdict, confirmed, own), max(own.values()))
         if is_alarm(doubtful):
             doubted = self._undecided[name].confirmed
@@ -226,22 +223,18 @@ class VehicleDetector:
             return Status(UNDECIDED, f"its lines are within {self.parameters.contrast:g} dB of those in {rivals}", 0.0, max(open_.values()))
         if diagnosis.verdict in TROUBLES:
             return Status(diagnosis.verdict, diagnosis.reason, diagnosis.confidence)
-        others = {c: item for c, item in compared.items() if diagnosis.scores.get(c, NOT_OWN) >= 0.0 and item.contrast < 0.0}
+        others = {c: item for c, item in compared.items() if scores.get(c, NOT_OWN) >= 0.0 and item.contrast < 0.0}
         if others and verdict == "healthy":
-            component, item = max(others.items(), key=lambda pair: diagnosis.scores[pair[0]])
+            component, item = max(others.items(), key=lambda pair: scores[pair[0]])
             reason = f"the lines of its {component} are {-item.contrast:.1f} dB weaker than in {item.rival}"
             return Status(verdict, reason, confidence(verdict, [], own), max(own.values()))
         reason = "to be confirmed by the next hop" if verdict == "waiting" else "no lines are both deep enough and its own"
         return Status(verdict, reason, confidence(verdict, [], own) if verdict == "healthy" else 0.0, max(own.values()))
 
-    def _reversed(self, name: str, sides: tuple[str, ...]) -> bool:
-        """Return whether a box is on a side where the trailing wheelset met the kinks first."""
-        return self.description.box(name).side in sides
 
-
-def _reason(component: Component, compared: Mapping[Component, Compared], diagnosis: Diagnosis) -> str:
+def _reason(component: Component, compared: Mapping[Component, Compared], judgement: Judgement) -> str:
     """Return the evidence for a fault of a component in words."""
-    item, lines = compared[component], diagnosis.lines.get(component)
+    item, lines = compared[component], judgement.lines.get(component)
     depth = f"at {lines.order:.3f} orders, depth {lines.depth:.2f}" if lines is not None else "found"
     larger = f", {item.contrast:.1f} dB more than in {item.rival}" if item.rival else ""
     return f"lines of the {component} {depth}{larger}"
@@ -251,13 +244,13 @@ def _sensor(hop: BoxHop | None, below: float | None, swapped: bool, clock: float
     """Return the status of a sensor; ``clock`` is the difference of the clocks of its wheelset, ``most`` what is allowed [ppm]."""
     if hop is None:
         return Status("sensor", "no signal arrives", 0.99)
-    diagnosis = hop.judgement.diagnosis
+    diagnosis = hop.diagnosis
     if diagnosis.verdict == "sensor":
         return Status("sensor", diagnosis.reason, 0.99)
     if below is not None:
         return Status("sensor", f"it hears the rail {below:.0f} dB less than the others", 0.99, below)
     if swapped:
-        return Status("swapped", "the trailing wheelset meets kinks of the rail first: the sensors of this side are swapped", 0.9)
+        return Status("swapped", "the trailing wheelset follows the rail first: the sensors of this side are swapped", 0.9)
     if abs(clock) >= most:
         reason = f"the clocks of the two boxes of the wheelset differ by {abs(clock):.0f} ppm, and one of them is wrong"
         return Status(UNDECIDED, reason, 0.0, abs(clock) / most)
