@@ -28,11 +28,10 @@ from dcrb_ros.schema.parameter_field import ParameterField, wrong_type
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.simulated_time import checked_duration
 from dcrb_ros.settings.files import flatten, parameter_fields, validated
-from dcrb_ros.settings.parameters import COMMANDED
 from dcrb_ros.simulation.scenario import read_scenario_file
 from dcrb_ros.stream.vehicle_description import SIDES
 from dcrb_ros.vehicle.description import Wheel
-from dcrb_ros.vehicle.file import DEFAULT_X, MOST_SLIDING, OF_VEHICLE, layered, read_parameters, vehicle_of
+from dcrb_ros.vehicle.file import DEFAULT_X, MOST_SLIDING, OF_VEHICLE, layered, made_by_vehicle, read_parameters, vehicle_of
 from dcrb_ros.vehicle.scenario import starting_parameters, vehicle_scenario
 from dcrb_ros.vehicle.simulation import VehicleSimulation, simulation_of
 
@@ -173,20 +172,20 @@ class VehicleSimulatorNode(SimulatingNode):
             self.record_detected(topic)
 
     def _take_command(self, name: str, topic: Topic) -> None:
+        def give(data: bytes) -> None:
+            self._source.simulation.command(**{name: topic.decoded(data)})
+
         def take(data: bytes) -> None:
             with self.refusals.suppressed(topic.name):
-                value = decoded_by(topic.name, topic.decoded, data)
-                decoded_by(topic.name, lambda _: self._source.simulation.command(**{name: value}), data)
+                decoded_by(topic.name, give, data)
 
         self.subscribe(topic, take)
 
     def _refuse_command(self, topic: Topic) -> None:
+        what, commands = ("speed", ["speed_kmh"]) if topic.name.endswith(SPEED_COMMAND.name) else ("load", ["curvature", "brake", "wind"])
+        remedy = ", ".join(VEHICLE_COMMANDS[name].name for name in commands)
+
         def refuse(data: bytes) -> None:
-            speed = topic.name.endswith(SPEED_COMMAND.name)
-            remedy = (
-                VEHICLE_COMMANDS["speed_kmh"].name if speed else ", ".join(VEHICLE_COMMANDS[name].name for name in ("curvature", "wind"))
-            )
-            what = "speed" if speed else "load"
             self.refusals.note(topic.name, f"{topic.name} is refused, as the {what} of a box follows from the vehicle: publish on {remedy}")
 
         self.subscribe(topic, refuse)
@@ -221,11 +220,11 @@ class VehicleSimulatorNode(SimulatingNode):
             if wrong:
                 raise Refusal(f"parameters: {key}: {wrong}")
             return
-        _, _, own = key.removeprefix("vehicle.").partition(".")
-        if key.startswith("vehicle.") and key.removeprefix("vehicle.") in VEHICLE_COMMANDS:
-            name = key.removeprefix("vehicle.")
+        group, _, name = key.partition(".")
+        if group == "vehicle" and name in VEHICLE_COMMANDS:
             raise Refusal(f"parameters: {key} changes by the topic {VEHICLE_COMMANDS[name].name}; the parameter is its value at the start")
-        if own.partition(".")[2] in COMMANDED or any(key.startswith(f"{box.name}.operating.") for box in self._vehicle.boxes):
+        box = next((box.name for box in self._vehicle.boxes if key.startswith(f"{box.name}.")), None)
+        if box is not None and made_by_vehicle(key.removeprefix(f"{box}.")):
             topics = ", ".join(topic.name for topic in VEHICLE_COMMANDS.values())
             raise Refusal(f"parameters: {key} follows from the vehicle: publish on {topics}")
         raise Refusal(f"parameters: {key} cannot be set while the node runs: give it at the start")

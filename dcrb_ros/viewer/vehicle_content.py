@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from dcrb_ros.diagnosis.vehicle.detector import BoxBlock, VehicleDetector
-from dcrb_ros.messages.plain import decode_text
 from dcrb_ros.messages.points import decode_waveform
 from dcrb_ros.messages.statuses import Status, decode_diagnostics
 from dcrb_ros.messages.topics import FEATURES, VIBRATION, Topic
@@ -87,9 +86,7 @@ def read_vehicle_content(recording: VehicleRecording) -> VehicleContent:
     received: dict[Topic, list[bytes]] = defaultdict(list)
     for message in recording.messages(shown_topics(recording.boxes)):
         received[message.topic].append(message.data)
-    if not received[VEHICLE_DESCRIPTION]:
-        raise Refusal(f"{recording.path} has no description of the vehicle: give a recording of dcrb simulate or dcrb bench --vehicle")
-    description = VehicleDescription.from_json(decode_text(received[VEHICLE_DESCRIPTION][0]))
+    description = recording.description
     content = content_of(received, description, recording.path.name)
     if not content.waveforms:
         raise Refusal(f"{recording.path} has no waveform of any box: give a recording that contains outer_ring/vibration")

@@ -15,6 +15,7 @@ from dcrb_ros.messages.vehicle import decode_description
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.vehicle_description import VehicleDescription
 from dcrb_ros.viewer.content import TimedWaveform
+from dcrb_ros.viewer.live_run import as_current
 from dcrb_ros.viewer.vehicle_content import VehicleContent, content_of, joined
 from dcrb_ros.viewer.vehicle_document import compose, largest_level, log_vehicle
 
@@ -86,7 +87,7 @@ class VehicleLiveView:
             self._stream = self._begin(self._runs)
             self._stream.send_blueprint(compose(content, live=True))
         self._largest = max(self._largest, largest_level(content))
-        with self._stream:
+        with as_current(self._stream):
             log_vehicle(content, fixed=begins, before=self._recent, largest=self._largest)
         for name, waveform in content.waveforms.items():
             self._recent[name] = recent(self._recent.get(name), waveform)

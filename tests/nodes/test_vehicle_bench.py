@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import signal
+import subprocess
+import sys
 from collections import defaultdict
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +16,8 @@ from ros_bench import GraphClient, domain, environment, node
 from same_process import dcrb
 
 from dcrb_ros.messages.points import decode_vibration
-from dcrb_ros.messages.statuses import Status, decode_diagnostics
-from dcrb_ros.messages.topics import FEATURES, GROUND_TRUTH, ROLLER_STATES, SPEED_COMMAND, VIBRATION, Topic
+from dcrb_ros.messages.statuses import ERROR, Status, decode_diagnostics
+from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, FEATURES, GROUND_TRUTH, ROLLER_STATES, SPEED_COMMAND, VIBRATION, Topic
 from dcrb_ros.messages.topics.vehicle import (
     VEHICLE_COMMANDS,
     VEHICLE_DESCRIPTION,
@@ -219,13 +222,62 @@ def test_a_replay_publishes_all_boxes_with_equal_stamps(vehicle: Path, client: V
     arguments = ["--ros-args", "-p", f"bag:={bag}", "-p", "rate:=0.0"]
     with node("replayer", arguments, environment(number_of(client)), tmp_path / "log") as replayer:
         client.until(lambda: all(len(client.boxes[VIBRATION, box]) == 10 for box in BOXES), "10 blocks of every box")
+        client.until(lambda: len(client.received[VEHICLE_TRUTH]) == 10, "the ground truth of every block")
         assert replayer.process.wait(100) == 0
     for box in BOXES:
         recorded = [block.packed() for block in Recording(bag / box.replace("/", ".")).vibrations()]
         assert [decode_vibration(data).packed() for data in client.boxes[VIBRATION, box]] == recorded
         assert [VIBRATION.stamp(data) for data in client.boxes[VIBRATION, box]] == [20_000_000 * k for k in range(10)]
     assert client.received[VEHICLE_DESCRIPTION]
-    assert len(client.received[VEHICLE_TRUTH]) == 10
+
+
+FAILING = """
+import sys
+from dcrb_ros.nodes.programs import main
+from dcrb_ros.simulation.loop import ModelFailure, Simulation
+original = Simulation.step_to
+def step_to(self, end):
+    if self.configuration.publishing.frame == "axle_2/left/outer_ring" and end > 20000:
+        raise ModelFailure("the model failed on purpose")
+    return original(self, end)
+Simulation.step_to = step_to
+main("vehicle_simulator", sys.argv[1:])
+"""
+
+
+@contextmanager
+def failing(arguments: list[str], env: dict[str, str], log: Path) -> Iterator[subprocess.Popen[bytes]]:
+    """Run the simulator with a box whose model fails."""
+    with log.open("wb") as output:
+        command = [sys.executable, "-c", FAILING, *arguments]
+        process = subprocess.Popen(command, env=env, stdout=output, stderr=subprocess.STDOUT)
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.wait(100)
+
+
+def test_a_box_whose_model_fails_is_silent_and_the_others_go_on(vehicle: Path, client: VehicleClient, tmp_path: Path) -> None:
+    arguments = ["--vehicle", str(vehicle), "--ros-args", "-p", "vehicle.on_failure:=continue", "-p", "time_scale:=0.2"]
+    with failing(arguments, environment(number_of(client)), tmp_path / "log"):
+        client.until(lambda: client.status["silent"] == "axle_2.left", "the report of a silent box")
+        sent = {box: len(client.boxes[VIBRATION, box]) for box in BOXES}
+        client.until(lambda: len(client.boxes[VIBRATION, "axle_1/left"]) > sent["axle_1/left"] + 3, "blocks of the others")
+        assert len(client.boxes[VIBRATION, "axle_2/left"]) == sent["axle_2/left"]
+        truth = client.statuses(VEHICLE_TRUTH)
+        assert (truth["axle_2/left"].level, truth["axle_2/left"].message) == (ERROR, "its model failed: silent")
+        assert decode_diagnostics(client.received[BENCH_DIAGNOSTICS][-1])[1][0].message == "silent: axle_2.left"
+    assert "axle_2.left: the model failed on purpose; this box is silent" in (tmp_path / "log").read_text()
+
+
+def test_a_model_that_fails_ends_the_node_with_a_sentence(vehicle: Path, tmp_path: Path) -> None:
+    arguments = ["--vehicle", str(vehicle), "--ros-args", "-p", "time_scale:=0.0"]
+    with failing(arguments, environment(domain()), tmp_path / "log") as process:
+        assert process.wait(200) == 1
+    output = (tmp_path / "log").read_text()
+    assert "axle_2.left: the model failed on purpose" in output
+    assert "Traceback" not in output
 
 
 @pytest.mark.parametrize(

@@ -9,13 +9,14 @@ from typing import Any
 import numpy.typing as npt
 
 from dcrb_ros.bearing.frequencies import Orders
-from dcrb_ros.diagnosis.demodulation import Band
+from dcrb_ros.diagnosis.demodulation import NYQUIST_SHARE, Band
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.rule import found_lines
 from dcrb_ros.diagnosis.thermal_detector import ThermalFaultDetector
 from dcrb_ros.diagnosis.vehicle.comparison import Judgement
 from dcrb_ros.diagnosis.vehicle.contact import Contact, ContactMonitor
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.diagnosis import Diagnosis
 from dcrb_ros.stream.vehicle_description import BoxDescription
 
@@ -49,7 +50,14 @@ class BoxWatch:
         self.hop = max(1, round(p.hop * rate))
         hops = max(1, round(p.window / p.hop))
         gap = round(min(p.longest_gap, 0.5 * p.hop) * rate)
-        self._monitor = ContactMonitor(rate, self.hop, hops, Band(q.contact_low, min(q.contact_high, 0.45 * rate)), gap, q.event)
+        usable = NYQUIST_SHARE * rate
+        wheel, kink = Band(q.wheel_low, min(q.wheel_high, usable)), Band(q.kink_low, min(q.kink_high, usable))
+        if wheel.low >= wheel.high or kink.low >= kink.high:
+            raise Refusal(
+                f"the bands of wheels and kinks, {q.wheel_low:g} to {q.wheel_high:g} Hz and {q.kink_low:g} to {q.kink_high:g} Hz, are "
+                f"empty below {usable:g} Hz, the usable part of the sampling rate: change them or sample faster"
+            )
+        self._monitor = ContactMonitor(rate, self.hop, hops, (wheel, kink), gap, q.event)
         self._share = parameters.rare
         self._contacts: deque[Contact] = deque(maxlen=4)
         self.hops: deque[BoxHop] = deque()

@@ -9,20 +9,19 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol, TypeAlias
 
-import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.diagnosis.hysteresis import Hysteresis, Suspicion, confidence, least_evidence
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.rule import LEAST_EXCESS
 from dcrb_ros.diagnosis.vehicle.box_watch import BoxHop, BoxWatch
-from dcrb_ros.diagnosis.vehicle.causes import clock_differences, flats, silent_boxes, track
+from dcrb_ros.diagnosis.vehicle.causes import clock_differences, flats, lags, silent_boxes, swapped_sides, track
 from dcrb_ros.diagnosis.vehicle.comparison import NOT_OWN, Compared, Judgement, compare
 from dcrb_ros.diagnosis.vehicle.contact import Contact
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.schema.verdicts import COMPONENTS, TROUBLES, Component, is_alarm
-from dcrb_ros.stream.vehicle_description import SIDES, VehicleDescription
+from dcrb_ros.stream.vehicle_description import VehicleDescription
 from dcrb_ros.stream.vehicle_diagnosis import UNDECIDED, Status, VehicleDiagnosis
 
 Samples: TypeAlias = tuple[int, npt.NDArray[Any], npt.NDArray[Any] | None]
@@ -159,7 +158,8 @@ class VehicleDetector:
         heard = {name: contact for name, contact in contacts.items() if hops[name].diagnosis.verdict != "sensor"}
         quiet = silent_boxes(contacts, q)
         wheels = self._wheels({name: contact for name, contact in heard.items() if name not in quiet})
-        hearing = track(self.description, heard, wheels, q)
+        sides = lags(self.description, heard, q.lag_tolerance)
+        swapped = swapped_sides(sides)
         compared = compare({name: hop.judgement for name, hop in hops.items() if hop.judgement is not None and name not in quiet}, q)
         clocks = clock_differences(self.description, contacts)
         statuses: dict[str, Status] = {}
@@ -169,7 +169,7 @@ class VehicleDetector:
             statuses[f"{name}/bearing"] = self._bearing(name, hop, compared.get(name), quiet)
             statuses[f"{name}/wheel"] = wheels.get(name, Status("waiting", "no turn of the wheel is known yet"))
             clock = clocks.get(self.description.box(name).axle, 0.0)
-            statuses[f"{name}/sensor"] = _sensor(hop, quiet.get(name), self._reversed(name, hearing.reversed_sides), clock, q.clock)
+            statuses[f"{name}/sensor"] = _sensor(hop, quiet.get(name), self.description.box(name).side in swapped, clock, q.clock)
             if hop is not None:
                 indicators |= {f"{name}/{line}": level for line, level in hop.diagnosis.levels.items()}
             for component, evidence in compared.get(name, {}).items():
@@ -180,12 +180,10 @@ class VehicleDetector:
         for axle in self.description.axles:
             if axle.driven:
                 statuses[f"{axle.name}/gear"] = Status("healthy", "no lines of a bearing lie at multiples of the mesh frequency")
-        statuses["track"] = hearing.status
+        statuses["track"] = track(self.description, heard, wheels, q)
         indicators |= {f"{axle}/clock": difference for axle, difference in clocks.items()}
-        for side in SIDES:
-            lags = [passage.lag for passage in hearing.passages if passage.side == side]
-            if lags:
-                indicators[f"{side}/lag"] = float(np.median(lags))
+        for side, lag in sides.items():
+            indicators |= {f"{side}/lag": lag.found, f"{side}/lag/correlation": lag.forward}
         diagnoses = {name: hop.diagnosis for name, hop in hops.items()}
         return VehicleDiagnosis(index, index / self.description.sampling_rate, statuses, indicators, diagnoses)
 
@@ -233,10 +231,6 @@ class VehicleDetector:
         reason = "to be confirmed by the next hop" if verdict == "waiting" else "no lines are both deep enough and its own"
         return Status(verdict, reason, confidence(verdict, [], own) if verdict == "healthy" else 0.0, max(own.values()))
 
-    def _reversed(self, name: str, sides: tuple[str, ...]) -> bool:
-        """Return whether a box is on a side where the trailing wheelset met the kinks first."""
-        return self.description.box(name).side in sides
-
 
 def _reason(component: Component, compared: Mapping[Component, Compared], judgement: Judgement) -> str:
     """Return the evidence for a fault of a component in words."""
@@ -256,7 +250,7 @@ def _sensor(hop: BoxHop | None, below: float | None, swapped: bool, clock: float
     if below is not None:
         return Status("sensor", f"it hears the rail {below:.0f} dB less than the others", 0.99, below)
     if swapped:
-        return Status("swapped", "the trailing wheelset meets kinks of the rail first: the sensors of this side are swapped", 0.9)
+        return Status("swapped", "the trailing wheelset follows the rail first: the sensors of this side are swapped", 0.9)
     if abs(clock) >= most:
         reason = f"the clocks of the two boxes of the wheelset differ by {abs(clock):.0f} ppm, and one of them is wrong"
         return Status(UNDECIDED, reason, 0.0, abs(clock) / most)
