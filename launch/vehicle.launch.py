@@ -12,6 +12,7 @@ from launch import LaunchContext, LaunchDescription
 
 ARGUMENTS = {
     "vehicle": launching.Argument("bogie", "vehicle: a YAML file or a shipped one"),
+    "scenario": launching.Argument("", "a scenario file of the vehicle or a shipped one, such as bogie_ride"),
     "record": launching.Argument("", "folder of a recording; empty for none"),
     "duration": launching.DURATION,
     "time_scale": launching.TIME_SCALE,
@@ -37,8 +38,14 @@ def nodes(context: LaunchContext) -> list[Any]:
     if given["listeners"] is None:
         given["listeners"] = 2 if given["rerun"] else 1
     namespace = given["namespace"]
-    parameters = launching.vehicle_parameters("vehicle", given, PARAMETERS)
-    extra = ["--vehicle", given["vehicle"], *launching.duration_arguments(given["duration"])]
+    scenario = given["scenario"]
+    parameters = launching.vehicle_parameters("vehicle", given, PARAMETERS, scenario)
+    extra = [
+        "--vehicle",
+        given["vehicle"],
+        *(["--scenario", scenario] if scenario else []),
+        *launching.duration_arguments(given["duration"]),
+    ]
     detector = {f"boxes.{key}": value for key, value in launching.detector_parameters(given["detector"]).items()}
     return [
         *launching.suspicions(context, ARGUMENTS),

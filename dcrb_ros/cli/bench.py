@@ -48,17 +48,22 @@ def bench(
     extra = [f"time_scale={time_scale!r}"] if time_scale is not None else []
     extra += [f"recording.path={str(record)!r}"] if record else []
     if vehicle is not None:
-        if config or scenario:
-            raise Refusal("--vehicle names a file with all boxes, and takes no scenario: leave out CONFIG and --scenario")
+        if config:
+            raise Refusal("--vehicle names a file with all boxes: leave out CONFIG")
+        from dcrb_ros.simulation.scenario import read_scenario_file
         from dcrb_ros.vehicle.file import read_parameters, vehicle_of
+        from dcrb_ros.vehicle.scenario import starting_parameters, vehicle_scenario
 
-        boxes = read_parameters(vehicle, [*(settings or ()), *extra])
+        tree = read_scenario_file(scenario) if scenario else None
+        boxes = starting_parameters(tree, read_parameters(vehicle, [*(settings or ()), *extra]), str(scenario))
         described = vehicle_of(boxes, vehicle)
+        if tree is not None:
+            vehicle_scenario(tree, described, str(scenario))
         recorded = described.boxes[0].configuration.recording.path
         with replacing("--record" if record else "recording.path =", Path(recorded), force=force) if recorded else nullcontext():
             from dcrb_ros.nodes.vehicle_bench import run as run_vehicle
 
-            status = run_vehicle(Path(vehicle).stem, boxes, described, detector_parameters(detector), seconds, shown=rerun)
+            status = run_vehicle(Path(vehicle).stem, boxes, described, detector_parameters(detector), seconds, scenario, shown=rerun)
         raise typer.Exit(status)
     if config is None:
         raise Refusal("Missing argument 'CONFIG': give a YAML file or a shipped name, such as healthy, or --vehicle NAME")

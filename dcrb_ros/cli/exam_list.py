@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
-from dcrb_ros.runtime.terminal import console
+from dcrb_ros.runtime.terminal import console, table
 
 if TYPE_CHECKING:
     from dcrb_ros.exam.exam_file import Exam
@@ -23,7 +23,7 @@ def print_scenarios(exam: Exam) -> None:
     rows = list(_cells(exam))
     title = f"{exam.name}: {exam.about}"
     if len(rows) <= LONGEST_TABLE:
-        _print_table(title, rows)
+        console().print(table(title, HEADS, rows))
     else:
         _print_columns(title, rows)
     seconds = sum(case.simulation.duration for case in exam.cases)
@@ -36,15 +36,6 @@ def _cells(exam: Exam) -> Iterable[tuple[str, ...]]:
         name = expectation.name if expectation.required else f"{expectation.name} (not required)"
         onset = f"{expectation.onset:g}" if expectation.faulty else "-"
         yield name, expectation.verdict, onset, f"{expectation.duration:g}", expectation.twin or "-"
-
-
-def _print_table(title: str, rows: Iterable[tuple[str, ...]]) -> None:
-    from rich.table import Table
-
-    table = Table(*HEADS, title=title)
-    for row in rows:
-        table.add_row(*row)
-    console().print(table)
 
 
 def _print_columns(title: str, rows: Sequence[tuple[str, ...]], heads: tuple[str, ...] = HEADS) -> None:

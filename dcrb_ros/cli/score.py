@@ -124,10 +124,10 @@ def score(
 
 
 def _check(given: Sequence[str], rate: float, patience: float, node: str | None, detector: Path | None, reference: bool) -> None:
-    from dcrb_ros.exam.exam_file import shipped_exams
+    from dcrb_ros.settings.shipped import shipped
 
     if not given:
-        raise Refusal(f"there is nothing to score: give an exam ({', '.join(shipped_exams())} or a YAML file), or recordings")
+        raise Refusal(f"there is nothing to score: give an exam ({', '.join(shipped('exam'))} or a YAML file), or recordings")
     if not (math.isfinite(rate) and 0.0 <= rate <= 1000.0):
         raise Refusal(f"--rate {rate} is outside 0 .. 1000: give 0 for as fast as the node answers, 1 for the recorded speed")
     if not (math.isfinite(patience) and 0.0 < patience <= 3600.0):
@@ -176,9 +176,9 @@ def _check_python(python: str | None, node: str | None, detector: Path | None, r
 def _is_recording(path: Path) -> bool:
     """Return whether a path is read as a recording; one that does not exist, or a folder of an exam's name without any, is an exam."""
     if path.is_dir():
-        from dcrb_ros.exam.exam_file import shipped_exams
+        from dcrb_ros.settings.shipped import shipped
 
-        return str(path) not in shipped_exams() or any(path.glob("*.mcap"))
+        return str(path) not in shipped("exam") or any(path.glob("*.mcap"))
     return path.suffix == ".mcap" or (path.is_file() and path.suffix not in (".yaml", ".yml"))
 
 

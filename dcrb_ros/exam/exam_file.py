@@ -26,7 +26,7 @@ from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.schema.verdicts import FAULT_CLASSES, FaultClass
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import fields_by_key, flatten, layered, read_parameters, validated
-from dcrb_ros.settings.shipped import find_configuration, find_shipped, shipped
+from dcrb_ros.settings.shipped import find_configuration, find_shipped
 from dcrb_ros.simulation.scenario import ScheduledChange, read_scenario_file, scheduled_changes, starting_configuration
 from dcrb_ros.text.yaml import read_yaml
 
@@ -107,11 +107,6 @@ class Exam:
     """Hash that was published before the exam was held; empty if it was not sealed."""
     replica: ReplicaOrigin | None = None
     """Origin of a replica; None of any other exam."""
-
-
-def shipped_exams() -> dict[str, Path]:
-    """Return the shipped exams by name."""
-    return shipped("exam")
 
 
 def read_exam(source: str | Path) -> Exam:

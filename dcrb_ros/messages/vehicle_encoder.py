@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.plain import encode_text
 from dcrb_ros.messages.topic import Message, Topic
-from dcrb_ros.messages.topics import GROUND_TRUTH, SENSOR, SIMULATED, TRANSFORMS
+from dcrb_ros.messages.topics import SIMULATED, TRANSFORMS
 from dcrb_ros.messages.topics.sensor import repeats_with
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_STATE, VEHICLE_TRANSFORM, VEHICLE_TRUTH
 from dcrb_ros.messages.vehicle import Pose, box_path, encode_frames, encode_pose, encode_state, encode_vehicle_truth
@@ -26,13 +26,8 @@ def box_topics(name: str) -> dict[Topic, Topic]:
 
 def simulated_topics(vehicle: Vehicle) -> tuple[Topic, ...]:
     """Return all topics of a simulated vehicle, those of its boxes first."""
-    boxes = [topic for box in vehicle.boxes for plain, topic in box_topics(box.name).items() if _enabled(plain, vehicle, box.name)]
+    boxes = [topic.below(box_path(box.name)) for box in vehicle.boxes for topic in SIMULATED if topic.enabled(box.configuration)]
     return (*boxes, *BESIDE)
-
-
-def _enabled(topic: Topic, vehicle: Vehicle, name: str) -> bool:
-    configuration = next(box.configuration for box in vehicle.boxes if box.name == name)
-    return next(simulated.enabled(configuration) for simulated in SIMULATED if simulated == topic)
 
 
 class VehicleEncoder:
@@ -69,6 +64,3 @@ class VehicleEncoder:
 
     def _below(self, name: str, message: Message) -> Message:
         return Message(self._topics[name][message.topic], message.time_ns, message.data)
-
-
-__all__ = ["BESIDE", "GROUND_TRUTH", "SENSOR", "VehicleEncoder", "box_topics", "simulated_topics"]

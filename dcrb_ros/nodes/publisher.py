@@ -9,6 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.topics import Message, Topic
+from dcrb_ros.nodes.ros import installed
+
+OPTIONAL = "tf2_msgs"
+"""Package of messages that PyPI does not have."""
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -31,16 +35,15 @@ def message_class(topic: Topic) -> type[Any]:
 
 
 class Publisher:
-    """A sink that publishes on topics of a node, except those whose package of messages is not installed, such as tf2_msgs."""
+    """A sink that publishes on topics of a node; without the package `OPTIONAL`, transforms are left out."""
 
     def __init__(self, node: Node, topics: Iterable[Topic]) -> None:
         from dcrb_ros.nodes.qos_overrides import overridable
-        from dcrb_ros.nodes.ros import installed
 
         self._node = node
         # Latched topics last: who has received one of their messages has discovered the publishers of the others.
         ordered = sorted(topics, key=lambda topic: topic.latched)
-        self._absent = {topic for topic in ordered if not installed(topic.type.split("/")[0])}
+        self._absent = {topic for topic in ordered if topic.type.startswith(OPTIONAL) and not installed(OPTIONAL)}
         self._publishers: dict[Topic, Any] = {
             topic: node.create_publisher(message_class(topic), topic.name, qos(topic), qos_overriding_options=overridable())
             for topic in ordered

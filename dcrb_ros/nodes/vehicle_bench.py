@@ -90,18 +90,23 @@ def run(
     vehicle: Vehicle,
     box_parameters: DetectorParameters,
     duration: float,
+    scenario: Path | None = None,
     *,
     shown: bool = False,
 ) -> int:
-    """Run the bench of a vehicle, given by its ``parameters`` by dotted keys, for ``duration`` [s]; return the exit status."""
+    """Run the bench of a vehicle, given by its ``parameters`` by dotted keys, for ``duration`` [s]; return the exit status.
+
+    The ``parameters`` are those at the start of the ``scenario``, if one is given.
+    """
     configuration = vehicle.boxes[0].configuration
     about = (
         f"bench '{name}': {len(vehicle.boxes)} axle boxes and the detector that compares them as ROS 2 nodes in {NAMESPACE}, "
         f"{duration:g} s at time scale {configuration.time_scale:g}"
     )
     least = configuration.publishing.listeners
+    arguments = ["--duration", repr(duration), *(["--scenario", str(scenario)] if scenario else [])]
     nodes = Nodes(
-        ("vehicle_simulator", ["--duration", repr(duration)]),
+        ("vehicle_simulator", arguments),
         lambda listeners: {**parameters, "publishing.listeners": max(least, listeners)},
         ("vehicle_detector", VehicleDetectorSettings(boxes=box_parameters)),
         ("viewer", ["--vehicle"]) if shown else None,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -28,16 +28,22 @@ from dcrb_ros.schema.parameter_field import ParameterField, wrong_type
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.simulated_time import checked_duration
 from dcrb_ros.settings.files import flatten, parameter_fields, validated
-from dcrb_ros.settings.parameters import COMMANDED
+from dcrb_ros.simulation.scenario import read_scenario_file
 from dcrb_ros.stream.vehicle_description import SIDES
-from dcrb_ros.vehicle.description import Vehicle
-from dcrb_ros.vehicle.file import DEFAULT_X, OF_VEHICLE, layered, read_parameters, vehicle_of
-from dcrb_ros.vehicle.simulation import VehicleSimulation
+from dcrb_ros.vehicle.description import Wheel
+from dcrb_ros.vehicle.file import DEFAULT_X, MOST_SLIDING, OF_VEHICLE, layered, made_by_vehicle, read_parameters, vehicle_of
+from dcrb_ros.vehicle.scenario import starting_parameters, vehicle_scenario
+from dcrb_ros.vehicle.simulation import VehicleSimulation, simulation_of
 
 OF_BOX = tuple(
     field for field in parameter_fields() if field.run_time and field.key != "time_scale" and field.key.partition(".")[0] not in OF_VEHICLE
 )
 """Parameters of a box that can be set while the node runs."""
+OF_WHEEL = tuple(parameter_fields(Wheel, "wheel."))
+"""Parameters of the wheel under a box, all of which can be set while the node runs."""
+SLIDE = ParameterField(
+    "slide", float, 0.0, 0.0, MOST_SLIDING, "-", "", "Share by which the wheelset turns slower than it rolls", "0 lets it roll", True
+)
 TIME_SCALE = next(field for field in parameter_fields() if field.key == "time_scale")
 BEHIND = "behind real time: lower time_scale to the real_time_factor"
 
@@ -45,14 +51,14 @@ BEHIND = "behind real time: lower time_scale to the real_time_factor"
 class VehicleSource:
     """The simulation of a vehicle as a source of bundles: the blocks of all its boxes in one bundle."""
 
-    def __init__(self, vehicle: Vehicle, duration: float | None, gate: Gate) -> None:
-        self._vehicle, self._duration, self._gate = vehicle, duration, gate
+    def __init__(self, begin: Callable[[], VehicleSimulation], duration: float | None, gate: Gate) -> None:
+        self._begin, self._duration, self._gate = begin, duration, gate
 
     def start(self) -> list[Message]:
         """Set up the vehicle at simulated time 0."""
-        self.simulation = VehicleSimulation(self._vehicle)
+        self.simulation = self._begin()
         bodies = {name: box.bodies for name, box in self.simulation.simulations.items()}
-        self._encoder = VehicleEncoder(self._vehicle, bodies)
+        self._encoder = VehicleEncoder(self.simulation.vehicle, bodies)
         return self._encoder.start()
 
     def bundles(self) -> Generator[Bundle, None, None]:
@@ -67,13 +73,16 @@ class VehicleSource:
 class VehicleSimulatorNode(SimulatingNode):
     """Publishes and records the boxes of a vehicle; accepts commands to the vehicle, parameters of its boxes and service calls."""
 
-    def __init__(self, duration: float | None, source: str | None, parameters: Mapping[str, Any] | None = None) -> None:
+    def __init__(
+        self, duration: float | None, source: str | None, scenario: Path | None = None, parameters: Mapping[str, Any] | None = None
+    ) -> None:
         """Prepare ``duration`` of simulated time [s], endless without one, of the vehicle ``source``, a file or a shipped name.
 
-        The ``parameters`` by dotted keys are by default those of ``source`` with those given to the node by ROS on top.
+        The ``parameters`` by dotted keys are by default those of ``source`` with those given to the node by ROS, and at the start of the
+        ``scenario``, on top.
 
         Raises:
-            Refusal: there is no such vehicle, or a parameter is invalid.
+            Refusal: there is no such vehicle or scenario, or a parameter is invalid.
         """
         super().__init__("vehicle_simulator")
         overrides: Mapping[str, Any] = self.get_parameters_by_prefix("")
@@ -81,13 +90,20 @@ class VehicleSimulatorNode(SimulatingNode):
         if parameters is None and source is None and not given:
             raise Refusal("there is no vehicle: give --vehicle with a YAML file or a shipped name, such as bogie")
         base = read_parameters(source) if source is not None else {}
-        self._tree = dict(parameters) if parameters is not None else layered(base, given)
-        self._vehicle = vehicle_of(self._tree, source or "parameters")
+        name, changes = source or "parameters", read_scenario_file(scenario) if scenario else None
+        self._tree = starting_parameters(changes, parameters if parameters is not None else layered(base, given), str(scenario))
+
+        def simulation() -> VehicleSimulation:
+            return simulation_of(self._tree, name, changes, str(scenario))
+
+        self._vehicle = vehicle_of(self._tree, name)
+        if changes is not None:
+            vehicle_scenario(changes, self._vehicle, str(scenario))
         self._silent: set[str] = set()
         self._declare_run_time()
 
         def begin(gate: Gate) -> VehicleSource:
-            self._source = VehicleSource(self._vehicle, duration, gate)
+            self._source = VehicleSource(simulation, duration, gate)
             return self._source
 
         self.assemble(
@@ -110,8 +126,11 @@ class VehicleSimulatorNode(SimulatingNode):
         self._fields = {"time_scale": TIME_SCALE}
         for box in self._vehicle.boxes:
             present = flatten(box.configuration.model_dump())
-            self._fields |= {f"{box.name}.{field.key}": field for field in OF_BOX}
-            values |= {f"{box.name}.{field.key}": present[field.key] for field in OF_BOX}
+            present |= {f"wheel.{key}": value for key, value in box.wheel.model_dump().items()}
+            self._fields |= {f"{box.name}.{field.key}": field for field in (*OF_BOX, *OF_WHEEL)}
+            values |= {f"{box.name}.{field.key}": present[field.key] for field in (*OF_BOX, *OF_WHEEL)}
+        for axle in self._vehicle.axles:
+            self._fields[f"{axle.name}.slide"], values[f"{axle.name}.slide"] = SLIDE, axle.slide
         for key, field in self._fields.items():
             self.declare_field(key, field, values[key])
 
@@ -153,20 +172,20 @@ class VehicleSimulatorNode(SimulatingNode):
             self.record_detected(topic)
 
     def _take_command(self, name: str, topic: Topic) -> None:
+        def give(data: bytes) -> None:
+            self._source.simulation.command(**{name: topic.decoded(data)})
+
         def take(data: bytes) -> None:
             with self.refusals.suppressed(topic.name):
-                value = decoded_by(topic.name, topic.decoded, data)
-                decoded_by(topic.name, lambda _: self._source.simulation.command(**{name: value}), data)
+                decoded_by(topic.name, give, data)
 
         self.subscribe(topic, take)
 
     def _refuse_command(self, topic: Topic) -> None:
+        what, commands = ("speed", ["speed_kmh"]) if topic.name.endswith(SPEED_COMMAND.name) else ("load", ["curvature", "brake", "wind"])
+        remedy = ", ".join(VEHICLE_COMMANDS[name].name for name in commands)
+
         def refuse(data: bytes) -> None:
-            speed = topic.name.endswith(SPEED_COMMAND.name)
-            remedy = (
-                VEHICLE_COMMANDS["speed_kmh"].name if speed else ", ".join(VEHICLE_COMMANDS[name].name for name in ("curvature", "wind"))
-            )
-            what = "speed" if speed else "load"
             self.refusals.note(topic.name, f"{topic.name} is refused, as the {what} of a box follows from the vehicle: publish on {remedy}")
 
         self.subscribe(topic, refuse)
@@ -201,19 +220,20 @@ class VehicleSimulatorNode(SimulatingNode):
             if wrong:
                 raise Refusal(f"parameters: {key}: {wrong}")
             return
-        _, _, own = key.removeprefix("vehicle.").partition(".")
-        if key.startswith("vehicle.") and key.removeprefix("vehicle.") in VEHICLE_COMMANDS:
-            name = key.removeprefix("vehicle.")
+        group, _, name = key.partition(".")
+        if group == "vehicle" and name in VEHICLE_COMMANDS:
             raise Refusal(f"parameters: {key} changes by the topic {VEHICLE_COMMANDS[name].name}; the parameter is its value at the start")
-        if own.partition(".")[2] in COMMANDED or any(key.startswith(f"{box.name}.operating.") for box in self._vehicle.boxes):
+        box = next((box.name for box in self._vehicle.boxes if key.startswith(f"{box.name}.")), None)
+        if box is not None and made_by_vehicle(key.removeprefix(f"{box}.")):
             topics = ", ".join(topic.name for topic in VEHICLE_COMMANDS.values())
             raise Refusal(f"parameters: {key} follows from the vehicle: publish on {topics}")
         raise Refusal(f"parameters: {key} cannot be set while the node runs: give it at the start")
 
     def update_parameters(self) -> None:
         """Set the node's parameters to those of the running boxes, which a reset may have changed."""
-        changed = []
-        for name, simulation in self._source.simulation.simulations.items():
+        running = self._source.simulation
+        changed = [Parameter(key, value=value) for key, value in running.worn().items() if self.get_parameter(key).value != value]
+        for name, simulation in running.simulations.items():
             if simulation.has_pending:
                 continue
             present = flatten(simulation.configuration.model_dump())
@@ -230,9 +250,10 @@ def run(arguments: list[str], parameters: Mapping[str, Any] | None = None) -> in
     parser = argparse.ArgumentParser(prog="vehicle_simulator", description="The axle boxes of a simulated vehicle as a ROS 2 node.")
     parser.add_argument("--vehicle", default=None, help="the vehicle: a YAML file or a shipped name, such as bogie")
     parser.add_argument("--duration", type=float, default=None, help="simulated time after which the node ends [s]")
+    parser.add_argument("--scenario", type=Path, default=None, help="timeline of the vehicle and its boxes in simulated time (YAML)")
     options = own_arguments(parser, arguments)
     duration = None if options.duration is None else checked_duration(options.duration)
-    return run_node(lambda: VehicleSimulatorNode(duration, options.vehicle, parameters), arguments)
+    return run_node(lambda: VehicleSimulatorNode(duration, options.vehicle, options.scenario, parameters), arguments)
 
 
 if __name__ == "__main__":

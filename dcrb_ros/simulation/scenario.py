@@ -15,7 +15,7 @@ from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import changed, flatten
 from dcrb_ros.settings.parameters import COMMANDED
 from dcrb_ros.settings.shipped import find_shipped
-from dcrb_ros.settings.vehicle_speed import FASTEST_KMH, SPEED, SPEED_KMH, shaft_speed
+from dcrb_ros.settings.vehicle_speed import SPEED, SPEED_KMH, WHEEL_DIAMETER
 from dcrb_ros.stream.events import ScenarioEvent
 from dcrb_ros.text.yaml import read_yaml
 
@@ -121,12 +121,12 @@ def _values(tree: Mapping[Any, Any], configuration: Configuration, source: str) 
     values = {str(key): value for key, value in flatten(tree).items()}
     if SPEED_KMH not in values:
         return values
-    kmh = values.pop(SPEED_KMH)
     if SPEED in values:
         raise Refusal(f"{source}: it sets {SPEED} and {SPEED_KMH}; give one of them")
-    if isinstance(kmh, bool) or not isinstance(kmh, (int, float)) or not abs(kmh) <= FASTEST_KMH:
-        raise Refusal(f"{source}: {SPEED_KMH} = {kmh!r} km/h is not a number within {-FASTEST_KMH:g} .. {FASTEST_KMH:g} km/h")
-    return {SPEED: shaft_speed(float(kmh), configuration.operating.wheel_diameter), **values}
+    vehicle = {key: values[key] for key in (SPEED_KMH, WHEEL_DIAMETER) if key in values}
+    speed = changed(configuration, vehicle, source).operating.speed
+    # In a configuration, 0 km/h stands for no speed in km/h. In a scenario, the vehicle stops.
+    return {SPEED: speed if values.pop(SPEED_KMH) else 0.0, **values}
 
 
 def scheduled_changes(tree: Any, configuration: Configuration, source: str) -> list[ScheduledChange]:

@@ -154,6 +154,7 @@ def vehicle_of(flat: Mapping[str, Any], source: str) -> Vehicle:
         for what, here, there in (
             ("simulation.step", first.step_rate, box.configuration.step_rate),
             ("sensor.sampling_rate", first.sensor.sampling_rate, box.configuration.sensor.sampling_rate),
+            ("thermal.acceleration", first.thermal.acceleration, box.configuration.thermal.acceleration),
             ("publishing.block_size", first.publishing.block_size, box.configuration.publishing.block_size),
         ):
             if here != there:

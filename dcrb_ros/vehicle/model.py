@@ -106,6 +106,7 @@ class VehicleModel:
         self.rate = vehicle.boxes[0].configuration.step_rate
         self._interval = TICK / self.rate
         self._rails = Rails(vehicle.track)
+        self._sides = [[box.side for box in vehicle.boxes if box.axle == p] for p in range(len(vehicle.axles))]
         self._wheels = [WheelSurface(vehicle, box) for box in vehicle.boxes]
         self._curvature = [
             Random(f"{vehicle.track.seed}/rail/{side}", 0.005, lambda w: roughness(vehicle.track.roughness)(w) * w**4)
@@ -270,9 +271,13 @@ class VehicleModel:
         self._speed, self._place, self._angle = float(speed[-1]), float(place[-1]), angle[:, -1].copy()
         self._rolled += 1
         inputs = np.zeros((TICKS + 1, self._track_system[0].shape[1]))
+        rails = {
+            (p, side): rail
+            for p, axle in enumerate(vehicle.axles)
+            for side, rail in zip(self._sides[p], self._rails.displacements(place + axle.x, self._sides[p]), strict=True)
+        }
         for j, box in enumerate(vehicle.boxes):
-            axle = vehicle.axles[box.axle]
-            rail = self._rails.displacement(place + axle.x, box.side)
+            axle, rail = vehicle.axles[box.axle], rails[box.axle, box.side]
             turning = speed * (1.0 + creep[box.axle])
             inputs[:, j] = rail + self._wheels[j].displacement(angle[box.axle], float(turning[0]))
             if self._unbalanced:
@@ -298,8 +303,9 @@ class VehicleModel:
                 cause = "slide" if wanted > 0.0 else "slide_end"
                 events.append(TrackEvent(time, place + axle.x, axle.name, cause, wanted * float(speed[0])))
                 self._slid[p] = wanted
-            self._slide[p] = present + max(-step, min(step, wanted - present))
-            creep[p] = axle.creep - (present + (self._slide[p] - present) * shares)
+            change = max(-step, min(step, wanted - present))
+            self._slide[p] = present + change
+            creep[p] = axle.creep - (present + (self._slide[p] - present) * shares) if change else axle.creep - present
         return events, creep
 
     def _add_contacts(self, now: _Rolling, motion: Floats, first: int) -> list[TrackEvent]:

@@ -26,6 +26,7 @@ from dcrb_ros.stream.block import Block
 from dcrb_ros.vehicle.changes import RANGES, VehicleChanges, checked_command, sorted_changes
 from dcrb_ros.vehicle.description import Vehicle
 from dcrb_ros.vehicle.file import vehicle_of
+from dcrb_ros.vehicle.heat import VehicleHeat
 from dcrb_ros.vehicle.model import FRAME, Plan, TrackEvent, VehicleModel
 from dcrb_ros.vehicle.scenario import PREFIX, VehicleScenario, vehicle_scenario
 
@@ -178,8 +179,14 @@ class VehicleSimulation:
         self._planned = 0
         self._upcoming = self._plan_next()
         self._drives = [GuidedDrive(box.configuration) for box in vehicle.boxes]
+        self._heat = VehicleHeat(vehicle)
         self.simulations = {
-            box.name: Simulation(box.configuration, self.scenario.boxes.get(box.name, ()), drive=drive)
+            box.name: Simulation(
+                box.configuration,
+                self.scenario.boxes.get(box.name, ()),
+                drive=drive,
+                surroundings=self._heat.at_start(box, vehicle.journey.wind),
+            )
             for box, drive in zip(vehicle.boxes, self._drives, strict=True)
         }
         """The simulation of each box."""
@@ -327,6 +334,14 @@ class VehicleSimulation:
             connected[box.name] = replace(block, **{name: getattr(other, name) for name in MEASURED})
         return connected
 
+    def worn(self) -> dict[str, Any]:
+        """Return the parameters of wheels and the slides by their keys, as `change` takes them; those that are pending are left out."""
+        with self._lock:
+            pending = {key for key, _ in self._pending}
+        wheels = {f"{name}.wheel.{key}": value for name, wheel in self._wheels.items() for key, value in wheel.model_dump().items()}
+        slides = {f"{axle.name}.slide": float(self._model.slides[p]) for p, axle in enumerate(self.vehicle.axles)}
+        return {key: value for key, value in (wheels | slides).items() if key not in pending}
+
     @property
     def silent(self) -> Mapping[str, str]:
         """Boxes whose model failed, and why."""
@@ -343,6 +358,9 @@ class VehicleSimulation:
     def _begin_frame(self, pool: ThreadPoolExecutor) -> _Stepping:
         """Let the bearings step the planned frame, and plan the next one meanwhile."""
         plan = self._upcoming
+        around = self._heat.surroundings(plan.speed, self._commanded["wind"], self._commanded["brake"], self.simulations)
+        for name, surroundings in around.items():
+            self.simulations[name].surround(surroundings)
         for box, drive, load in zip(self.vehicle.boxes, self._drives, plan.load, strict=True):
             drive.speed, drive.load = float(plan.shaft_speed[box.axle]), load
         self._steps += FRAME

@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -156,10 +156,18 @@ class Rails:
 
     def displacement(self, place: Floats, side: int) -> Floats:
         """Return the height of the left (1) or right (-1) rail at places [m]."""
+        return self.displacements(place, (side,))[0]
+
+    def displacements(self, place: Floats, sides: Sequence[int]) -> list[Floats]:
+        """Return the heights of rails at places [m]; both rails share the irregularity."""
+        both = tuple(part.at(place) for part in self._irregularity) if self._irregularity is not None else None
+        return [self._displacement(place, side, both) for side in sides]
+
+    def _displacement(self, place: Floats, side: int, both: tuple[Floats, ...] | None) -> Floats:
         height = self._rough[0 if side > 0 else 1].at(place)
-        if self._irregularity is not None:
-            vertical, cross = self._irregularity
-            height += vertical.at(place) + side * cross.at(place)
+        if both is not None:
+            vertical, cross = both
+            height += vertical + side * cross
         if self._corrugation is not None and self._corrugation[2] == SIDES[0 if side > 0 else 1]:
             wavelength, amplitude, _ = self._corrugation
             height += amplitude * np.sin(2.0 * math.pi / wavelength * place)
