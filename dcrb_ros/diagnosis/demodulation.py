@@ -28,8 +28,11 @@ TAPER = 0.2
 """Share of a band's width taken by its two edges [-]: steep enough to separate the bands, smooth enough not to ring."""
 OVERSAMPLING = 2
 """Samples of an envelope per width of its band: the squared envelope is twice as wide as the band."""
-LARGEST_GAIN = 1e-12
-"""Least local mean of the power relative to its largest up to which a spectrum is whitened [-]: single precision has no more."""
+LARGEST_LIFT = 30.0
+"""Level below the loudest part of the bands from which on whitening lifts a part of the spectrum less [dB].
+
+A slow bearing has such parts above the frequencies of its waves. Nothing is left there but the faint strikes of healthy rollers at the edge
+of the load zone, which must not count as much as the loud parts."""
 
 QUARTERS = 4
 """Parts of the detector's band in which levels are compared."""
@@ -106,6 +109,7 @@ class Demodulator:
         counts = [fft.next_fast_len(OVERSAMPLING * len(bins)) for bins in self._bins]
         gains = [2.0 * count / self._length * tukey(len(bins), TAPER) for bins, count in zip(self._bins, counts, strict=True)]
         self._gains = [gain.astype(np.float32) for gain in gains]
+        self._range = slice(min(bins.start for bins in self._bins), max(bins.stop for bins in self._bins))
         self._positions = [np.arange(count, dtype=np.float64) * (self._length / count) for count in counts]
         self._width = max(3, round(whitening * self._length / rate)) if whitening > 0.0 else 0
 
@@ -136,9 +140,14 @@ class Demodulator:
         return envelopes
 
     def _whitening_gain(self, power: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
-        """Return the gain that makes the local mean of a power spectrum equal everywhere, shape (frequencies,)."""
+        """Return the gain that makes the local mean of a power spectrum equal wherever it is not quiet, shape (frequencies,).
+
+        With the local mean P and the level Q that is `LARGEST_LIFT` below its largest, it is 1 / sqrt(P) / (1 + Q / P), as of a Wiener
+        filter that takes Q for noise.
+        """
         local = uniform_filter1d(power.astype(np.float64), self._width, mode="nearest")
-        return np.asarray(1.0 / np.sqrt(np.maximum(local, max(LARGEST_GAIN * float(local.max()), np.finfo(np.float32).tiny))), np.float32)
+        quiet = max(10.0 ** (-LARGEST_LIFT / 10.0) * float(local[self._range].max()), float(np.finfo(np.float32).tiny))
+        return np.asarray(np.sqrt(np.maximum(local, 0.0)) / (local + quiet), np.float32)
 
     def _envelope(self, part: npt.NDArray[Any], gain: npt.NDArray[np.float32], count: int) -> Floats:
         """Return the squared magnitude of the analytic signals with that spectrum at ``count`` samples, summed over the columns."""

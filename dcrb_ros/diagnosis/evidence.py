@@ -23,13 +23,18 @@ AVERAGED_HOPS = 4
 """Hops over which levels are averaged: their mean scatters by less than a decibel."""
 BESIDE = 4.0
 """Orders of a spectrum beyond the highest line that are searched [-]: four neighbourhoods of the local mean."""
+QUIET = 40.0
+"""Power of a band below that of the loudest one from which it is no evidence [dB]: accelerometers are linear within 1 %, so that a quieter
+band holds products of the loud ones."""
+LEAST_SHARE = 0.03
+"""Power of a band over that of the detector's band below which it is no evidence [-].
+
+Impacts of a defect excite a structure at all frequencies. Healthy rollers strike the raceway, too, where they enter the load zone. These
+strikes have up to a hundredth of the power."""
 REFIT = 0.003
 """Relative change of the order of a family when the lines of another one are left out [-]."""
 MOST_COVERED = 0.5
 """Share of the values of a hump that lines of another family may cover [-]: a median ignores less than half of the values."""
-QUIET = 40.0
-"""Power of a band below that of the loudest one from which it is no evidence [dB]: accelerometers are linear within 1 %, so that a quieter
-band holds products of the loud ones."""
 LEAST_SIGNAL = 0.03
 """Power of a signal relative to the noise that is taken where less is left [-]: the scatter of the noise of a hop."""
 SAME_SPEED = 0.03
@@ -64,6 +69,14 @@ class BandEvidence:
     def at(self, lines: npt.ArrayLike) -> Floats:
         """Return the squared modulation depth of ``lines`` [orders] without the noise, same shape; 0 above the range searched [-]."""
         return self._search.search.at(lines, self._number)
+
+    def largest(self, lines: npt.ArrayLike) -> Floats:
+        """Return the squared modulation depth of ``lines`` [orders] with noise and harmonics of the shaft, same shape [-]."""
+        return np.square(self.spectrum.lines(lines) / self.spectrum.mean) if self.spectrum.mean > 0.0 else np.zeros(np.shape(lines))
+
+    def noise(self, lines: npt.ArrayLike) -> Floats:
+        """Return the squared modulation depth up to which each of ``lines`` [orders] is noise, same shape [-]."""
+        return self._search.search.noise(lines, self._number)
 
     def hump(self, order: float) -> LineFamily:
         """Return the most significant hump near an ``order``, a line that wanders; `NO_LINES` without one."""
@@ -140,9 +153,10 @@ class Evidence:
 
     @cached_property
     def loud(self) -> Sequence[BandEvidence]:
-        """The bands that are not too quiet beside the loudest one to tell anything about the bearing."""
+        """The bands that are not too quiet beside the loudest one, nor beside that of the detector, to tell anything about the bearing."""
         least = max(band.spectrum.mean for band in self.bands) * 10.0 ** (-QUIET / 10.0)
-        return [band for band in self.bands if band.spectrum.mean >= least]
+        within = max(least, LEAST_SHARE * max((band.spectrum.mean for band in self.bands if band.band == self.whole), default=0.0))
+        return [band for band in self.bands if band.spectrum.mean >= (within if band.band.low >= self.whole.low else least)]
 
     def of_band(self, band: Band | None) -> BandEvidence | None:
         """Return the evidence of a band, or none."""

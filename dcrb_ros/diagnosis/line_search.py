@@ -150,6 +150,11 @@ class LineSearch:
         near = np.clip(np.rint(wanted / self.step).astype(np.int64), 0, len(self.orders) - 1)
         return np.asarray(np.where(wanted < self.orders[-1], self._values[near, len(self.spectra) + number], 0.0), np.float64)
 
+    def noise(self, lines: npt.ArrayLike, number: int = 0) -> Floats:
+        """Return the squared depth up to which each of ``lines`` [orders] of one of the spectra is noise, same shape [-]."""
+        near = np.clip(np.rint(np.asarray(lines, np.float64) / self.step).astype(np.int64), 0, len(self.orders) - 1)
+        return np.asarray(NOISE_FLOOR * self.local_mean[number, near], np.float64)
+
     def best(self, comb: Comb, slip: float) -> LineFamily:
         """Return the strongest family of the first spectrum; see `families`."""
         return self.families(comb, slip)[0]

@@ -14,7 +14,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any, NoReturn
 
-NAMES = ("simulator", "replayer", "fault_detector", "hot_box_detector", "viewer")
+NAMES = ("simulator", "vehicle_simulator", "replayer", "fault_detector", "vehicle_detector", "hot_box_detector", "viewer")
 WITH_PARENT = "--with-parent"
 """Option of `python -m dcrb_ros.nodes` that ends the node with its parent process."""
 
@@ -60,6 +60,11 @@ def simulator() -> None:
     main("simulator", sys.argv[1:])
 
 
+def vehicle_simulator() -> None:
+    """Simulate the axle boxes of a vehicle."""
+    main("vehicle_simulator", sys.argv[1:])
+
+
 def replayer() -> None:
     """Replay a recording."""
     main("replayer", sys.argv[1:])
@@ -68,6 +73,11 @@ def replayer() -> None:
 def fault_detector() -> None:
     """Run the fault detector."""
     main("fault_detector", sys.argv[1:])
+
+
+def vehicle_detector() -> None:
+    """Run the detector that compares the axle boxes of a vehicle."""
+    main("vehicle_detector", sys.argv[1:])
 
 
 def hot_box_detector() -> None:

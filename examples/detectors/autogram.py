@@ -20,7 +20,7 @@ def autocorrelation(envelope, first):
 
 
 def kurtosis_of(correlation):
-    """Return sum (R - min R)^4 / (sum (R - min R)^2)^2, times the number of lags (Moshrefzadeh and Fasana 2018, Eq. 8) [-]."""
+    """Return sum (R - min R)^4 / (sum (R - min R)^2)^2, times the number of lags (Moshrefzadeh and Fasana 2018) [-]."""
     above = (correlation - correlation.min()) ** 2
     return len(above) * np.sum(above**2) / np.sum(above) ** 2
 

@@ -11,7 +11,7 @@ def cyclic_coherence(acceleration, angle, rate):
     """Return |gamma|^2 of shape (carriers, orders), and the revolutions of the window [-].
 
     gamma(f, alpha) = F_t |X(f, t)|^2 / mean_t |X(f, t)|^2, with X the short-time Fourier transform by Hann windows, an eighth apart. The
-    division whitens the carriers. This is the cyclic modulation spectrum (Antoni 2007; Antoni, Xin and Hamzaoui 2017); it
+    division whitens the carriers. This is a normalised cyclic modulation spectrum (Antoni, Xin and Hamzaoui 2017); it
     contains modulation up to the width of a carrier band. The power of each carrier is averaged over equal steps of the shaft angle.
     """
     width = max(int(rate / max(RESOLUTION, rate / 64.0)), 16)

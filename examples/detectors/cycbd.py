@@ -24,7 +24,7 @@ def cyclostationarity(acceleration, turns, order):
 
     The filter h maximises ICS2 = sum_k |mean(|s|^2 exp(-2 pi j k order turns))|^2 / mean(|s|^2)^2 of its output s = X h, k = 0 .. CYCLES.
     With the periodic part P of |s|^2 over its mean as weights, it is the largest eigenvector of X^T diag(P) X h = lambda X^T X h; weights
-    and filter are found in turn (Buzzoni et al. 2018, Eqs. 22 to 28).
+    and filter are found in turn (Buzzoni et al. 2018).
     """
     lagged = np.lib.stride_tricks.sliding_window_view(acceleration, TAPS)
     phase = np.exp(-2j * np.pi * order * turns[TAPS - 1 :][:, None] * np.arange(1, CYCLES + 1))

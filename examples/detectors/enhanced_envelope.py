@@ -1,4 +1,4 @@
-"""The enhanced envelope spectrum: cyclic coherence integrated over all carriers (Antoni 2007; Abboud and Antoni 2017)."""
+"""The enhanced envelope spectrum: cyclic coherence integrated over all carriers (Antoni, Xin and Hamzaoui 2017)."""
 
 import numpy as np
 from coherence import cyclic_coherence

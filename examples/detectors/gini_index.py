@@ -1,4 +1,4 @@
-"""Demodulation of the band whose squared envelope is most unequal, by the Gini index (Miao, Zhao, Lin and Lei 2017)."""
+"""Demodulation of the band whose squared envelope is most unequal, by the Gini index (Miao, Zhao and Lin 2017)."""
 
 import numpy as np
 from spectra import Demodulation, usable_bands
@@ -13,7 +13,7 @@ VARIANTS = {
 
 
 def gini(values):
-    """Return 1 - 2 sum_k v_k (N - k + 1/2) / (N |v|_1) of the sorted values: 0 if equal, near 1 for one impact (Hurley and Rickard) [-]."""
+    """Return 1 - 2 sum_k v_k (N - k + 1/2) / (N |v|_1) of sorted values: 0 if equal, 1 for one impact (Hurley and Rickard 2009) [-]."""
     ordered, count = np.sort(np.abs(values)), len(values)
     return 1.0 - 2.0 * np.sum(ordered * (count - np.arange(1, count + 1) + 0.5)) / (count * max(ordered.sum(), 1e-300))
 

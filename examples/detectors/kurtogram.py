@@ -12,7 +12,7 @@ VARIANTS = {
 
 
 def spectral_kurtosis(envelope):
-    """Return K = mean |z|^4 / (mean |z|^2)^2 - 2 of a complex envelope, given as |z|^2; 0 for noise (Antoni 2007, Eq. 7) [-]."""
+    """Return K = mean |z|^4 / (mean |z|^2)^2 - 2 of a complex envelope, given as |z|^2; 0 for noise (Antoni 2007) [-]."""
     return np.mean(envelope**2) / np.mean(envelope) ** 2 - 2.0
 
 

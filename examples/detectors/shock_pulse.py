@@ -1,4 +1,4 @@
-"""Shock pulses: the largest pulse and the carpet value in the band of a resonant transducer (Sohoel 1977)."""
+"""Shock pulses: the largest pulse and the carpet value in the band of a resonant transducer (Butler 1973)."""
 
 import numpy as np
 from scipy.signal import butter, sosfilt

@@ -1,4 +1,4 @@
-"""The squared envelope spectrum of a fixed band, over the shaft angle (Antoni 2006)."""
+"""The squared envelope spectrum of a fixed band, over the shaft angle (Randall, Antoni and Chobsaard 2001)."""
 
 from scipy.signal import butter, sosfilt
 from trending import Trending, lines

@@ -63,9 +63,24 @@ def test_the_stronger_of_two_rules_for_a_component_counts() -> None:
 
 @pytest.mark.parametrize(("depth", "kept"), [(0.4, False), (0.6, True)])
 def test_lines_less_than_half_as_deep_are_explained(depth: float, kept: bool) -> None:
-    found = excess(evidence(o=1.0, i=depth), rule("outer_ring", OUTER), rule("inner_ring", INNER))
+    found = excess(evidence(o=1.0, i=depth), rule("outer_ring", OUTER), rule("cage", INNER))
     assert found["outer_ring"] > 0.0
-    assert (found["inner_ring"] > 0.0) is kept
+    assert (found["cage"] > 0.0) is kept
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "third", "kept"),
+    [(0.4, 0.4, 0.4, True), (0.4, 0.3, 0.2, True), (0.4, 0.05, 0.3, False), (0.3, 0.3, 0.6, False), (0.23, 0.23, 0.23, False)],
+    ids=["even", "falling", "one missing", "growing", "too faint"],
+)
+def test_a_ring_is_named_beside_another_with_a_fifth_of_the_power(first: float, second: float, third: float, kept: bool) -> None:
+    """Lines of depths 1 and 0.25 are impacts with four fifths and one fifth of the power; an image has uneven lines."""
+    found = evidence(o=1.0)
+    for harmonic, value in enumerate((first, second, third), 1):
+        found.bands[0].spectrum.amplitude[round(100.0 * harmonic * INNER)] = value
+    combined = excess(found, rule("outer_ring", OUTER), rule("inner_ring", INNER))
+    assert combined["outer_ring"] > 0.0
+    assert (combined["inner_ring"] > 0.0) is kept
 
 
 def test_lines_that_the_other_fault_makes_are_explained_at_any_depth() -> None:

@@ -21,7 +21,7 @@ from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence
 from dcrb_ros.diagnosis.healthy_baseline import HealthyBaseline
 from dcrb_ros.diagnosis.line_search import GUARD, Comb, LineFamily
-from dcrb_ros.diagnosis.order_spectrum import decibels, ratio
+from dcrb_ros.diagnosis.order_spectrum import HARMONICS, decibels, ratio
 from dcrb_ros.diagnosis.rule import Finding, LineParameters, LineRule, sidebands
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import quantity
@@ -39,6 +39,18 @@ PAPER_LIMITS = (38.0, 12.0)
 """Sizes of its healthy BPFO lines in the whole band and its upper quarter at a shaft frequency of 20 Hz, with a margin of 3 dB [m/s^2].
 
 Healthy runs at 300 to 3820 rpm and 30 to 160 kN have up to 26 and, with a resonant mount, 10 m/s^2."""
+
+
+HIGHEST_HARMONIC = 6
+"""Harmonic of BPFO up to which the lines show whether rollers strike at one place."""
+FEWEST_HARMONICS = 24.0
+"""Harmonics of BPFO in a band from which on its envelope carries the sixth with three quarters of its size [-]."""
+LEAST_SHARPNESS = 0.7
+"""Amplitude of a harmonic times its number k, root mean square of harmonics 4 to 6 over that of 1 to 3, the least of impacts at one place.
+
+Impacts that ring exponentially have harmonics that fall no faster than 1 / k: 1, and 0.87 in a band of `FEWEST_HARMONICS`. A decibel of
+scatter leaves 0.7. The edge of the load zone is no such place: where a roller is first loaded depends on its diameter. Strikes that scatter
+by a share s of the pitch have harmonics that fall as exp(-2 (pi k s)^2), which leaves 0.4 for s = 0.075."""
 
 
 def is_paper_bearing(bearing: object) -> bool:
@@ -149,8 +161,7 @@ class OuterRing(LineRule[OuterRingParameters]):
         """Return the excess of depth and significance; with a baseline also that of the size over the limit of the band [dB]."""
         there = evidence.of_band(band)
         excess = min(super().excess(lines, band, evidence), self._contrast(lines, there))
-        if self._rhythm(lines, there) < 0.0:
-            excess = min(excess, self._rhythm(lines, there))
+        excess = min([excess, *(lack for lack in (self._rhythm(lines, there), self._sharpness(lines, there, evidence)) if lack < 0.0)])
         if excess >= 0.0:
             contrast = over_the_cage(lines, there, self.p.ring_contrast)
             excess = contrast if contrast < 0.0 else excess
@@ -181,6 +192,27 @@ class OuterRing(LineRule[OuterRingParameters]):
             return HIGHEST_CONTRAST
         first, second = band.at(lines.lines[:2]).tolist()
         return min(decibels(math.sqrt(ratio(first, second))) + self.p.outer_double, HIGHEST_CONTRAST) if second > 0.0 else HIGHEST_CONTRAST
+
+    def _sharpness(self, lines: LineFamily, band: BandEvidence | None, evidence: Evidence) -> float:
+        """Return by how much harmonics 4 to 6 of BPFO exceed the least that impacts at one place make [dB]; see `LEAST_SHARPNESS`.
+
+        Nothing follows if the band is too narrow for them, or if noise would hide them. A healthy bearing whose lines are known needs no
+        such criterion.
+        """
+        if self._limited or self.baseline is not None or band is None:
+            return HIGHEST_CONTRAST
+        if band.band.high - band.band.low < FEWEST_HARMONICS * lines.order * evidence.shaft_frequency:
+            return HIGHEST_CONTRAST
+        harmonics = np.arange(1, HIGHEST_HARMONIC + 1)
+        places = harmonics * lines.order
+        # Next to a harmonic of the shaft, a low line is not seen as large as it is, and a high one is at most what is seen there.
+        beside = np.abs(places - np.rint(places)) > 2.0 * GUARD * band.step
+        low, high = beside & (harmonics <= len(HARMONICS)), harmonics > len(HARMONICS)
+        power, noise = harmonics**2 * band.largest(places), harmonics**2 * band.noise(places)
+        least = LEAST_SHARPNESS**2 * float(power[low].mean()) if low.any() else 0.0
+        if float(noise[high].mean()) >= least:
+            return HIGHEST_CONTRAST
+        return min(decibels(math.sqrt(ratio(float(power[high].mean()), least))), HIGHEST_CONTRAST)
 
     def _limit(self, band: Band, evidence: Evidence) -> float:
         return self._whole_limit if band == evidence.whole else self._high_limit

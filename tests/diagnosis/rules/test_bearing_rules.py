@@ -38,7 +38,7 @@ def evidence(*bands: tuple[Band, dict[float, float]], mean: float = 1.0) -> Evid
     return Evidence([BandEvidence(band, SharedSearch([spectrum(lines)], ORDERS, 0.004)) for band, lines in bands], WHOLE, HIGH, 20.0, 0.5)
 
 
-def comb(order: float, amplitude: float, count: int = 3) -> dict[float, float]:
+def comb(order: float, amplitude: float, count: int = 6) -> dict[float, float]:
     return {k * order: amplitude for k in range(1, count + 1)}
 
 
@@ -191,19 +191,53 @@ def test_a_band_far_below_the_loudest_is_no_evidence(below: float, loud: bool) -
     assert [band.band for band in Cage(P).bands(found)] == [MIDDLE] * loud + [BELOW]
 
 
+@pytest.mark.parametrize(("share", "loud"), [(0.025, False), (0.035, True)])
+def test_a_band_with_a_small_share_of_the_power_is_no_evidence(share: float, loud: bool) -> None:
+    """Healthy rollers strike the raceway where they enter the load zone, and no defect is that faint in all loud bands."""
+    whole, faint, below = evidence((WHOLE, {})), evidence((MIDDLE, {}), mean=share), evidence((BELOW, {}), mean=share)
+    found = Evidence([*whole.bands, *faint.bands, *below.bands], WHOLE, HIGH, 20.0, 0.5)
+    assert [band.band for band in Cage(P).bands(found)] == [WHOLE] + [MIDDLE] * loud + [BELOW]
+
+
 @pytest.mark.parametrize(("double", "suspected"), [(0.0, True), (0.5, True), (0.69, True), (0.72, False), (1.5, False)])
 def test_rollers_that_excite_twice_per_pass_are_no_outer_ring_defect(double: float, suspected: bool) -> None:
     """1.5 dB are a ratio of 1.41 of squared envelopes: 0.706 over 0.5."""
-    finding = OuterRing(P).finding(evidence((WHOLE, {6.72: 0.5, 2 * 6.72: double, 3 * 6.72: 0.5})))
+    finding = OuterRing(P).finding(evidence((WHOLE, comb(6.72, 0.5) | {2 * 6.72: double})))
     assert finding is not None
     assert (finding.excess >= 0.0) is suspected
+
+
+@pytest.mark.parametrize(("scatter", "suspected"), [(0.0, True), (0.03, True), (0.075, False), (0.1, False)])
+def test_strikes_that_scatter_over_the_pitch_are_no_outer_ring_defect(scatter: float, suspected: bool) -> None:
+    """Strikes that scatter by a share s of the pitch have harmonics of exp(-2 (pi k s)^2); the edge of the load zone is no one place."""
+    lines = {k * 6.72: 0.6 * math.exp(-2.0 * (math.pi * k * scatter) ** 2) for k in range(1, 7)}
+    finding = OuterRing(P).finding(evidence((WHOLE, lines)))
+    assert finding is not None
+    assert (finding.excess >= 0.0) is suspected
+
+
+def test_impacts_that_ring_long_are_an_outer_ring_defect() -> None:
+    """If impacts ring much longer than a pitch, their harmonics fall as 1 / k, and no faster."""
+    finding = OuterRing(P).finding(evidence((WHOLE, {k * 6.72: 0.6 / k for k in range(1, 7)})))
+    assert finding is not None
+    assert finding.excess >= 0.0
+
+
+def test_nothing_follows_from_harmonics_that_a_narrow_band_or_noise_hides() -> None:
+    narrow = Band(2000.0, 4000.0)  # 15 harmonics of 134 Hz
+    for band, scale in ((narrow, 1.0), (WHOLE, 0.1)):
+        lines = {k * 6.72: scale * 0.6 for k in (1, 2, 3)}
+        found = evidence((band, lines), mean=0.2 * scale)
+        rule, there = OuterRing(P), found.bands[0]
+        family = rule.family(there, Comb(6.72))
+        assert rule.excess(family, band, found) >= 0.0
 
 
 def test_a_line_hidden_by_the_shaft_tells_nothing_about_the_rhythm() -> None:
     """BPFO within the resolution of the third harmonic of the shaft: its line is masked in part."""
     near = Orders(ftf=0.425, bpfo=3.06, bpfi=3.94, bsf=3.25)
     amplitude = np.full(7000, 0.01, np.float32)
-    for order, value in {3.06: 0.3, 6.12: 0.6, 9.18: 0.5}.items():
+    for order, value in {3.06: 0.3, 6.12: 0.6, 9.18: 0.5, 12.24: 0.5, 15.3: 0.5, 18.36: 0.5}.items():
         amplitude[round(100.0 * order)] = value
     search = SharedSearch([OrderSpectrum(np.arange(0.0, 70.0, 0.01), amplitude, 1.0)], near, 0.004)
     finding = OuterRing(P).finding(Evidence([BandEvidence(WHOLE, search)], WHOLE, HIGH, 20.0, 0.5))
