@@ -132,7 +132,7 @@ def evidence_of(recording: Recording) -> Evidence | None:
     seconds = len(recording.acceleration) / recording.rate
     once = DetectorParameters(window=seconds, hop=seconds, least_window=0.5, confirm=1, least_turns=4.0)
     detector, kept = FaultDetector(recording.orders, recording.rate, once), Kept()
-    detector.learner = kept
+    detector.learner = kept  # type: ignore[assignment]
     detector.update(0, recording.acceleration, recording.angle)
     return kept.evidence
 
