@@ -6,7 +6,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dcrb_ros.core.by_reference import by_reference
 from dcrb_ros.core.jit import kernel
 from dcrb_ros.core.laws.registry import law_of
 from dcrb_ros.core.laws.site import Site
@@ -48,7 +47,6 @@ ROLLER_NOTCH = np.dtype(
 )
 
 
-@by_reference
 class Payload(NamedTuple):
     """The constants of the bearing for the time loop, SI units."""
 

@@ -6,7 +6,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dcrb_ros.core.by_reference import by_reference
 from dcrb_ros.core.layout.contacts import LandState
 from dcrb_ros.core.layout.records import Floats, Integers, Lanes, OneRecord, copy_of_record, empty_record, view_of
 from dcrb_ros.core.layout.rollers import Rollers
@@ -24,7 +23,6 @@ ACCOUNTS = 4
 lands; loss in the housing."""
 
 
-@by_reference
 class State(NamedTuple):
     """Positions, velocities and contact memory; SI units, X right, Y up, counter-clockwise positive.
 

@@ -6,14 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dcrb_ros.core.by_reference import by_reference
 from dcrb_ros.core.layout.contacts import ConformalContacts
 from dcrb_ros.core.layout.records import Floats, Integers, OneRecord, empty_record
 from dcrb_ros.core.layout.rollers import BoundRollers, Nodes, RollerStep
 from dcrb_ros.core.payload import Payload, arrays_by_law
 
 
-@by_reference
 class Workspace(NamedTuple):
     """Scratch arrays of the time loop."""
 

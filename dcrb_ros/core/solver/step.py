@@ -10,7 +10,6 @@ start from predicted velocities, and sweeps over the bound rollers correct these
 
 from __future__ import annotations
 
-from dcrb_ros.core.by_reference import on_stack
 from dcrb_ros.core.contacts.cage_films import add_land_films, drag_bound, store_land_films, write_spin_drag
 from dcrb_ros.core.contacts.conformal import add_land_forces, linearize_cages, store_lands
 from dcrb_ros.core.contacts.films import write_films
@@ -130,7 +129,6 @@ def advance(payload: Payload, state: State, work: Workspace, acceleration: Float
     Writes the outer ring's mean acceleration in X and Y over each step, shape (steps, 2) [m/s^2], and the rotation of
     the inner ring at the beginning of each step, shape (steps,) [rad].
     """
-    payload, state, work = on_stack(payload), on_stack(state), on_stack(work)
     h = payload.step
     write_pockets(payload, state)
     turn_notches(payload.outer_notches, 0.0, work.outer_notch_direction)
