@@ -30,13 +30,13 @@ ONE_RAIL = 6.0
 
 
 def silent_boxes(contacts: Mapping[str, Contact], parameters: VehicleDetectorParameters) -> dict[str, float]:
-    """Return how far below the median of the other boxes the level of each box is [dB], for those that do not hear the rail."""
+    """Return how far below the quietest of the other boxes the level of a box is [dB], for those that do not hear the rail."""
     quiet = {}
     for name, contact in contacts.items():
         others = [other.median for key, other in contacts.items() if key != name]
-        if len(others) < 2 or float(np.median(others)) <= 0.0:
+        if len(others) < 2 or min(others) <= 0.0:
             continue
-        below = 10.0 * math.log10(float(np.median(others)) / max(contact.median, 1e-30))
+        below = 10.0 * math.log10(min(others) / max(contact.median, 1e-30))
         if below >= parameters.silence:
             quiet[name] = below
     return quiet

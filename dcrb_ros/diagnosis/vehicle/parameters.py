@@ -39,5 +39,5 @@ class VehicleDetectorParameters(Group):
     lag_tolerance: float = quantity(
         0.004, "s", "Departure from the lag of the wheelsets up to which two impacts are those of one kink", 1e-4, 0.1
     )
-    silence: float = quantity(20.0, "dB", "Level below the median of the other boxes at which a sensor does not hear the rail", 6.0, 60.0)
+    silence: float = quantity(20.0, "dB", "Level below the quietest of the other boxes at which a sensor does not hear the rail", 6.0, 60.0)
     clock: float = quantity(20.0, "ppm", "Difference of the clocks of two boxes of a wheelset that is reported", 1.0, 1e5)
