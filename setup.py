@@ -117,8 +117,10 @@ setup(
         "console_scripts": [
             "dcrb = dcrb_ros.cli.program:main",
             "dcrb_simulator = dcrb_ros.nodes.programs:simulator",
+            "dcrb_vehicle_simulator = dcrb_ros.nodes.programs:vehicle_simulator",
             "dcrb_replayer = dcrb_ros.nodes.programs:replayer",
             "dcrb_fault_detector = dcrb_ros.nodes.programs:fault_detector",
+            "dcrb_vehicle_detector = dcrb_ros.nodes.programs:vehicle_detector",
             "dcrb_hot_box_detector = dcrb_ros.nodes.programs:hot_box_detector",
             "dcrb_viewer = dcrb_ros.nodes.programs:viewer",
         ],

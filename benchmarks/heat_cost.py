@@ -1,38 +1,27 @@
 """Cost of the thermal network, the temperature topics and a tacho, as processor time against the same bench without them.
 
-Three tables. Pairs: two simulations in one process take turns, one with heat and tacho, the other without but with the oil and the
+Two tables. Pairs: two simulations in one process take turns, one with heat and tacho, the other without but with the oil and the
 clearance of the first one's start; simulation and encoding are timed. Parts: the functions that heat and tacho add are timed by themselves
-within a simulation. Nodes: the processor time of simulator nodes at time scale 1.0 with a subscriber to every topic, in turn with and
-without.
+within a simulation. `node.py` measures whole nodes.
 """
 
 from __future__ import annotations
 
 import argparse
-import os
-import signal
 import statistics
 import time
 from collections import Counter, defaultdict
 from collections.abc import Callable
 from typing import Any
 
-import rclpy
-from node import measured
-from rclpy.utilities import try_shutdown
-
 from dcrb_ros.measurement.toothed_wheel import ToothedWheel
 from dcrb_ros.messages.encoder import BlockEncoder
-from dcrb_ros.messages.topics import SIMULATED
-from dcrb_ros.nodes.ros import limit_discovery
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.heating import Heating
 from dcrb_ros.simulation.loop import Simulation
 
 HEAT = ("thermal.law=network", "tacho.pulses_per_turn=60")
 """The settings that are switched on; a tacho of 60 pulses is a common toothed wheel of a wheel-slide protection."""
-OILED = "lubrication.law=film"
-"""For nodes, whose bench is dry by default."""
 PIECE = 0.2
 """Simulated time between two turns [s]; the sensors of the temperatures are read in every fifth."""
 WARM_UP = 1.0
@@ -129,40 +118,14 @@ def parts(seconds: float) -> None:
     print(flush=True)
 
 
-def nodes(seconds: float, count: int) -> None:
-    """Print the processor time of nodes at time scale 1.0 with and without heat, each measured for a wall time [s]."""
-    shares: tuple[list[float], list[float]] = ([], [])
-    for number in range(count):
-        first = number % 2
-        for which in (first, 1 - first):
-            settings = [setting.replace("=", ":=") for setting in (OILED, *(HEAT if which == 0 else ()))]
-            measurement = measured(seconds, SIMULATED, "time_scale:=1.0", *settings)
-            shares[which].append(100.0 * sum(measurement.processor.values()) / measurement.wall)
-    medians = [statistics.median(part) for part in shares]
-    ratio = statistics.median(with_heat / without for with_heat, without in zip(*shares, strict=True))
-    print(f"| {count} pairs of nodes, {seconds:g} s each | with | without | ratio |\n|---|---|---|---|")
-    print(f"| processor [% of a core] | {medians[0]:.1f} | {medians[1]:.1f} | {ratio:.3f} |", flush=True)
-
-
 def main() -> None:
     """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--pairs", type=int, default=100)
     parser.add_argument("--parts", type=float, default=20.0, help="simulated time in which the parts are timed [s]")
-    parser.add_argument("--nodes", type=int, default=3, help="pairs of nodes; 0 for none")
-    parser.add_argument("--duration", type=float, default=10.0, help="wall time of a node [s]")
     options = parser.parse_args()
     pairs(options.pairs)
     parts(options.parts)
-    if options.nodes:
-        signal.signal(signal.SIGTERM, signal.default_int_handler)  # terminates the node's process too
-        limit_discovery()
-        os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))
-        rclpy.init(args=[])
-        try:
-            nodes(options.duration, options.nodes)
-        finally:
-            try_shutdown()
 
 
 if __name__ == "__main__":

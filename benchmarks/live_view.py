@@ -6,8 +6,6 @@ The view is written to a file, since the cost of a window depends on the graphic
 from __future__ import annotations
 
 import argparse
-import os
-import signal
 import subprocess
 import tempfile
 import time
@@ -16,17 +14,15 @@ from pathlib import Path
 from typing import Any
 
 import rclpy
-from rclpy.utilities import try_shutdown
+from process import observing, processor_times
 
 from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, NAMESPACE, VIBRATION
 from dcrb_ros.nodes.bench import node_process
 from dcrb_ros.nodes.publisher import message_class, qos
-from dcrb_ros.nodes.ros import limit_discovery
 
 START = 60.0
 """Longest wall time that the viewer may take to start [s]."""
-TICK = os.sysconf("SC_CLK_TCK")
 
 
 class Reports:
@@ -47,10 +43,9 @@ class Reports:
 def busy(process: subprocess.Popen[bytes]) -> float:
     """Return the processor time of all threads of a process [s]; 0 after it has ended."""
     try:
-        fields = Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
+        return sum(processor_times(process.pid).values())
     except OSError:
         return 0.0
-    return (int(fields[11]) + int(fields[12])) / TICK
 
 
 def run(folder: Path, config: Path | None, seconds: float, *, with_viewer: bool) -> str:
@@ -87,19 +82,12 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=3, help="number of runs of each kind")
     parser.add_argument("--config", type=Path, default=None, help="configuration file of the bench")
     options = parser.parse_args()
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # terminates the nodes too
-    limit_discovery()
-    os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))
-    rclpy.init(args=[])
     print("| bench | late blocks | largest lag [ms] | smallest real-time factor | simulator, processor [s] | viewer, processor [s] |")
     print("|---|---|---|---|---|---|")
-    try:
-        with tempfile.TemporaryDirectory() as folder:
-            for _ in range(options.rounds):
-                for with_viewer in (False, True):
-                    print(run(Path(folder), options.config, options.duration, with_viewer=with_viewer), flush=True)
-    finally:
-        try_shutdown()
+    with observing(), tempfile.TemporaryDirectory() as folder:
+        for _ in range(options.rounds):
+            for with_viewer in (False, True):
+                print(run(Path(folder), options.config, options.duration, with_viewer=with_viewer), flush=True)
 
 
 if __name__ == "__main__":

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import argparse
 import os
-import signal
 import statistics
 import struct
 import tempfile
@@ -18,16 +17,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import rclpy
-from process import processor_times, resident
+from process import observing, processor_times, resident
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.utilities import try_shutdown
 from real_time import kernel
 
 from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, NAMESPACE, SIMULATED, VIBRATION, Topic
 from dcrb_ros.nodes.bench import node_process
 from dcrb_ros.nodes.publisher import message_class, qos
-from dcrb_ros.nodes.ros import limit_discovery
 from dcrb_ros.settings.configuration import Configuration
 
 PATIENCE = 120.0
@@ -179,19 +176,12 @@ def main() -> None:
     parser.add_argument("--flat-out", type=float, default=4.0, help="wall time of each measurement at full speed [s]; 0 for none")
     parser.add_argument("--duration", type=float, default=20.0, help="wall time at time scale 1.0 [s]; 0 for none")
     options = parser.parse_args()
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # terminates the node's process too
-    limit_discovery()
-    os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))
     print(f"Load average before: {os.getloadavg()[0]:.1f}\n")
-    rclpy.init(args=[])
-    try:
-        with tempfile.TemporaryDirectory(prefix="dcrb-") as folder:
-            if options.flat_out > 0.0:
-                full_speed(options.flat_out, Path(folder))
-            if options.duration > 0.0:
-                real_time(options.duration, Path(folder))
-    finally:
-        try_shutdown()
+    with observing(), tempfile.TemporaryDirectory(prefix="dcrb-") as folder:
+        if options.flat_out > 0.0:
+            full_speed(options.flat_out, Path(folder))
+        if options.duration > 0.0:
+            real_time(options.duration, Path(folder))
 
 
 if __name__ == "__main__":

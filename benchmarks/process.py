@@ -1,9 +1,12 @@
-"""Memory and processor time of a process, from Linux's /proc."""
+"""Memory and processor time of a process, from Linux's /proc, and this process as an observer of ROS nodes."""
 
 from __future__ import annotations
 
 import os
+import signal
 from collections import defaultdict
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 TICK = os.sysconf("SC_CLK_TCK")
@@ -33,3 +36,21 @@ def _processor_time(stat: Path) -> tuple[str, float]:
     name, _, rest = stat.read_text().partition("(")[2].rpartition(")")
     user, system = rest.split()[11:13]
     return name, (int(user) + int(system)) / TICK
+
+
+@contextmanager
+def observing() -> Iterator[None]:
+    """Take part in ROS on this machine alone, in a domain of its own; SIGTERM ends the nodes that are started here, too."""
+    import rclpy
+    from rclpy.utilities import try_shutdown
+
+    from dcrb_ros.nodes.ros import limit_discovery
+
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    limit_discovery()
+    os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))
+    rclpy.init(args=[])
+    try:
+        yield
+    finally:
+        try_shutdown()

@@ -1,8 +1,7 @@
 """Which rows of the report of ``dcrb validate`` notice a change of the benches: the table of docs/results/accuracy.md.
 
 ``python benchmarks/report_mutations.py`` changes parameters of the lubricated benches and of the dry one, one mutation after the other, and
-compares the verdicts of the rows with those without a change. Rows that no parameter can change (laws, static forces) are not part of it;
-``tests/validation/test_chapters.py`` changes the laws themselves.
+compares the verdicts of the rows with those without a change. The other chapters do not depend on these benches.
 """
 
 from __future__ import annotations

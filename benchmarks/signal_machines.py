@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -14,6 +13,7 @@ from signal_draws import DRAWS
 
 from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.detection import detect
+from dcrb_ros.exam.measured import read_measured
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.simulation.run import SimulationResult, simulate
 from dcrb_ros.text.writing import write_whole
@@ -25,7 +25,6 @@ RIGS = {"CWRU": ("cwru12", 9), "HIT": ("hitself", 9), "MFPT": ("mfpt", 8)}
 """Rig of the recordings and rolling elements, by name."""
 HEALTHY = {"CWRU": ("cw48_N_0",), "HIT": ("hitself_Normal_600", "hitself_Normal_900", "hitself_Normal_1200")}
 """The healthy recordings of a rig with the same bearing; those of HIT have three speeds."""
-GRAVITY = 9.80665
 SETTLING, DURATION = 0.2, 3.0
 """Simulated time before the statistics, and of them [s]."""
 SPALL = {"kind": "spall", "width": 0.5e-3, "depth": 1e-4, "share": 1.0}
@@ -91,15 +90,11 @@ def order_of(orders: Orders, kind: str) -> float:
 
 def recordings(folder: Path) -> dict[str, tuple[Case, str, str]]:
     """Return the cases of the recordings of a folder by name, each with its rig and truth."""
-    found = {}
-    elements = dict(RIGS.values())
-    for row in csv.DictReader((folder / "recordings.csv").open()):
-        with np.load(folder / "recordings" / f"{row['name']}.npz") as content:
-            values = content["a"].astype(np.float64) * (GRAVITY if row["unit"] == "g" else 1.0)
-        orders = Orders(**{name: float(row[name.upper()]) for name in ("ftf", "bpfo", "bpfi", "bsf")})
-        shaft = float(row["speed_rpm_from_lines"]) / 60.0
-        case = Case(row["name"], values - values.mean(), float(row["sampling_rate"]), shaft, orders, elements.get(row["rig"], 9))
-        found[row["name"]] = case, row["rig"], row["truth"]
+    found, elements = {}, dict(RIGS.values())
+    for row in read_measured(folder):
+        values = row.samples()
+        case = Case(row.name, values - values.mean(), float(row.rate), row.speed, row.orders, elements.get(row.rig, 9))
+        found[row.name] = case, row.rig, row.truth
     return found
 
 

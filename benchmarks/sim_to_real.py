@@ -33,6 +33,7 @@ from sim_to_real_scores import Gain, Score, chosen, forest_scores, gain, left_ou
 
 from dcrb_ros.calibration.calibration import calibrate
 from dcrb_ros.settings.files import load_configuration, to_yaml
+from dcrb_ros.text.markdown import table
 
 BENCH = "ball_bearing_6205"
 SPEED = "operating.speed"
@@ -99,25 +100,23 @@ def gains_of(rig: Rig, trainings: Mapping[str, Windows], test: Windows, healthy:
 
 def markdown(rows: list[Row]) -> str:
     """Return the scores as a table."""
-    lines = ["| rig | training | features | macro AUROC (90 % bounds) | " + " | ".join(CLASSES) + " |", "|---" * (4 + len(CLASSES)) + "|"]
+    cells = []
     for rig, training, shape, score in rows:
-        areas = " | ".join(f"{score.classes[name]:.2f}" if name in score.classes else "" for name in CLASSES)
-        lines.append(f"| {rig} | {training} | {shape} | {score.macro:.2f} ({score.low:.2f} to {score.high:.2f}) | {areas} |")
-    return "\n".join(lines) + "\n"
+        areas = (f"{score.classes[name]:.2f}" if name in score.classes else "" for name in CLASSES)
+        cells.append((rig, training, shape, f"{score.macro:.2f} ({score.low:.2f} to {score.high:.2f})", *areas))
+    return table(("rig", "training", "features", "macro AUROC (90 % bounds)", *CLASSES), cells)
 
 
 def markdown_of_gains(gains: list[tuple[str, str, Gain]]) -> str:
     """Return the differences as a table."""
-    lines = ["| rig | features | calibrated over uncalibrated (90 % bounds) |", "|---|---|---|"]
-    lines += [f"| {rig} | {shape} | {one.mean:+.3f} ({one.low:+.3f} to {one.high:+.3f}) |" for rig, shape, one in gains]
-    return "\n".join(lines) + "\n"
+    rows = ((rig, shape, f"{gain.mean:+.3f} ({gain.low:+.3f} to {gain.high:+.3f})") for rig, shape, gain in gains)
+    return table(("rig", "features", "calibrated over uncalibrated (90 % bounds)"), rows)
 
 
 def markdown_of_gaps(gaps: list[Gap]) -> str:
     """Return the gaps as a table."""
-    lines = ["| rig | training | class | without band levels | band levels |", "|---|---|---|---|---|"]
-    lines += [f"| {one.rig} | {one.training} | {one.fault} | {one.shape:.2f} | {one.level:.2f} |" for one in gaps]
-    return "\n".join(lines) + "\n"
+    rows = ((gap.rig, gap.training, gap.fault, f"{gap.shape:.2f}", f"{gap.level:.2f}") for gap in gaps)
+    return table(("rig", "training", "class", "without band levels", "band levels"), rows)
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -156,11 +155,11 @@ def main(arguments: list[str] | None = None) -> int:
             gains += gains_of(rig, trainings, tests[rig.name], known)
             simulated = {name: trainings[name] for name in (UNCALIBRATED, RIGID, CALIBRATED)}
             gaps += gaps_of(rig.name, simulated, tests[rig.name], known)
-    table = "\n".join((markdown(rows), markdown_of_gains(gains), markdown_of_gaps(gaps)))
-    (given.output / "table.md").write_text(table)
+    tables = "\n\n".join((markdown(rows), markdown_of_gains(gains), markdown_of_gaps(gaps)))
+    (given.output / "table.md").write_text(tables)
     write_figure(rows, given.output / "scores.png")
     write_gaps(gaps, given.output / "gaps.png")
-    print(table)
+    print(tables)
     return 0
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import math
 from collections.abc import Iterator, Mapping
@@ -17,6 +16,7 @@ from scipy import signal
 from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.bearing.waveform import Waveform
 from dcrb_ros.diagnosis.features.extraction import FeatureTable, extract_features
+from dcrb_ros.exam.measured import MeasuredRecording, read_measured
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.sweep.data_set import open_data_set
 from dcrb_ros.sweep.loader import sweep_of
@@ -24,7 +24,6 @@ from dcrb_ros.sweep.local_workers import local_workers
 from dcrb_ros.sweep.plan import Plan
 from dcrb_ros.sweep.store import Store
 
-GRAVITY = 9.80665
 WINDOW = 1.0
 """Length of a window [s]; measured windows do not overlap."""
 CLASSES = ("healthy", "outer_ring", "inner_ring", "roller")
@@ -95,7 +94,7 @@ def features(values: Floats, rate: int, angle: Floats, orders: Orders) -> Featur
 
 
 class Measured(NamedTuple):
-    """A measured recording."""
+    """A measured recording, or a run that stands beside measured ones."""
 
     name: str
     truth: str
@@ -119,26 +118,22 @@ class Measured(NamedTuple):
 def measured(folder: Path, rig: Rig) -> tuple[list[Measured], list[Measured]]:
     """Return the halves of the healthy recordings of a rig that calibrate, and all that is tested."""
     calibrating, tested = [], []
-    for row in csv.DictReader((folder / "recordings.csv").open()):
-        if row["name"] in rig.healthy:
-            rec = recording(folder, row, rig.rate)
-            calibrating.append(rec.part(0.0, 0.5))
-            tested.append(rec.part(0.5, 1.0))
-        elif row["rig"] == rig.recordings and row["truth"] != "healthy":
-            tested.append(recording(folder, row, rig.rate))
+    for row in read_measured(folder):
+        if row.name in rig.healthy:
+            whole = recording(row, rig.rate)
+            calibrating.append(whole.part(0.0, 0.5))
+            tested.append(whole.part(0.5, 1.0))
+        elif row.rig == rig.recordings and row.truth != "healthy":
+            tested.append(recording(row, rig.rate))
     return calibrating, tested
 
 
-def recording(folder: Path, row: Mapping[str, str], rate: int) -> Measured:
+def recording(row: MeasuredRecording, rate: int) -> Measured:
     """Return a recording at a sampling rate [Hz]; one of a higher rate is decimated."""
-    with np.load(folder / "recordings" / f"{row['name']}.npz") as content:
-        values = content["a"].astype(np.float64) * (GRAVITY if row["unit"] == "g" else 1.0)
-    factor = int(row["sampling_rate"]) // rate
-    values = signal.resample_poly(values, 1, factor) if factor > 1 else values
-    values = values - values.mean()
-    angle = 2.0 * np.pi * float(row["speed_rpm_from_lines"]) / 60.0 * np.arange(len(values)) / rate
-    orders = Orders(**{name: float(row[name.upper()]) for name in ("ftf", "bpfo", "bpfi", "bsf")})
-    return Measured(row["name"], row["truth"], values, rate, angle, orders)
+    factor = row.rate // rate
+    values = signal.resample_poly(row.samples(), 1, factor) if factor > 1 else row.samples()
+    angle = 2.0 * np.pi * row.speed * np.arange(len(values)) / rate
+    return Measured(row.name, row.truth, values - values.mean(), rate, angle, row.orders)
 
 
 def measured_windows(recordings: list[Measured]) -> Windows:
@@ -214,17 +209,19 @@ def simulated_windows(tree: Mapping[str, Any], folder: Path, workers: int) -> Wi
     with open_data_set(plan, Store(str(folder))) as data_set, local_workers(workers, "auto") as here:
         tally = data_set.make(here, lambda outcomes: print(dict(outcomes), end=" ", flush=True))
     print(dict(tally.statuses), dict(tally.reasons))
-    return Windows.of(list(_tables(folder)))
+    runs = runs_of(folder)
+    return Windows.of([(features(run.values - run.values.mean(), run.rate, run.angle, run.orders), run.truth, run.name) for run in runs])
 
 
-def _tables(folder: Path) -> Iterator[tuple[FeatureTable, str, str]]:
+def runs_of(folder: Path) -> Iterator[Measured]:
+    """Yield the runs of a finished sweep, each with its condition as its name."""
     table = pd.read_parquet(folder / "labels.parquet")
     for _, row in table[table["status"] == "done"].iterrows():
         with np.load(folder / row["file"]) as content:
             values, angle, rate = content["ay"].astype(np.float64), content["shaft_angle"], int(content["sampling_rate"])
         shaft = abs(row["speed"]) / (2.0 * np.pi)
         orders = Orders(*(float(row[name]) / shaft for name in ("ftf", "bpfo", "bpfi", "bsf")))
-        yield features(values - values.mean(), rate, np.unwrap(angle), orders), str(row["fault"]), str(row["condition"])
+        yield Measured(str(row["condition"]), str(row["fault"]), values, rate, np.unwrap(angle), orders)
 
 
 def saved(windows: Windows, path: Path) -> Windows:

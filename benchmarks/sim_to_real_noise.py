@@ -5,14 +5,13 @@ Each simulated machine gets Gaussian noise with the spectrum of the healthy reco
 
 from __future__ import annotations
 
+from itertools import groupby
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 from scipy import signal
-from sim_to_real_data import Measured, Windows, features
+from sim_to_real_data import Measured, Windows, features, runs_of
 
-from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.schema.arrays import Floats
 
 SHARES = (-2.0, 0.0)
@@ -29,17 +28,13 @@ def surrogate(healthy: Floats, count: int, rate: int, random: np.random.Generato
 
 def noisy_windows(folder: Path, healthy: list[Measured], seed: int = 1) -> Windows:
     """Return the windows of a data set in the noise of a machine; all runs of a simulated machine have the same noise level and gain."""
-    table, random, parts = pd.read_parquet(folder / "labels.parquet"), np.random.default_rng(seed), []
-    table = table[table["status"] == "done"]
-    for condition, runs in table.groupby("condition", sort=True):
-        share, one = 10.0 ** random.uniform(*SHARES), healthy[random.integers(len(healthy))]
-        with np.load(folder / runs[runs["fault"] == "healthy"]["file"].iloc[0]) as content:
-            gain = one.values.std() / content["ay"].astype(np.float64).std()
-        for _, row in runs.iterrows():
-            with np.load(folder / row["file"]) as content:
-                values, angle, rate = content["ay"].astype(np.float64), content["shaft_angle"], int(content["sampling_rate"])
-            mixed = np.sqrt(share) * gain * values + np.sqrt(1.0 - share) * surrogate(one.values, len(values), rate, random)
-            shaft = abs(row["speed"]) / (2.0 * np.pi)
-            orders = Orders(*(float(row[name]) / shaft for name in ("ftf", "bpfo", "bpfi", "bsf")))
-            parts.append((features(mixed - mixed.mean(), rate, np.unwrap(angle), orders), str(row["fault"]), str(condition)))
+    random, parts = np.random.default_rng(seed), []
+    by_condition = groupby(sorted(runs_of(folder), key=lambda run: run.name), key=lambda run: run.name)
+    for condition, group in by_condition:
+        runs, share, recording = list(group), 10.0 ** random.uniform(*SHARES), healthy[random.integers(len(healthy))]
+        gain = recording.values.std() / next(run.values.std() for run in runs if run.truth == "healthy")
+        for run in runs:
+            noise = surrogate(recording.values, len(run.values), run.rate, random)
+            mixed = np.sqrt(share) * gain * run.values + np.sqrt(1.0 - share) * noise
+            parts.append((features(mixed - mixed.mean(), run.rate, run.angle, run.orders), run.truth, condition))
     return Windows.of(parts)

@@ -9,9 +9,7 @@ from __future__ import annotations
 
 import argparse
 import math
-import os
 import random
-import signal
 import struct
 import subprocess
 import sys
@@ -24,11 +22,10 @@ from typing import Any
 
 import rclpy
 from geometry_msgs.msg import Wrench
-from process import resident
+from process import observing, resident
 from rcl_interfaces.srv import SetParametersAtomically
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
-from rclpy.utilities import try_shutdown
 from stalls import Stall, StallMonitor, monitor_stalls
 from std_msgs.msg import Float64
 from std_srvs.srv import SetBool
@@ -36,7 +33,6 @@ from std_srvs.srv import SetBool
 from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, CLOCK, FEATURES, GROUND_TRUTH, NAMESPACE, ROLLER_STATES, VIBRATION, Topic
 from dcrb_ros.nodes.publisher import message_class, qos
-from dcrb_ros.nodes.ros import limit_discovery
 
 RATE, BLOCK = 51200, 1024
 LEAK = 0.2
@@ -225,16 +221,9 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=int(time.time()), help="seed of the random commands, printed for repetition")
     parser.add_argument("--late", type=int, default=0, help="number of late blocks that are accepted, for a machine that is not idle")
     options = parser.parse_args()
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # terminates the simulator too
-    limit_discovery()
-    os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))
-    rclpy.init(args=[])
-    try:
-        parts = (("full speed", 0.0, options.flat_out), ("real time", 1.0, options.real_time))
-        with tempfile.TemporaryDirectory(prefix="soak-") as folder, monitor_stalls(Path(folder)) as machine:
-            outcomes = [run(name, scale, seconds, options.seed, options.late, machine) for name, scale, seconds in parts if seconds > 0.0]
-    finally:
-        try_shutdown()
+    parts = (("full speed", 0.0, options.flat_out), ("real time", 1.0, options.real_time))
+    with observing(), tempfile.TemporaryDirectory(prefix="soak-") as folder, monitor_stalls(Path(folder)) as machine:
+        outcomes = [run(name, scale, seconds, options.seed, options.late, machine) for name, scale, seconds in parts if seconds > 0.0]
     return 0 if all(outcomes) else 1
 
 

@@ -22,6 +22,9 @@ from dcrb_ros.diagnosis.features.spectral_coherence import SpectralCoherence as 
 from dcrb_ros.diagnosis.features.spectral_coherence import spectral_coherence as spectral_coherence
 from dcrb_ros.diagnosis.parameters import DetectorParameters as DetectorParameters
 from dcrb_ros.diagnosis.thermal_detector import ThermalFaultDetector as ThermalFaultDetector
+from dcrb_ros.diagnosis.vehicle.detection import VehicleDetectionResult as VehicleDetectionResult
+from dcrb_ros.diagnosis.vehicle.detection import detect_vehicle as detect_vehicle
+from dcrb_ros.diagnosis.vehicle.detector import VehicleDetector as VehicleDetector
 from dcrb_ros.exam.in_process import score as score
 from dcrb_ros.exam.report import Report as Report
 from dcrb_ros.plots.envelope_spectrum import plot_envelope_spectrum as plot_envelope_spectrum
@@ -35,6 +38,7 @@ from dcrb_ros.prognosis.remaining_life import estimate_remaining_life as estimat
 from dcrb_ros.prognosis.scores import phm_2008_score as phm_2008_score
 from dcrb_ros.prognosis.scores import phm_2012_score as phm_2012_score
 from dcrb_ros.recordings.reader import Recording as Recording
+from dcrb_ros.recordings.vehicle import VehicleRecording as VehicleRecording
 from dcrb_ros.runtime.version import __version__ as __version__
 from dcrb_ros.schema.refusal import Refusal as Refusal
 from dcrb_ros.settings.configuration import Configuration as Configuration

@@ -14,7 +14,8 @@ from mkdocs.exceptions import PluginError
 from dcrb_ros.cli.app import app
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exam.replica_priors import prior_table
-from dcrb_ros.messages.topics import topic_table
+from dcrb_ros.messages.topics import table_of, topic_table
+from dcrb_ros.messages.topics.vehicle import VEHICLE
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.documentation import parameter_table
 
@@ -23,6 +24,7 @@ DETECTOR_PARAMETERS = "<!-- detector parameters -->"
 COMMANDS = "<!-- commands -->"
 PRIORS = "<!-- priors -->"
 TOPICS = "<!-- topics -->"
+VEHICLE_TOPICS = "<!-- vehicle topics -->"
 TABLE = re.compile("<table>.*?</table>", re.DOTALL)
 CODE = re.compile("<code>[^<]*</code>")
 FIGURE = "data:image/png;base64"
@@ -37,6 +39,8 @@ def on_page_markdown(markdown: str, **_: Any) -> str:
         markdown = markdown.replace(DETECTOR_PARAMETERS, parameter_table(DetectorParameters))
     if TOPICS in markdown:
         markdown = markdown.replace(TOPICS, topic_table())
+    if VEHICLE_TOPICS in markdown:
+        markdown = markdown.replace(VEHICLE_TOPICS, table_of(VEHICLE))
     if PRIORS in markdown:
         markdown = markdown.replace(PRIORS, prior_table())
     if COMMANDS in markdown:

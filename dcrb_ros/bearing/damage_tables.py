@@ -19,13 +19,13 @@ FINE = 4
 """Samples per node for damage, which has edges."""
 LEAST_HEIGHT = 1e-12
 """Height below which a defect is left out [m]."""
-HEIGHT_RESOLUTION, SLOPE_RESOLUTION = 2.0**-50, 2.0**-44
-"""Heights [m] and slopes [m/rad] are rounded to multiples of these: the last bits of a Fourier transform differ between processors."""
+RESOLUTION = 2.0**-50
+"""Heights [m] and slopes [m/rad] are rounded to multiples of it: the last bits of a Fourier transform differ between processors."""
 
 
 def rounded(values: Floats) -> Floats:
     """Return heights [m] and slopes [m/rad] rounded to what all processors share."""
-    return np.asarray(np.round(values / HEIGHT_RESOLUTION) * HEIGHT_RESOLUTION)
+    return np.asarray(np.round(values / RESOLUTION) * RESOLUTION)
 
 
 def add_window(table: Floats, columns: tuple[int, int], path: ContactPath, azimuth: float, radius: float) -> None:

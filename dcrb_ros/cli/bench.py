@@ -8,12 +8,17 @@ from typing import Annotated
 
 import typer
 
-from dcrb_ros.cli.options import Config, DetectorFile, Duration, Force, Scenario, Settings
+from dcrb_ros.cli import completion
+from dcrb_ros.cli.options import DetectorFile, Duration, Force, Scenario, Settings
 from dcrb_ros.cli.output_file import replacing
+from dcrb_ros.schema.refusal import Refusal
 
 
 def bench(
-    config: Config,
+    config: Annotated[
+        str | None,
+        typer.Argument(help="Configuration: a YAML file or a shipped name, such as healthy.", autocompletion=completion.configurations),
+    ] = None,
     duration: Duration = 10.0,
     time_scale: Annotated[
         float | None,
@@ -22,11 +27,15 @@ def bench(
     record: Annotated[Path | None, typer.Option(help="Record the run to this new folder. Default: the configuration's.")] = None,
     rerun: Annotated[bool, typer.Option("--rerun", help="Open the Rerun viewer and show the bench while it runs.")] = False,
     scenario: Scenario = None,
+    vehicle: Annotated[
+        str | None,
+        typer.Option(help="Run the axle boxes of a vehicle instead: a YAML file or a shipped name, such as bogie."),
+    ] = None,
     detector: DetectorFile = None,
     settings: Settings = None,
     force: Force = False,
 ) -> None:
-    """Run the simulator and the fault detector as ROS 2 nodes.
+    """Run the simulator of a bearing, or of the axle boxes of a vehicle, and its detector as ROS 2 nodes.
 
     Example: dcrb bench outer_ring_defect --duration 10 --record my_recording
     """
@@ -38,6 +47,26 @@ def bench(
     seconds = checked_duration(duration)
     extra = [f"time_scale={time_scale!r}"] if time_scale is not None else []
     extra += [f"recording.path={str(record)!r}"] if record else []
+    if vehicle is not None:
+        if config:
+            raise Refusal("--vehicle names a file with all boxes: leave out CONFIG")
+        from dcrb_ros.simulation.scenario import read_scenario_file
+        from dcrb_ros.vehicle.file import read_parameters, vehicle_of
+        from dcrb_ros.vehicle.scenario import starting_parameters, vehicle_scenario
+
+        tree = read_scenario_file(scenario) if scenario else None
+        boxes = starting_parameters(tree, read_parameters(vehicle, [*(settings or ()), *extra]), str(scenario))
+        described = vehicle_of(boxes, vehicle)
+        if tree is not None:
+            vehicle_scenario(tree, described, str(scenario))
+        recorded = described.boxes[0].configuration.recording.path
+        with replacing("--record" if record else "recording.path =", Path(recorded), force=force) if recorded else nullcontext():
+            from dcrb_ros.nodes.vehicle_bench import run as run_vehicle
+
+            status = run_vehicle(Path(vehicle).stem, boxes, described, detector_parameters(detector), seconds, scenario, shown=rerun)
+        raise typer.Exit(status)
+    if config is None:
+        raise Refusal("Missing argument 'CONFIG': give a YAML file or a shipped name, such as healthy, or --vehicle NAME")
     configuration = load_configuration(config, [*(settings or ()), *extra])
     if scenario:
         read_scenario(scenario, configuration)

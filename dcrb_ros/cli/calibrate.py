@@ -13,7 +13,7 @@ from dcrb_ros.cli import completion
 from dcrb_ros.cli.first_start import announce_compilation
 from dcrb_ros.cli.options import Bag, Force, JsonOutput, Quiet, Settings
 from dcrb_ros.cli.output_file import PICTURES, check_output, replacing
-from dcrb_ros.runtime.terminal import console, steps
+from dcrb_ros.runtime.terminal import console, steps, table
 from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
 
@@ -125,19 +125,15 @@ def _print_fault_lines(comparison: RecordingComparison) -> None:
     """Print how deep the lines of each fault modulate the squared envelopes, if both recordings have a speed and a bearing."""
     if not comparison.features:
         return
-    from rich.table import Table
-
     from dcrb_ros.diagnosis.features.envelope_lines import WIDE
     from dcrb_ros.diagnosis.features.family import FAULTS
 
     first, second = map(printable, comparison.names)
     title = f"modulation depth of the fault lines [-], {WIDE[0]:g} to {WIDE[1]:g} of each sampling rate"
-    table = Table("line", "axis", first, second, title=title)
+    depths = comparison.features
     axes = [compared.axis for compared in comparison.axes]
-    for line in FAULTS:
-        for axis in axes:
-            table.add_row(line, axis, *(f"{depth:.3f}" for depth in comparison.features[f"{axis}_wide_{line}_depth"]))
-    console().print(table)
+    rows = [(line, axis, *(f"{depth:.3f}" for depth in depths[f"{axis}_wide_{line}_depth"])) for line in FAULTS for axis in axes]
+    console().print(table(title, ("line", "axis", first, second), rows))
 
 
 def _described(calibration: Calibration) -> dict[str, object]:

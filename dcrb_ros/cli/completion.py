@@ -2,27 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 
-def configurations(incomplete: str) -> list[str]:
-    """Return the shipped configurations that begin with a text."""
-    return _shipped(incomplete, "configuration")
+def _shipped(kind: str) -> Callable[[str], list[str]]:
+    """Return the completion of the names of shipped files of a kind."""
+
+    def names(incomplete: str) -> list[str]:
+        from dcrb_ros.settings.shipped import shipped
+
+        return _beginning(incomplete, shipped(kind))
+
+    return names
 
 
-def exams(incomplete: str) -> list[str]:
-    """Return the shipped exams that begin with a text."""
-    return _shipped(incomplete, "exam")
-
-
-def scenarios(incomplete: str) -> list[str]:
-    """Return the shipped scenarios that begin with a text."""
-    return _shipped(incomplete, "scenario")
-
-
-def sweeps(incomplete: str) -> list[str]:
-    """Return the shipped sweeps that begin with a text."""
-    return _shipped(incomplete, "sweep")
+configurations, exams, scenarios, sweeps = map(_shipped, ("configuration", "exam", "scenario", "sweep"))
+"""Each returns the shipped names that begin with a text."""
 
 
 def settings(incomplete: str) -> list[str]:
@@ -30,12 +25,6 @@ def settings(incomplete: str) -> list[str]:
     from dcrb_ros.settings.files import fields_by_key
 
     return _beginning(incomplete, (f"{key}=" for key in fields_by_key()))
-
-
-def _shipped(incomplete: str, kind: str) -> list[str]:
-    from dcrb_ros.settings.shipped import shipped
-
-    return _beginning(incomplete, shipped(kind))
 
 
 def _beginning(incomplete: str, names: Iterable[str]) -> list[str]:

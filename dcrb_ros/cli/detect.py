@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from dcrb_ros.cli.detect_vehicle import diagnosed_vehicle, print_vehicle, vehicle_as_object
 from dcrb_ros.cli.options import DetectorFile, Force, JsonOutput, warn_of_digest
 from dcrb_ros.cli.output_file import check_output, replacing
 from dcrb_ros.schema.refusal import Refusal
@@ -59,17 +60,31 @@ def detect(
 
     Example: dcrb detect bags/outer_ring_defect
 
+    In the recording of a vehicle, the boxes are compared: dcrb detect bags/bogie
+
     A page to send, with the trend over the recordings: dcrb detect monday tuesday --report bearing.html
     """
     from dcrb_ros.diagnosis.detection import detect as detect_in
     from dcrb_ros.diagnosis.detection import watch
     from dcrb_ros.recordings.reader import Recording
+    from dcrb_ros.recordings.vehicle_folder import vehicle_boxes
 
     if report is not None:
         check_output("--report", report, (".html", ".htm"))
     parameters = detector_parameters(detector)
     if baseline is not None:
         parameters = parameters.model_copy(update={"baseline": str(baseline)})
+    vehicles = [bag for bag in bags if vehicle_boxes(bag)]
+    if vehicles:
+        _check_vehicles(bags, vehicles, healthy=healthy, baseline=baseline, save=save_baseline, report=report)
+        compared = [(bag, diagnosed_vehicle(bag, parameters)) for bag in bags]
+        if as_json:
+            objects = [{"recording": str(bag), **vehicle_as_object(vehicle)} for bag, vehicle in compared]
+            print(json.dumps(objects[0] if len(objects) == 1 else objects, indent=2))
+        else:
+            for bag, vehicle in compared:
+                print_vehicle(bag, vehicle)
+        return
     known = _learned(healthy, baseline, save_baseline, parameters, force=force)
     diagnosed = []
     for bag in bags:
@@ -92,6 +107,23 @@ def detect(
             write_whole(report, page)
         if not as_json:
             print(f"{report}: {len(diagnosed)} recording{'s' * (len(diagnosed) > 1)}; a browser shows it, and prints it to PDF")
+
+
+def _check_vehicles(
+    bags: list[Path], vehicles: list[Path], *, healthy: Path | None, baseline: Path | None, save: Path | None, report: Path | None
+) -> None:
+    """Refuse what does not apply to the recording of a vehicle.
+
+    Raises:
+        Refusal: recordings of benches beside it, or an option for a single bearing.
+    """
+    given = {"--healthy": healthy, "--baseline": baseline, "--save-baseline": save, "--report": report}
+    option = next((name for name, value in given.items() if value is not None), None)
+    if option is not None:
+        raise Refusal(f"{vehicles[0]} is the recording of a vehicle, to which {option} does not apply: give one of its boxes")
+    bench = next((bag for bag in bags if bag not in vehicles), None)
+    if bench is not None:
+        raise Refusal(f"{vehicles[0]} is the recording of a vehicle and {bench} is not: diagnose them one after the other")
 
 
 def _as_object(recording: Recording, result: DetectionResult) -> dict[str, Any]:

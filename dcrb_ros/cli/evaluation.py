@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from dcrb_ros.exam.exam_file import Exam
     from dcrb_ros.exam.limits import Limits
     from dcrb_ros.exam.report import Report
+    from dcrb_ros.exam.vehicle.exam_file import VehicleExam
     from dcrb_ros.recordings.reader import Recording
 
 
@@ -93,6 +94,27 @@ def evaluate_exam(exam: Exam, options: DetectorOptions, recordings: Path | None,
     candidate = options.candidate()
     announce_compilation(quiet=quiet)
     return evaluate(candidate, simulated_scenarios(exam, folder), workers=workers, progress=partial(progress_of, quiet=quiet))
+
+
+def evaluate_vehicle_exam(exam: VehicleExam, options: DetectorOptions, recordings: Path | None, *, quiet: bool) -> Report:
+    """Return the report of the exam of a vehicle.
+
+    Raises:
+        Refusal: the detector is a node.
+    """
+    from dcrb_ros.exam.recording_cache import checked_folder, default_folder
+    from dcrb_ros.exam.vehicle.evaluation import ProcessVehicleDetector, evaluate_vehicles, shipped_vehicle_detector
+
+    if options.node is not None:
+        raise Refusal(f"{exam.name} is the exam of a vehicle, which has no node yet: give the detector as a Python class with --python")
+    folder = checked_folder(recordings or default_folder() / "vehicles")
+    candidate = (
+        shipped_vehicle_detector(options.parameters, options.name)
+        if options.python is None
+        else ProcessVehicleDetector(options.name, options.python, options.limits)
+    )
+    announce_compilation(quiet=quiet)
+    return evaluate_vehicles(exam, candidate, folder, partial(progress_of, quiet=quiet))
 
 
 def evaluate_bags(bags: Sequence[Path], options: DetectorOptions, *, run_detector: bool, workers: int, quiet: bool) -> Report:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
-from dcrb_ros.runtime.terminal import console
+from dcrb_ros.runtime.terminal import console, table
 
 if TYPE_CHECKING:
     from dcrb_ros.exam.exam_file import Exam
+    from dcrb_ros.exam.vehicle.exam_file import VehicleExam
 
 HEADS = ("scenario", "correct verdict", "onset [s]", "duration [s]", "twin")
 LONGEST_TABLE = 300
@@ -22,7 +23,7 @@ def print_scenarios(exam: Exam) -> None:
     rows = list(_cells(exam))
     title = f"{exam.name}: {exam.about}"
     if len(rows) <= LONGEST_TABLE:
-        _print_table(title, rows)
+        console().print(table(title, HEADS, rows))
     else:
         _print_columns(title, rows)
     seconds = sum(case.simulation.duration for case in exam.cases)
@@ -37,16 +38,19 @@ def _cells(exam: Exam) -> Iterable[tuple[str, ...]]:
         yield name, expectation.verdict, onset, f"{expectation.duration:g}", expectation.twin or "-"
 
 
-def _print_table(title: str, rows: Iterable[tuple[str, ...]]) -> None:
-    from rich.table import Table
-
-    table = Table(*HEADS, title=title)
-    for row in rows:
-        table.add_row(*row)
-    console().print(table)
-
-
-def _print_columns(title: str, rows: Sequence[tuple[str, ...]]) -> None:
-    widths = [max(map(len, column)) for column in zip(HEADS, *rows, strict=True)]
-    lines = ("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in (HEADS, *rows))
+def _print_columns(title: str, rows: Sequence[tuple[str, ...]], heads: tuple[str, ...] = HEADS) -> None:
+    widths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
+    lines = ("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in (heads, *rows))
     console().print("\n".join([title, *lines]), soft_wrap=True)
+
+
+def print_vehicles(exam: VehicleExam) -> None:
+    """Print the vehicles of an exam with the boxes that are not healthy, and the hash of them all."""
+    heads = ("scenario", "not healthy", "duration [s]")
+    rows = [
+        (case.name, ", ".join(f"{box} {verdict}" for box, verdict in case.damaged.items()) or "-", f"{case.duration:g}")
+        for case in exam.cases
+    ]
+    _print_columns(f"{exam.name}: {exam.about}", rows, heads)
+    seconds = sum(case.duration for case in exam.cases)
+    print(f"{len(exam.cases)} vehicles, {seconds:.0f} s simulated, sha256 {exam.digest}")

@@ -60,17 +60,18 @@ def import_(
     """
     from dcrb_ros.exchange.importing import WaveformImport
     from dcrb_ros.exchange.plausibility import implausible, summary
-    from dcrb_ros.exchange.public_sets import find_description, listed
+    from dcrb_ros.exchange.public_sets import listed
+    from dcrb_ros.settings.shipped import find_shipped
 
     if list_ or show:
         if (list_ and show) or files or about or output or settings:
             raise Refusal("--list and --show print descriptions and import nothing: leave out everything else")
-        print("\n".join(listed()) if list_ else find_description(show).read_text(encoding="utf-8"), end="\n" if list_ else "")
+        print("\n".join(listed()) if list_ else find_shipped("description", show).read_text(encoding="utf-8"), end="\n" if list_ else "")
         return
     if not files or not about or output is None:
         missing = "FILE" if not files else "--about" if not about else "-o"
         raise Refusal(f"{missing} is missing: dcrb import FILE --about ABOUT.yaml -o RECORDING, or dcrb import --list")
-    waveform = WaveformImport(files, find_description(about), settings or ())
+    waveform = WaveformImport(files, find_shipped("description", about), settings or ())
     with replacing("-o", output, force=force):
         samples = waveform.write(output)
     print(f"{output}: {samples} samples, {samples / waveform.measured_rate:.3f} s at {waveform.measured_rate:g} Hz")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -31,8 +32,12 @@ def info(
     """
     from dcrb_ros.recordings.metadata import metadata_flaw
     from dcrb_ros.recordings.reader import Recording
+    from dcrb_ros.recordings.vehicle_folder import vehicle_boxes
     from dcrb_ros.stream.event_text import encode_command
 
+    if vehicle_boxes(bag):
+        vehicle_info(bag, as_json=as_json)
+        return
     recording = Recording(bag)
     counts, flaw = recording.counts(), metadata_flaw(bag)
     commands = [encode_command(command) for command in recording.commands()]
@@ -69,6 +74,48 @@ def info(
         shown.print(f"damaged: {description}", soft_wrap=True)
     if damage:
         shown.print("the counts above are of the readable part; dcrb recover writes it to a complete recording", soft_wrap=True)
+
+
+def vehicle_info(bag: Path, *, as_json: bool) -> None:
+    """Print the parameters, the boxes with their digests, the commands, the topics and the damage of a vehicle's recording."""
+    from dcrb_ros.recordings.metadata import metadata_flaw
+    from dcrb_ros.recordings.vehicle import VehicleRecording
+
+    recording, flaw = VehicleRecording(bag), metadata_flaw(bag)
+    counts = next(iter(recording.boxes.values())).counts()
+    commands = [(command.time_ns * 1e-9, command.name, command.value) for command in recording.commands()]
+    boxes, mismatches = dict[str, dict[str, Any]](), list[str]()
+    for name, box in recording.boxes.items():
+        digests, mismatch = _digests(box)
+        boxes[name] = {
+            "samples": digests.read.count if digests else None,
+            "sha256": digests.read.sha256 if digests else None,
+            "match": digests.match if digests else None,
+            "faults": list(box.manifest.get("faults") or ()),
+        }
+        mismatches += [f"{name}: {mismatch}"] if mismatch else []
+    damage = [*recording.damage, *([flaw] if flaw else []), *mismatches]
+    if as_json:
+        about = {"vehicle": recording.parameters, "boxes": boxes, "commands": commands, "messages": counts, "damage": damage}
+        print(json.dumps(about, indent=2))
+        return
+    from dcrb_ros.runtime.terminal import console
+
+    shown = console()
+    shown.print(f"the recording of a vehicle with {len(boxes)} boxes, {recording.sampling_rate} Hz; dcrb info {bag / next(iter(boxes))}")
+    agreed = {True: "as stated", False: "NOT as stated", None: "none stated"}
+    rows = [
+        (name, box["samples"], str(box["sha256"])[:16], agreed[box["match"]], ", ".join(box["faults"]) or "none")
+        for name, box in boxes.items()
+    ]
+    shown.print(_table(str(bag), ("box", "samples", "sha256", "digest", "faults at the start"), rows))
+    shown.print(_table("messages", ("topic", "messages"), counts.items()))
+    if commands:
+        first = [(f"{time:.6f}", name, value) for time, name, value in commands[:SHOWN_COMMANDS]]
+        shown.print(_table(f"commands to the vehicle: {len(commands)}", ("simulated time [s]", "command", "value"), first))
+    shown.print(_table("vehicle", ("parameter", "value"), recording.parameters.items()))
+    for description in damage:
+        shown.print(f"damaged: {description}", soft_wrap=True)
 
 
 def _lines(recording: Recording) -> list[str]:
@@ -163,12 +210,8 @@ def _changed(recording: Recording) -> list[tuple[str, str]]:
     return [(key, str(value)) for key, value in flatten(recording.configuration.model_dump()).items() if value != default[key]]
 
 
-def _table(title: str, heads: tuple[str, str], rows: Any) -> Table:
-    from rich.table import Table
-
+def _table(title: str, heads: tuple[str, ...], rows: Any) -> Table:
+    from dcrb_ros.runtime.terminal import table
     from dcrb_ros.schema.printable import shortened
 
-    table = Table(*heads, title=title)
-    for row in rows:
-        table.add_row(*(shortened(str(cell), LONGEST_CELL) for cell in row))
-    return table
+    return table(title, heads, ([shortened(str(cell), LONGEST_CELL) for cell in row] for row in rows))

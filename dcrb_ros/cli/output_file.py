@@ -9,7 +9,6 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from dcrb_ros.recordings.vehicle_folder import TRUTH_FILE, VEHICLE_FILE
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.files import checked_path
 
@@ -88,14 +87,7 @@ def _bring_back(old: Path, path: Path) -> None:
 
 
 def _check_recording(option: str, folder: Path) -> None:
-    """Refuse a folder that contains anything but a recording, or the recordings of the boxes of a vehicle."""
-    if (folder / VEHICLE_FILE).is_file():
-        for entry in sorted(folder.iterdir()):
-            if entry.is_dir():
-                _check_recording(option, entry)
-            elif entry.name not in (VEHICLE_FILE, TRUTH_FILE):
-                raise Refusal(f"{option} {folder} contains {entry.name}, which is not part of a recording: remove it or give another name")
-        return
+    """Refuse a folder that contains anything but a recording."""
     other = next((entry for entry in sorted(folder.iterdir()) if entry.name != "metadata.yaml" and entry.suffix != ".mcap"), None)
     if other is not None:
         raise Refusal(f"{option} {folder} contains {other.name}, which is not part of a recording: remove it or give another name")

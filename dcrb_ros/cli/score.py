@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dcrb_ros.cli import completion
-from dcrb_ros.cli.evaluation import DetectorOptions, evaluate_bags, evaluate_exam, evaluate_measured_folder
-from dcrb_ros.cli.exam_list import print_scenarios
+from dcrb_ros.cli.evaluation import DetectorOptions, evaluate_bags, evaluate_exam, evaluate_measured_folder, evaluate_vehicle_exam
+from dcrb_ros.cli.exam_list import print_scenarios, print_vehicles
 from dcrb_ros.cli.options import DetectorFile, JsonOutput, Quiet, Workers, worker_count
 from dcrb_ros.cli.report_output import check_files, output_report
 from dcrb_ros.schema.refusal import Refusal
@@ -20,6 +20,7 @@ from dcrb_ros.schema.refusal import Refusal
 if TYPE_CHECKING:
     from dcrb_ros.exam.exam_file import Exam
     from dcrb_ros.exam.limits import Limits
+    from dcrb_ros.exam.vehicle.exam_file import VehicleExam
 
 
 def score(
@@ -27,7 +28,7 @@ def score(
         list[str] | None,
         typer.Argument(
             metavar="EXAM | BAG ...",
-            help="An exam (smoke, standard, blind, full, hours or a YAML file), or recordings.",
+            help="An exam (smoke, standard, blind, full, hours, bogie or a YAML file), or recordings.",
             autocompletion=completion.exams,
         ),
     ] = None,
@@ -99,24 +100,34 @@ def score(
         report = evaluate_bags([Path(bag) for bag in bags], options, run_detector=run_detector, workers=count, quiet=quiet)
     else:
         from dcrb_ros.exam.exam_file import read_exam
+        from dcrb_ros.exam.vehicle.exam_file import is_vehicle_exam, read_vehicle_exam
 
         if len(given) > 1:
             raise Refusal(f"{len(given)} exams are given ({', '.join(given)}): give one at a time")
-        selected = _select(read_exam(given[0]), only)
-        if show:
-            print_scenarios(selected)
-            return
-        report = evaluate_exam(selected, options, recordings, count, quiet=quiet)
+        if is_vehicle_exam(given[0]):
+            if workers or entry is not None:
+                raise Refusal(f"{given[0]} is the exam of a vehicle, whose boxes use all processors: leave out --workers and --entry")
+            vehicles = _select_vehicles(read_vehicle_exam(given[0]), only)
+            if show:
+                print_vehicles(vehicles)
+                return
+            report = evaluate_vehicle_exam(vehicles, options, recordings, quiet=quiet)
+        else:
+            selected = _select(read_exam(given[0]), only)
+            if show:
+                print_scenarios(selected)
+                return
+            report = evaluate_exam(selected, options, recordings, count, quiet=quiet)
     output_report(report, as_json, junit, figure, entry)
     if not report.passed:
         raise typer.Exit(1)
 
 
 def _check(given: Sequence[str], rate: float, patience: float, node: str | None, detector: Path | None, reference: bool) -> None:
-    from dcrb_ros.exam.exam_file import shipped_exams
+    from dcrb_ros.settings.shipped import shipped
 
     if not given:
-        raise Refusal(f"there is nothing to score: give an exam ({', '.join(shipped_exams())} or a YAML file), or recordings")
+        raise Refusal(f"there is nothing to score: give an exam ({', '.join(shipped('exam'))} or a YAML file), or recordings")
     if not (math.isfinite(rate) and 0.0 <= rate <= 1000.0):
         raise Refusal(f"--rate {rate} is outside 0 .. 1000: give 0 for as fast as the node answers, 1 for the recorded speed")
     if not (math.isfinite(patience) and 0.0 < patience <= 3600.0):
@@ -165,9 +176,9 @@ def _check_python(python: str | None, node: str | None, detector: Path | None, r
 def _is_recording(path: Path) -> bool:
     """Return whether a path is read as a recording; one that does not exist, or a folder of an exam's name without any, is an exam."""
     if path.is_dir():
-        from dcrb_ros.exam.exam_file import shipped_exams
+        from dcrb_ros.settings.shipped import shipped
 
-        return str(path) not in shipped_exams() or any(path.glob("*.mcap"))
+        return str(path) not in shipped("exam") or any(path.glob("*.mcap"))
     return path.suffix == ".mcap" or (path.is_file() and path.suffix not in (".yaml", ".yml"))
 
 
@@ -182,4 +193,16 @@ def _select(exam: Exam, pattern: str) -> Exam:
         raise Refusal(f"--only '{pattern}' matches no scenario of {exam.name}: --list shows their names")
     twins = {case.expectation.twin for case in exam.cases if case.expectation.name in chosen}
     kept = tuple(case for case in exam.cases if case.expectation.name in chosen | twins)
+    return dataclasses.replace(exam, name=f"{exam.name} (only {pattern})", cases=kept)
+
+
+def _select_vehicles(exam: VehicleExam, pattern: str) -> VehicleExam:
+    """Return the exam of a vehicle with the scenarios that match a pattern."""
+    import dataclasses
+
+    if not pattern:
+        return exam
+    kept = tuple(case for case in exam.cases if fnmatch.fnmatchcase(case.name, pattern))
+    if not kept:
+        raise Refusal(f"--only '{pattern}' matches no scenario of {exam.name}: --list shows their names")
     return dataclasses.replace(exam, name=f"{exam.name} (only {pattern})", cases=kept)

@@ -16,7 +16,6 @@ from dcrb_ros.cli import completion
 from dcrb_ros.cli.first_start import compilation_shown
 from dcrb_ros.cli.options import Duration, Force, JsonOutput, Quiet, Scenario, Settings
 from dcrb_ros.cli.output_file import replacing
-from dcrb_ros.recordings.vehicle_folder import VEHICLE_FILE
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.simulated_time import checked_duration
 
@@ -79,20 +78,24 @@ def simulate(
     if source is not None:
         if config or settings or scenario or vehicle:
             raise Refusal("--from reads configuration and scenario from the recording: leave out CONFIG, --vehicle, --set and --scenario")
-        if (source / VEHICLE_FILE).is_file():
-            reproduce_vehicle(source, output, quiet=quiet, as_json=as_json)
+        from dcrb_ros.recordings.vehicle_folder import box_of, vehicle_boxes
+
+        if vehicle_boxes(source):
+            reproduce_vehicle(source, output, force=force, quiet=quiet, as_json=as_json)
             return
-        if (source.absolute().parent / VEHICLE_FILE).is_file():
-            raise Refusal(f"{source} is a box of the vehicle in {source.absolute().parent}, on which its samples depend: give that folder")
+        whole, box = box_of(source)
+        if box:
+            raise Refusal(f"{source} is a box of the vehicle in {whole}, on which its samples depend: give --from {whole}")
         with ExitStack() as stack:
             if output is not None:
                 stack.enter_context(replacing("-o", output, force=force, source=source))
             reproduce(source, output, quiet=quiet, as_json=as_json)
         return
     if vehicle is not None:
-        if config or scenario:
-            raise Refusal("--vehicle names a file with all boxes, and takes no scenario: leave out CONFIG and --scenario")
-        simulate_vehicle(vehicle, settings or (), output, checked_duration(duration), force=force, quiet=quiet, as_json=as_json)
+        if config:
+            raise Refusal("--vehicle names a file with all boxes: leave out CONFIG")
+        seconds = checked_duration(duration)
+        simulate_vehicle(vehicle, settings or (), output, seconds, scenario=scenario, force=force, quiet=quiet, as_json=as_json)
         return
     if config is None:
         raise Refusal("Missing argument 'CONFIG': give a YAML file or a shipped name, such as healthy, or --from BAG")
@@ -145,15 +148,26 @@ def reproduce(source: Path, output: Path | None, *, quiet: bool, as_json: bool) 
 
 
 def simulate_vehicle(
-    source: str, settings: Sequence[str], output: Path | None, seconds: float, *, force: bool, quiet: bool, as_json: bool
+    source: str,
+    settings: Sequence[str],
+    output: Path | None,
+    seconds: float,
+    *,
+    scenario: Path | None = None,
+    force: bool,
+    quiet: bool,
+    as_json: bool,
 ) -> None:
-    """Simulate a vehicle and write a folder with the recordings of its boxes."""
+    """Simulate a vehicle and write a recording with the topics of all its boxes."""
     from dcrb_ros.recordings.vehicle import VehicleRecorder
-    from dcrb_ros.vehicle.file import read_parameters, vehicle_of
-    from dcrb_ros.vehicle.simulation import VehicleSimulation
+    from dcrb_ros.simulation.scenario import read_scenario_file
+    from dcrb_ros.vehicle.file import read_parameters
+    from dcrb_ros.vehicle.scenario import starting_parameters
+    from dcrb_ros.vehicle.simulation import simulation_of
 
-    parameters, path = read_parameters(source, settings), output or Path(Path(source).stem)
-    simulation = VehicleSimulation(vehicle_of(parameters, source))
+    tree, path = read_scenario_file(scenario) if scenario else None, output or Path(Path(source).stem)
+    parameters = starting_parameters(tree, read_parameters(source, settings), str(scenario))
+    simulation = simulation_of(parameters, source, tree, str(scenario))
     with replacing("-o", path, force=force), VehicleRecorder(path, parameters, simulation) as recorder:
         progress = _run(path.name, simulation.blocks(seconds), seconds, recorder.write, quiet=quiet, partial=True)
     if as_json:
@@ -162,25 +176,28 @@ def simulate_vehicle(
         return
     print(f"{path}: {progress}, {len(recorder.outcomes)} boxes")
     if not quiet:
-        print(f"diagnose its boxes with: dcrb detect {path}/axle_*")
+        print(f"open it with: dcrb view {path}")
 
 
-def reproduce_vehicle(source: Path, output: Path | None, *, quiet: bool, as_json: bool) -> None:
-    """Simulate a vehicle's recording again and compare the samples of every box."""
-    from dcrb_ros.recordings.vehicle import read_vehicle_file
-    from dcrb_ros.vehicle.file import vehicle_of
-    from dcrb_ros.vehicle.simulation import VehicleSimulation
+def reproduce_vehicle(source: Path, output: Path | None, *, force: bool, quiet: bool, as_json: bool) -> None:
+    """Simulate a vehicle's recording again and compare the samples of every box; write them if ``output`` is given."""
+    from dcrb_ros.recordings.vehicle import VehicleRecorder, VehicleRecording, VehicleReproduction
+    from dcrb_ros.vehicle.simulation import simulation_of
 
-    if output is not None:
-        raise Refusal("--from compares a vehicle's recording with a new simulation and writes none: leave out --output")
-    about = read_vehicle_file(source)
-    simulation = VehicleSimulation(vehicle_of(about.parameters, str(source)))
-    progress = _run(source.name, simulation.blocks(about.duration), about.duration, about.compare, quiet=quiet)
-    about.check()
+    recording = VehicleRecording(source)
+    reproduction = VehicleReproduction(recording)
+    simulation = simulation_of(recording.parameters, str(source), recording.scenario, f"{source}: scenario")
+    with ExitStack() as stack:
+        write = None
+        if output is not None:
+            stack.enter_context(replacing("-o", output, force=force, source=source))
+            write = stack.enter_context(VehicleRecorder(output, recording.parameters, simulation)).write
+        progress = _run(source.name, reproduction.blocks(simulation), recording.duration, write, quiet=quiet)
+    reproduction.check()
     if as_json:
         print(json.dumps({"recording": str(source), "simulated": progress.simulated, "same": True}, indent=2))
     else:
-        print(f"{source}: {progress}; the same samples in {len(about.boxes)} boxes")
+        print(f"{source}: {progress}; the same samples in {len(recording.boxes)} boxes")
 
 
 def _print_json(path: Path | None, progress: Progress, samples: int, sha256: str) -> None:

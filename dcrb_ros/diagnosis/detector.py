@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +26,7 @@ from dcrb_ros.diagnosis.hysteresis import Hysteresis, confidence, least_evidence
 from dcrb_ros.diagnosis.order_spectrum import HARMONICS, SHAFT_SIDEBANDS, OrderSpectrum, order_spectra
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.registry import BEARING_RULES, LEVEL_RULES, SAMPLE_RULES
-from dcrb_ros.diagnosis.rule import Finding, LineRule, found_lines
+from dcrb_ros.diagnosis.rule import BearingRule, Finding, LineRule, found_lines
 from dcrb_ros.diagnosis.segments import Segment, Segmenter
 from dcrb_ros.diagnosis.speed_estimation import estimated_frequency
 from dcrb_ros.diagnosis.trend import Trend
@@ -96,7 +97,7 @@ class FaultDetector:
         self._third = self._level_bands.index(self._bands.index(third)) if third in self._bands else None
         self._sample_rules = [rule(p) for rule in SAMPLE_RULES]
         self._level_rules = [rule(p) for rule in LEVEL_RULES]
-        self._bearing_rules = [rule(p) for rule in BEARING_RULES]
+        self._bearing_rules: list[BearingRule[Any]] = [rule(p) for rule in BEARING_RULES]
         self.learner: BaselineLearner | None = None
         """Takes the evidence of every judgement, if there is one."""
         self._baseline = baseline if baseline is not None or not p.baseline else read_baseline(Path(p.baseline))
@@ -259,11 +260,35 @@ class FaultDetector:
                 )
             frequency = estimate.frequency
             spectra = [_rescaled(spectrum, p.fastest / frequency, self._scale(frequency)) for spectrum in spectra]
-        search = SharedSearch(spectra, self.orders, p.slip)
-        bands = [BandEvidence(band, search, number) for number, band in enumerate(self._bands)]
-        evidence = Evidence(bands, self.band, self._high, frequency, p.hop)
+        evidence = self._evidence(spectra, frequency)
         selected = int(np.argmax(kurtosis(envelopes[:-1]))) if p.band == "kurtogram" else 0
-        return self._concluded(last, evidence, bands[selected])
+        return self._concluded(last, evidence, evidence.bands[selected])
+
+    def _evidence(self, spectra: list[OrderSpectrum], frequency: float) -> Evidence:
+        """Return the evidence in the spectra of all bands over orders at a shaft frequency [Hz]."""
+        search = SharedSearch(spectra, self.orders, self.parameters.slip)
+        bands = [BandEvidence(band, search, number) for number, band in enumerate(self._bands)]
+        return Evidence(bands, self.band, self._high, frequency, self.parameters.hop)
+
+    def limited_evidence(self, share: float) -> tuple[Evidence, dict[Component, Finding]] | None:
+        """Return the evidence of the present window with rare impacts limited, and the findings in it; None without a judgement.
+
+        No squared envelope counts with more than the value that it exceeds in a ``share`` of the time [-]. Kinks of a rail are rarer than
+        the impacts of a damaged bearing, but larger.
+        """
+        if self._flawed_hops or self._what_is_missing() or not self._window.tracked:
+            return None
+        envelopes, missing = self._window.envelopes()
+        most = np.quantile(envelopes[:, ~missing], 1.0 - share, axis=1).astype(np.float32)
+        highest = max(self._highest_order, highest_searched(self.orders, self.parameters.slip))
+        spectra = order_spectra(np.minimum(envelopes, most[:, None]), missing, self._window.bins_per_turn, highest)
+        evidence = self._evidence(spectra, self._window.frequency)
+        return evidence, self._combination.findings(evidence)
+
+    @property
+    def rules(self) -> Sequence[BearingRule[Any]]:
+        """Rules for the bearing."""
+        return self._bearing_rules
 
     def _scale(self, frequency: float) -> float:
         """Return the squared envelope at a shaft frequency [Hz] relative to that at the reference frequency [-]."""

@@ -2,13 +2,17 @@
 
 It measures the box with a part of the bearing behind it, reads T_BOX + 0.15 (T_OR - T_BOX) with an error of emissivity over the ambient
 temperature, and noise. It alarms where a box is 94.4 K (170 F) above ambient, or 52.8 K (95 F) above the other box of the axle: the
-conventional North American settings (University of Texas Rio Grande Valley, scholarworks.utrgv.edu/me_fac/185).
+conventional North American settings (University of Texas Rio Grande Valley, scholarworks.utrgv.edu/me_fac/185). Of a train it reads all
+boxes, and judges by the rules of `dcrb_ros.diagnosis.hot_boxes`.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
+from dcrb_ros.diagnosis.hot_boxes import HotBox, HotBoxParameters, hot_boxes
 from dcrb_ros.measurement.random_streams import random_stream
 from dcrb_ros.schema.fields import Group, quantity
 
@@ -75,6 +79,29 @@ class Passage:
         return f"{self.reading:.0f} deg C, {above:.0f} K above ambient, {across:.0f} K above the other box"
 
 
+class Box(NamedTuple):
+    """A box of a train with its bearing [deg C]."""
+
+    box: float
+    outer_ring: float
+
+
+@dataclass(frozen=True)
+class TrainPassage:
+    """The readings of all boxes of a train at a detector."""
+
+    time_ns: int
+    """Simulated time [ns]."""
+    distance: float
+    """Since the start [km]."""
+    readings: Mapping[str, float]
+    """Of each box [deg C]."""
+    ambient: float
+    """[deg C]"""
+    hot: tuple[HotBox, ...]
+    """Boxes that break a rule."""
+
+
 class Wayside:
     """Follows a vehicle, and reads its axle box wherever it passes a detector."""
 
@@ -90,19 +117,36 @@ class Wayside:
         ``speed`` is that of the shaft [rad/s] since then. With a time lapse the vehicle covers more distance in the time of the heat, which
         ``acceleration`` multiplies. A vehicle that passes several at once is read once, by the last.
         """
-        p, passed_s = self._p, 0.0 if self._before_ns is None else 1e-9 * (time_ns - self._before_ns)
-        self._before_ns = time_ns
-        self._distance += 0.5 * p.wheel_diameter * abs(speed) * max(passed_s, 0.0) * acceleration / KILOMETRE
-        before_first = self._distance - (p.first or p.spacing)
-        passed = 0 if before_first < 0.0 else 1 + int(before_first / p.spacing)
-        if passed == self._passed:
+        p = self._p
+        if not self._passes(time_ns, 0.5 * p.wheel_diameter * speed, acceleration):
             return None
-        self._passed = passed
-        reading, opposite = self._read(boxes.box, boxes.outer_ring, boxes), self._read(boxes.opposite_box, boxes.opposite_outer_ring, boxes)
+        reading, opposite = (
+            self._read(box, ring, boxes.ambient)
+            for box, ring in ((boxes.box, boxes.outer_ring), (boxes.opposite_box, boxes.opposite_outer_ring))
+        )
         hot = reading - boxes.ambient > p.above_ambient, reading - opposite > p.above_opposite
         return Passage(time_ns, self._distance, reading, opposite, boxes.ambient, *hot)
 
-    def _read(self, box: float, ring: float, boxes: AxleBoxes) -> float:
+    def follow_train(
+        self, time_ns: int, speed: float, boxes: Mapping[str, Box], ambient: float, rules: HotBoxParameters, acceleration: float = 1.0
+    ) -> TrainPassage | None:
+        """Return the readings of all ``boxes`` by name at a detector that was passed, as `follow`, at a speed of the vehicle [m/s]."""
+        if not self._passes(time_ns, speed, acceleration):
+            return None
+        readings = {name: self._read(box.box, box.outer_ring, ambient) for name, box in boxes.items()}
+        return TrainPassage(time_ns, self._distance, readings, ambient, tuple(hot_boxes(readings, ambient, speed, rules)))
+
+    def _passes(self, time_ns: int, speed: float, acceleration: float) -> bool:
+        """Return whether a vehicle at a speed [m/s] passed a detector since the call before."""
+        p, passed_s = self._p, 0.0 if self._before_ns is None else 1e-9 * (time_ns - self._before_ns)
+        self._before_ns = time_ns
+        self._distance += abs(speed) * max(passed_s, 0.0) * acceleration / KILOMETRE
+        before_first = self._distance - (p.first or p.spacing)
+        passed = 0 if before_first < 0.0 else 1 + int(before_first / p.spacing)
+        before, self._passed = self._passed, passed
+        return passed != before
+
+    def _read(self, box: float, ring: float, ambient: float) -> float:
         """Return the reading of a box [deg C]."""
         seen = box + RING_SHARE * (ring - box)
-        return float(seen + self._p.emissivity_error * (seen - boxes.ambient) + self._p.noise * self._random.standard_normal())
+        return float(seen + self._p.emissivity_error * (seen - ambient) + self._p.noise * self._random.standard_normal())

@@ -107,6 +107,30 @@ def _detection(
     return (1.0 - profile.naming) * alarm + profile.naming * name
 
 
+def vehicle_detection(
+    expectation: Expectation, own: Sequence[ReceivedDiagnosis], boxes: Sequence[Sequence[ReceivedDiagnosis]], criteria: Criteria
+) -> dict[str, float]:
+    """Return the credit by profile for a damaged box of a vehicle [-].
+
+    ``own`` are the diagnoses of that box, ``boxes`` those of every box. The alarm may be on any box. Of the share of the name, half needs
+    an alarm on the damaged box, and half its component on any box.
+    """
+    period = period_of(criteria)
+    alarms = BEARING_FAULTS if expectation.verdict in BEARING_FAULTS else (expectation.verdict,)
+
+    def weight(diagnoses: Sequence[ReceivedDiagnosis], counted: Sequence[str], profile: Profile) -> float:
+        verdicts = _current_verdicts(expectation, diagnoses, period, counted)
+        return _weight(expectation, [current for current in verdicts if current.verdict in counted], profile)
+
+    credits = {}
+    for profile in PROFILES:
+        alarm = max((weight(box, alarms, profile) for box in boxes), default=0.0)
+        named = max((weight(box, (expectation.verdict,), profile) for box in boxes), default=0.0)
+        place = weight(own, alarms, profile)
+        credits[profile.name] = (1.0 - profile.naming) * alarm + profile.naming * 0.5 * (place + named)
+    return credits
+
+
 def _weight(expectation: Expectation, verdicts: Sequence[_CurrentVerdict], profile: Profile) -> float:
     """Return the weight of the time during which verdicts are current; all the time after the onset weighs 1 [-]."""
     onset, end = expectation.onset, expectation.end

@@ -7,6 +7,7 @@ the scenario nor the expected verdict enters this process, and its standard outp
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import pickle
 import signal
@@ -15,17 +16,25 @@ import sys
 import threading
 import time
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.exam.packets import receive_packet, send_packet
 from dcrb_ros.exam.plugin import load_plugin
-from dcrb_ros.exam.running_detector import DetectorBlock, DetectorFactory, RunningDetector, checked_output
+from dcrb_ros.exam.running_detector import (
+    BoxSamples,
+    DetectorBlock,
+    RunningDetector,
+    RunningVehicleDetector,
+    checked_output,
+)
 from dcrb_ros.runtime.memory import keep_freed_memory
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.stream.vehicle_description import VehicleDescription
 
-READY, NOTHING, MESSAGE, VERDICT, REFUSED, FAILED, LEFTOVER = b"+", b"-", b"m", b"v", b"r", b"f", b"l"
-"""First bytes of the answers: done, no diagnosis, a message on `diagnosis`, a verdict, a refusal, a failure, done with threads left."""
+READY, NOTHING, MESSAGE, VERDICT, STATUSES, REFUSED, FAILED, LEFTOVER = b"+", b"-", b"m", b"v", b"s", b"r", b"f", b"l"
+"""First bytes of the answers: done, no diagnosis, a message on `diagnosis`, a verdict, verdicts and scores by status in JSON, a refusal, a
+failure, done with threads left."""
 THREAD_PATIENCE = 2.0
 """Time in which the threads of a detector must end after its last block [s]."""
 
@@ -38,6 +47,19 @@ class Begin(NamedTuple):
     """Sampling rate [Hz]."""
     bearing: bytes
     """The bearing, pickled apart, since most detectors do not need it; None if it is unknown."""
+
+
+class BeginVehicle(NamedTuple):
+    """Request for a new detector of a vehicle."""
+
+    description: str
+    """The `VehicleDescription` in JSON."""
+
+
+VehiclePiece: TypeAlias = dict[str, BoxSamples]
+"""Blocks of all boxes."""
+Request: TypeAlias = Begin | DetectorBlock | BeginVehicle | VehiclePiece
+Running: TypeAlias = RunningDetector | RunningVehicleDetector
 
 
 def main() -> None:
@@ -61,19 +83,19 @@ def main() -> None:
     os._exit(0)  # whatever threads are left
 
 
-def _scenario(channel: socket.socket, factory: DetectorFactory) -> bool:
+def _scenario(channel: socket.socket, factory: Any) -> bool:
     """Run a detector on the blocks of a scenario; return whether this process can run another one."""
-    detector: RunningDetector | None = None
+    detector: Running | None = None
     before = set(threading.enumerate())
     while (packet := receive_packet(channel)) is not None:
-        request: Begin | DetectorBlock | None = pickle.loads(packet)
+        request: Request | None = pickle.loads(packet)
         if request is None:
             del detector
             answer = _threads_left(before)
             send_packet(channel, answer)
             return answer == READY
         try:
-            if isinstance(request, Begin):
+            if isinstance(request, (Begin, BeginVehicle)):
                 detector, answer = _made(factory, request), READY
             else:
                 assert detector is not None
@@ -88,11 +110,18 @@ def _scenario(channel: socket.socket, factory: DetectorFactory) -> bool:
     return False
 
 
-def _made(factory: DetectorFactory, begin: Begin) -> RunningDetector:
+def _made(factory: Any, begin: Begin | BeginVehicle) -> Running:
+    if isinstance(begin, BeginVehicle):
+        return RunningVehicleDetector(factory, VehicleDescription.from_json(begin.description))
     return RunningDetector(factory, begin.orders, begin.rate, partial(pickle.loads, begin.bearing))
 
 
-def _answer(detector: RunningDetector, block: DetectorBlock) -> bytes:
+def _answer(detector: Running, block: DetectorBlock | VehiclePiece) -> bytes:
+    if isinstance(detector, RunningVehicleDetector):
+        assert isinstance(block, dict)
+        statuses = detector.take(block)
+        return NOTHING if statuses is None else STATUSES + json.dumps(statuses).encode()
+    assert isinstance(block, DetectorBlock)
     output = checked_output(detector.take(block))
     if output is None:
         return NOTHING

@@ -26,7 +26,7 @@ from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.schema.verdicts import FAULT_CLASSES, FaultClass
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import fields_by_key, flatten, layered, read_parameters, validated
-from dcrb_ros.settings.shipped import find_configuration, find_shipped, shipped
+from dcrb_ros.settings.shipped import find_configuration, find_shipped
 from dcrb_ros.simulation.scenario import ScheduledChange, read_scenario_file, scheduled_changes, starting_configuration
 from dcrb_ros.text.yaml import read_yaml
 
@@ -109,11 +109,6 @@ class Exam:
     """Origin of a replica; None of any other exam."""
 
 
-def shipped_exams() -> dict[str, Path]:
-    """Return the shipped exams by name."""
-    return shipped("exam")
-
-
 def read_exam(source: str | Path) -> Exam:
     """Return the exam given by a file or by a shipped name.
 
@@ -127,6 +122,8 @@ def exam_of(tree: Any, source: str) -> Exam:
     """Return the exam described by a tree read from YAML; see `read_exam`."""
     if not isinstance(tree, Mapping):
         raise Refusal(f"{source} is not an exam: it must have the keys 'exam', 'criteria' and a list 'scenarios'")
+    if "vehicle" in tree:
+        raise Refusal(f"{source} is the exam of a vehicle: score it with dcrb score, or read it with read_vehicle_exam")
     drawn = tree.get("scenarios")
     if "template" in tree or (isinstance(drawn, list) and any(isinstance(entry, Mapping) and "draw" in entry for entry in drawn)):
         raise Refusal(

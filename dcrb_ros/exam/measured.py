@@ -5,7 +5,6 @@ The shipped detector judges each as a whole. A detector in Python first receives
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import math
 from collections.abc import Sequence
@@ -30,10 +29,13 @@ from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.schema.units import ACCELERATION_UNITS
 from dcrb_ros.schema.verdicts import FAULT_CLASSES
 from dcrb_ros.stream.diagnosis import Diagnosis
+from dcrb_ros.text.tables import read_rows
 
 TABLE = "recordings.csv"
 OPTIONAL_COLUMNS = ("speed_rpm_from_lines", "machine", "bearing")
 """Columns that the table may have: the measured speed, the physical rig and the bearing of each recording; see `read_measured`."""
+REPLICA_COLUMNS = ("seconds", "load", "pitch_diameter_mm", "gain")
+"""Columns that only a replica uses; see `replica_table`."""
 COLUMNS = ("name", "rig", "truth", "sampling_rate", "unit", "speed_rpm_documented", *CHARACTERISTIC_FREQUENCIES)
 """Columns that the table must have."""
 SPEEDS = {"lines": "speed_rpm_from_lines", "documented": "speed_rpm_documented"}
@@ -103,16 +105,11 @@ def read_measured(folder: Path, speed: str = "lines") -> list[MeasuredRecording]
 
 def read_table(table: Path, speed: str = "lines") -> list[MeasuredRecording]:
     """Return the recordings of a table; see `read_measured`."""
-    try:
-        with table.open(encoding="utf-8", newline="") as stream:
-            rows = list(csv.DictReader(stream))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise Refusal(f"{table} cannot be read ({error}): give a folder with this table of files and truth") from None
+    if speed not in SPEEDS:
+        raise Refusal(f"the column of speeds '{speed}' is unknown: give {' or '.join(SPEEDS)}")
+    rows = read_rows(table, tuple(dict.fromkeys((*COLUMNS, SPEEDS[speed]))), (*OPTIONAL_COLUMNS, *REPLICA_COLUMNS))
     if not rows:
         raise Refusal(f"{table} has no rows: list the recordings with {', '.join(COLUMNS)}")
-    missing = [column for column in (*COLUMNS, SPEEDS[speed]) if column not in rows[0]]
-    if missing:
-        raise Refusal(f"{table} lacks the columns {', '.join(missing)}: it needs {', '.join(COLUMNS)}")
     recordings = [_row(table, number, row, SPEEDS[speed]) for number, row in enumerate(rows, 2)]
     names = [recording.name for recording in recordings]
     twice = next((name for name in names if names.count(name) > 1), None)
@@ -136,6 +133,10 @@ def _row(table: Path, line: int, row: dict[str, str], speed: str) -> MeasuredRec
     if row["unit"] not in ACCELERATION_UNITS:
         raise Refusal(f"{table}, line {line}: unit = {row['unit']} is unknown: give one of {', '.join(ACCELERATION_UNITS)}")
     name = row["name"]
+    if not name or name != Path(name).name or name in (".", ".."):
+        raise Refusal(
+            f"{table}, line {line}: name = '{name}' is not the name of a file in {table.parent / 'recordings'}: give it without a path"
+        )
     machine = row.get("machine") or _machine(row["rig"], rate)
     bearing = row.get("bearing") or f"{row['truth']} {name.rpartition('_')[0] or name}"
     file = table.parent / "recordings" / f"{name}.npz"

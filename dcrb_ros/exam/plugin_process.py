@@ -9,17 +9,17 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import ExitStack, suppress
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from typing import Any
 
-from dcrb_ros.exam.detector_process import FAILED, LEFTOVER, MESSAGE, NOTHING, READY, REFUSED, VERDICT, Begin
+from dcrb_ros.exam.detector_process import FAILED, LEFTOVER, MESSAGE, NOTHING, READY, REFUSED, STATUSES, VERDICT, Begin, Request
 from dcrb_ros.exam.detector_run import Signal, detector_blocks
 from dcrb_ros.exam.evaluation import CandidateRefusal, Outcome
 from dcrb_ros.exam.limits import Limits
 from dcrb_ros.exam.packets import receive_packet, send_packet
-from dcrb_ros.exam.running_detector import DetectorBlock, checked_output
+from dcrb_ros.exam.running_detector import checked_output
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis, decode_diagnosis
 from dcrb_ros.runtime.child_output import ChildOutput
 from dcrb_ros.runtime.children import group_guard
@@ -81,36 +81,56 @@ class DetectorProcess:
             Refusal: the signal cannot be read, or the detector has no ``update`` or returns an unknown verdict.
         """
         outcome = Outcome()
-        self._output.restart()
-        try:
+
+        def exchange() -> None:
             for diagnosis in self._diagnoses(signal):
                 outcome.received.append(diagnosis)
+
+        outcome.failure = self.guarded(exchange)
+        return outcome
+
+    def guarded(self, exchange: Callable[[], None]) -> str:
+        """Run the exchange of a scenario; return why the detector failed, or nothing. After a failure the process is closed."""
+        self._output.restart()
+        try:
+            exchange()
         except DetectorFailure as failure:
             self.close()
-            outcome.failure = f"{failure}{self._output.last_lines()}"
+            return f"{failure}{self._output.last_lines()}"
         except BaseException:
             self.close()
             raise
-        return outcome
+        return ""
 
     def _diagnoses(self, signal: Signal) -> Iterator[ReceivedDiagnosis]:
-        rate, start = signal.sampling_rate, time.monotonic()
-        self._asked(Begin(signal.orders, rate, pickle.dumps(signal.bearing)), start, 0.0, "at the beginning")
-        seconds = 0.0
-        for block in detector_blocks(signal):
-            seconds = block.end / rate
-            kind, content = self._asked(block, start, seconds, f"at {block.first_index / rate:.2f} s of the signal")
+        rate = signal.sampling_rate
+        blocks = ((block, block.first_index / rate, block.end / rate) for block in detector_blocks(signal))
+        for kind, content, seconds in self.answers(Begin(signal.orders, rate, pickle.dumps(signal.bearing)), blocks):
             if kind == MESSAGE:
                 yield decode_diagnosis(content)
             elif kind == VERDICT:
-                yield ReceivedDiagnosis((block.end - 1) / rate, str(checked_output(content.decode(errors="replace"))))
+                yield ReceivedDiagnosis(seconds - 1.0 / rate, str(checked_output(content.decode(errors="replace"))))
             elif kind != NOTHING:
                 raise DetectorFailure("its process sent an invalid answer")
+
+    def answers(self, begin: Request, blocks: Iterable[tuple[Request, float, float]]) -> Iterator[tuple[bytes, bytes, float]]:
+        """Begin a scenario and send its blocks, each with the times of its first sample and its end [s].
+
+        Yield kind and content of every answer, with the end of the block.
+
+        Raises:
+            DetectorFailure: the detector failed.
+        """
+        start, seconds = time.monotonic(), 0.0
+        self._asked(begin, start, 0.0, "at the beginning")
+        for block, first, seconds in blocks:
+            kind, content = self._asked(block, start, seconds, f"at {first:.2f} s of the signal")
+            yield kind, content, seconds
         kind, _ = self._asked(None, start, seconds, "after the last block")
         if kind == LEFTOVER:
             self.close()
 
-    def _asked(self, request: Begin | DetectorBlock | None, start: float, recorded: float, where: str) -> tuple[bytes, bytes]:
+    def _asked(self, request: Request | None, start: float, recorded: float, where: str) -> tuple[bytes, bytes]:
         """Send a request and return kind and content of the answer."""
         limits = self._limits
         rest = start + recorded + limits.scenario - time.monotonic()
@@ -143,7 +163,7 @@ class DetectorProcess:
                 raise Refusal(sentence)
             memory = f"; it may use {self._limits.memory} MiB (--memory-limit)" if "MemoryError" in sentence else ""
             raise DetectorFailure(f"{sentence}{memory}")
-        if kind not in (READY, NOTHING, MESSAGE, VERDICT, LEFTOVER):
+        if kind not in (READY, NOTHING, MESSAGE, VERDICT, STATUSES, LEFTOVER):
             raise DetectorFailure(f"its process sent an invalid answer {where}")
         return kind, content
 
@@ -186,17 +206,27 @@ class ProcessDetector:
 
     def diagnose(self, signal: Signal) -> Outcome:
         """Return the outcome for a signal; see `DetectorProcess.diagnose`."""
-        key = self.given, self.limits
-        process = _PROCESSES.pop(key, None)
-        if process is None or process.closed:
-            try:
-                process = DetectorProcess(*key)
-            except CandidateRefusal as refusal:  # it could be imported before
-                return Outcome(failure=str(refusal))
-        outcome = process.diagnose(signal)
-        if not process.closed:
-            _PROCESSES[key] = process
-        return outcome
+        try:
+            with running_process(self.given, self.limits) as process:
+                return process.diagnose(signal)
+        except CandidateRefusal as refusal:  # it could be imported before
+            return Outcome(failure=str(refusal))
+
+
+@contextmanager
+def running_process(given: str, limits: Limits) -> Iterator[DetectorProcess]:
+    """Yield the process of a detector, a new one if there is none or it was closed; it is kept for the next scenario.
+
+    Raises:
+        CandidateRefusal: the detector cannot be imported.
+    """
+    key = given, limits
+    process = _PROCESSES.pop(key, None)
+    if process is None or process.closed:
+        process = DetectorProcess(*key)
+    yield process
+    if not process.closed:
+        _PROCESSES[key] = process
 
 
 def check_plugin(given: str, limits: Limits) -> None:

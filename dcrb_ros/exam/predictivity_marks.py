@@ -18,16 +18,16 @@ from dcrb_ros.exam.measured import measured_criteria
 from dcrb_ros.exam.plugin_process import DetectorProcess
 from dcrb_ros.exam.predictivity_task import Task
 from dcrb_ros.exam.scoring import score_scenario
+from dcrb_ros.runtime.exit_status import print_error
 from dcrb_ros.runtime.processes import in_processes
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.schema.verdicts import VERDICTS
 from dcrb_ros.text.files import read_text
 from dcrb_ros.text.json import LARGEST, parsed_json
 from dcrb_ros.text.writing import write_whole
 
 ANSWERS = "answers"
 """Subfolder of the answers in the folder of the exam's recordings."""
-FORMAT = 1
+FORMAT = 2
 """Version of the way in which verdicts become answers; another one makes kept answers outdated."""
 
 
@@ -76,7 +76,7 @@ def answers_of(
                 broken.append(BrokenFamily(member.name, outcome))
             else:
                 answers[member.name] = {**kept[member.name], **outcome}
-                write_whole(_file(store, member), json.dumps(answers[member.name], indent=0) + "\n")
+                _keep(store, member, answers[member.name])
             on_done(member.name)
     return Answers(answers, tuple(broken))
 
@@ -108,13 +108,26 @@ def _file(store: Path, member: Member) -> Path:
 
 
 def _kept(store: Path, member: Member) -> Mapping[str, str]:
-    """Return the kept answers of a member; none if the file is missing or damaged."""
+    """Return the kept answers of a member; none if the file is missing, or is not as it was written, which is reported."""
     file = _file(store, member)
-    if not file.is_file():
+    if not file.exists():
         return {}
     try:
         tree = parsed_json(read_text(file, LARGEST), str(file))
     except Refusal:
-        return {}
-    known = {*VERDICTS, "nothing"}
-    return {str(key): str(value) for key, value in tree.items() if value in known} if isinstance(tree, dict) else {}
+        tree = None
+    answers = tree.get("answers") if isinstance(tree, dict) else None
+    if isinstance(answers, dict) and tree == _signed(member, answers):
+        return answers
+    print_error("dcrb", f"{file} is not as it was written, so {member.name} judges the recordings again")
+    return {}
+
+
+def _keep(store: Path, member: Member, answers: Mapping[str, str]) -> None:
+    write_whole(_file(store, member), json.dumps(_signed(member, answers), indent=0) + "\n")
+
+
+def _signed(member: Member, answers: Mapping[str, str]) -> dict[str, Any]:
+    """Return answers with the hash of them and of the member, so that an edited file and that of another member are found."""
+    about = json.dumps([FORMAT, member.digest, answers], sort_keys=True)
+    return {"answers": dict(answers), "sha256": hashlib.sha256(about.encode()).hexdigest()}

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from dcrb_ros.exam.measured import COLUMNS, OPTIONAL_COLUMNS, REPLICA_COLUMNS
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.tables import read_rows
 
 GAINS = {"known": True, "unknown": False}
 """Values of the column `gain`: whether all bearings of the machine were recorded with one gain."""
@@ -34,8 +35,8 @@ def read_replica_columns(table: Path) -> Mapping[str, ReplicaColumns]:
     Raises:
         Refusal: a value is not a number above 0, or a gain is neither known nor unknown.
     """
-    with table.open(encoding="utf-8", newline="") as stream:
-        return {row["name"]: _columns(table, line, row) for line, row in enumerate(csv.DictReader(stream), 2)}
+    rows = read_rows(table, COLUMNS, (*OPTIONAL_COLUMNS, *REPLICA_COLUMNS))
+    return {row["name"]: _columns(table, line, row) for line, row in enumerate(rows, 2)}
 
 
 def _columns(table: Path, line: int, row: Mapping[str, str | None]) -> ReplicaColumns:

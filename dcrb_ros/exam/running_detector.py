@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy.typing as npt
@@ -11,6 +12,8 @@ from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.schema.verdicts import VERDICTS
 from dcrb_ros.stream.diagnosis import Diagnosis
+from dcrb_ros.stream.vehicle_description import VehicleDescription
+from dcrb_ros.stream.vehicle_diagnosis import QUIET_VERDICTS, VEHICLE_VERDICTS, VehicleDiagnosis, kind_of
 
 Result = TypeVar("Result")
 
@@ -102,3 +105,68 @@ def checked_output(output: Any) -> Diagnosis | str | None:
         known = f"{', '.join(VERDICTS)}{nearest(str(output), VERDICTS)}"
         raise Refusal(f"update returned {output!r}, which is not a verdict: return one of {known}")
     return str(output)
+
+
+VehicleDetectorFactory = Callable[[VehicleDescription], Any]
+"""Called with the description of the vehicle; returns a detector whose ``add(blocks)`` takes a block of every box by name."""
+
+
+@dataclass(frozen=True)
+class BoxSamples:
+    """A block of one box of a vehicle."""
+
+    index: int
+    """Index of the first sample."""
+    acceleration: npt.NDArray[Any]
+    """Shape (samples, 2) [m/s^2]."""
+    shaft_angle: npt.NDArray[Any] | None
+    """Shape (samples,) [rad]; None without a tachometer."""
+
+
+class RunningVehicleDetector:
+    """A detector of a vehicle during one scenario."""
+
+    def __init__(self, factory: VehicleDetectorFactory, description: VehicleDescription) -> None:
+        """Make the detector.
+
+        Raises:
+            Refusal: it has no ``add``.
+            RuntimeError: it raised an exception.
+        """
+        self._detector: Any = _called("its class", "", lambda: factory(description))
+        if not callable(getattr(self._detector, "add", None)):
+            raise Refusal(f"the detector {self._detector!r} has no method add(blocks) for the blocks of all boxes: give it one")
+
+    def take(self, blocks: Mapping[str, BoxSamples]) -> dict[str, tuple[str, float]] | None:
+        """Give it a block of every box; return verdict and score by status, or None.
+
+        Raises:
+            Refusal: its output is invalid.
+            RuntimeError: it raised an exception.
+        """
+        where = f" at sample {min(block.index for block in blocks.values())}"
+        return checked_statuses(_called("add", where, lambda: self._detector.add(blocks)))
+
+
+def checked_statuses(output: Any) -> dict[str, tuple[str, float]] | None:
+    """Return verdict and score [dB] by status from the output of a detector of a vehicle.
+
+    Raises:
+        Refusal: it is neither a `VehicleDiagnosis` nor a mapping from statuses to verdicts nor None.
+    """
+    if output is None:
+        return None
+    if isinstance(output, VehicleDiagnosis):
+        return {name: (status.verdict, status.score) for name, status in output.statuses.items()}
+    if not isinstance(output, Mapping):
+        raise Refusal(f"add returned {output!r}: return a VehicleDiagnosis, or a mapping such as {{'axle_1/left/bearing': 'outer_ring'}}")
+    statuses = {}
+    for name, verdict in output.items():
+        kind = kind_of(str(name))
+        if kind not in VEHICLE_VERDICTS:
+            raise Refusal(f"add returned the status {name!r}: its last part must be one of {', '.join(VEHICLE_VERDICTS)}")
+        known = (*QUIET_VERDICTS, *VEHICLE_VERDICTS[kind])
+        if verdict not in known:
+            raise Refusal(f"add returned {verdict!r} for {name}: return one of {', '.join(known)}{nearest(str(verdict), known)}")
+        statuses[str(name)] = str(verdict), 0.0
+    return statuses

@@ -72,8 +72,16 @@ def seal(template: Any, secret: str, source: str) -> SealedExam:
 
 
 def commitment(template: Any, secret: str) -> str:
-    """Return the SHA-256 of template and secret seed, which binds both and reveals neither scenarios nor seed."""
-    return hashlib.sha256(canonical({"secret": secret, "template": template}).encode()).hexdigest()
+    """Return the SHA-256 of template and secret seed, which binds both and reveals neither scenarios nor seed.
+
+    Raises:
+        Refusal: the template has a value or a key that JSON does not have.
+    """
+    try:
+        about = canonical({"secret": secret, "template": template})
+    except (TypeError, ValueError) as error:
+        raise Refusal(f"the template cannot be sealed ({error}): its keys must be words, and its values finite numbers or texts") from None
+    return hashlib.sha256(about.encode()).hexdigest()
 
 
 def open_exam(sealed: SealedExam, secret: str, source: str) -> OpenedExam:
@@ -148,10 +156,15 @@ def _drawn(entry: Any, secret: str, where: str) -> list[Any]:
     ranges = entry["draw"]
     if not isinstance(ranges, Mapping) or not ranges or set(ranges) - {"set", "fault"}:
         raise Refusal(f"{where}: 'draw' must have 'set' or 'fault', each with parameters and their ranges")
+    if not isinstance(entry.get("name"), str):
+        raise Refusal(f"{where}: name = {entry.get('name')!r} is not a text: give the scenario a name")
     rest = {key: value for key, value in entry.items() if key not in ("draw", "count")}
+    for group in ("set", "fault"):
+        if not isinstance(rest.get(group) or {}, Mapping):
+            raise Refusal(f"{where}: {group} = {rest[group]!r} must name parameters and their values")
     drawn = []
     for number in range(1, _count(entry, where) + 1):
-        name = f"{entry.get('name')}/{number}"
+        name = f"{entry['name']}/{number}"
         scenario: dict[str, Any] = {**rest, "name": name, "seeds": [int(_share(secret, name, "seed") * SEEDS)]}
         for group, axes in ranges.items():
             if not isinstance(axes, Mapping):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from rich.console import Group as Stack
 from rich.console import RenderableType
@@ -14,6 +14,7 @@ from dcrb_ros.exam.breakdown import PARTIAL, family_areas, overall_area, strata
 from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.statistics import CONFIDENCE, Interval
 from dcrb_ros.recordings.manifest import model_fingerprint
+from dcrb_ros.runtime.terminal import table
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.settings.files import fields_by_key
 
@@ -77,73 +78,62 @@ def sentences(report: Report) -> Iterator[str]:
 
 def _checks(report: Report) -> Table:
     title = f"{report.exam}: {'passed' if report.passed else 'FAILED'}, {report.detector}"
-    table = Table("criterion", "required", "result", "status", title=title)
+    made = Table("criterion", "required", "result", "status", title=title)
     for check in report.checks():
-        table.add_row(check.name, check.wanted, check.got, "passed" if check.holds else "FAILED", style="" if check.holds else "bold red")
-    return table
+        made.add_row(check.name, check.wanted, check.got, "passed" if check.holds else "FAILED", style="" if check.holds else "bold red")
+    return made
+
+
+def _filled(title: str, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[Table]:
+    """Yield a table, unless it has no rows."""
+    if rows:
+        yield table(title, heads, rows)
 
 
 def _scores(report: Report) -> Iterator[RenderableType]:
-    rows = report.exam_scores()
+    rows = [(row.profile, bounds(row.score, 1), number(row.detection, 3), number(row.clean, 3)) for row in report.exam_scores()]
     if not rows:
         yield "exam score: none, it takes both faults and healthy time"
-        return
     title = f"Exam score, 0 to 100, {CONFIDENCE:.0%} confidence (bootstrap over scenarios)"
-    table = Table("profile", "exam score", "credit for faults", "factor for false alarms", title=title)
-    for row in rows:
-        table.add_row(row.profile, bounds(row.score, 1), number(row.detection, 3), number(row.clean, 3))
-    yield table
+    yield from _filled(title, ("profile", "exam score", "credit for faults", "factor for false alarms"), rows)
 
 
 def _strata(report: Report) -> Iterator[Table]:
-    rows = strata(report.results, report.criteria)
+    rows = [(row.name, f"{row.found} of {row.scenarios}", number(row.credit)) for row in strata(report.results, report.criteria)]
     if len(rows) > 1:
-        table = Table("width of the defect", "detected", "credit", title="By difficulty")
-        for row in rows:
-            table.add_row(row.name, f"{row.found} of {row.scenarios}", number(row.credit))
-        yield table
+        yield table("By difficulty", ("width of the defect", "detected", "credit"), rows)
 
 
 def _areas(report: Report) -> Iterator[Table]:
-    rows = family_areas(report.results)
-    if rows:
-        title = f"Published score, without a threshold (harmonic mean {number(overall_area(rows), 3)})"
-        table = Table("fault", "ROC area", f"ROC area up to {PARTIAL:g} false positives", title=title)
-        for row in rows:
-            table.add_row(row.verdict, number(row.area, 3), "-" if row.partial is None else number(row.partial, 3))
-        yield table
+    areas = family_areas(report.results)
+    title = f"Published score, without a threshold (harmonic mean {number(overall_area(areas), 3)})"
+    rows = [(row.verdict, number(row.area, 3), "-" if row.partial is None else number(row.partial, 3)) for row in areas]
+    return _filled(title, ("fault", "ROC area", f"ROC area up to {PARTIAL:g} false positives"), rows)
 
 
 def _delays(report: Report) -> Iterator[Table]:
-    rows = report.delays()
-    if rows:
-        table = Table("fault", "detected", "median [s]", "95 % [s]", "limit [s]", "median [revolutions]", title="Detection delay")
-        for row in rows:
-            delays = number(row.median), number(row.p95), f"{row.limit:g}", number(row.turns, 1)
-            table.add_row(row.verdict, f"{row.found} of {row.scenarios}", *delays)
-        yield table
+    rows = [
+        (row.verdict, f"{row.found} of {row.scenarios}", number(row.median), number(row.p95), f"{row.limit:g}", number(row.turns, 1))
+        for row in report.delays()
+    ]
+    return _filled("Detection delay", ("fault", "detected", "median [s]", "95 % [s]", "limit [s]", "median [revolutions]"), rows)
 
 
 def _detections(report: Report) -> Iterator[Table]:
-    rows = report.detections()
-    if rows:
-        title = f"Detection by width, {CONFIDENCE:.0%} confidence (Clopper-Pearson)"
-        table = Table("fault", "width [mm]", "detected", "probability of detection", title=title)
-        for row in rows:
-            table.add_row(row.verdict, f"{row.width * 1e3:g}", f"{row.found} of {row.scenarios}", bounds(row.probability))
-        yield table
+    rows = [
+        (row.verdict, f"{row.width * 1e3:g}", f"{row.found} of {row.scenarios}", bounds(row.probability)) for row in report.detections()
+    ]
+    title = f"Detection by width, {CONFIDENCE:.0%} confidence (Clopper-Pearson)"
+    return _filled(title, ("fault", "width [mm]", "detected", "probability of detection"), rows)
 
 
 def _graded_detections(report: Report) -> Iterator[Table]:
-    rows = report.graded_detections()
-    if rows:
-        title = f"Detection by another parameter than the width, {CONFIDENCE:.0%} confidence (Clopper-Pearson)"
-        table = Table("fault", "parameter", "value", "detected", "probability of detection", title=title)
-        for row in rows:
-            table.add_row(
-                row.verdict, _with_unit(row.parameter), f"{row.value:g}", f"{row.found} of {row.scenarios}", bounds(row.probability)
-            )
-        yield table
+    rows = [
+        (row.verdict, _with_unit(row.parameter), f"{row.value:g}", f"{row.found} of {row.scenarios}", bounds(row.probability))
+        for row in report.graded_detections()
+    ]
+    title = f"Detection by another parameter than the width, {CONFIDENCE:.0%} confidence (Clopper-Pearson)"
+    return _filled(title, ("fault", "parameter", "value", "detected", "probability of detection"), rows)
 
 
 def _with_unit(key: str) -> str:
@@ -153,21 +143,17 @@ def _with_unit(key: str) -> str:
 
 
 def _rigs(report: Report) -> Iterator[Table]:
-    rows = report.rigs()
-    if rows:
-        table = Table("rig", "correct verdict", "correct", "any alarm", title="Recordings by rig")
-        for row in rows:
-            table.add_row(row.rig, row.verdict, f"{row.right} of {row.recordings}", f"{row.alarms} of {row.recordings}")
-        yield table
+    rows = [(row.rig, row.verdict, f"{row.right} of {row.recordings}", f"{row.alarms} of {row.recordings}") for row in report.rigs()]
+    return _filled("Recordings by rig", ("rig", "correct verdict", "correct", "any alarm"), rows)
 
 
 def _confusion(report: Report) -> Table:
     counts = report.confusion()
     answers = [answer for answer in next(iter(counts.values()), {}) if any(row[answer] for row in counts.values())]
-    table = Table("correct \\ answer", *answers, title="Scenarios by correct verdict and answer")
-    for verdict, row in counts.items():
-        table.add_row(verdict, *(_count(row[answer], correct=answer == verdict) for answer in answers))
-    return table
+    rows: list[list[str | Text]] = [
+        [verdict, *(_count(row[answer], correct=answer == verdict) for answer in answers)] for verdict, row in counts.items()
+    ]
+    return table("Scenarios by correct verdict and answer", ("correct \\ answer", *answers), rows)
 
 
 def _count(count: int, *, correct: bool) -> Text:
@@ -179,12 +165,14 @@ def _count(count: int, *, correct: bool) -> Text:
 
 def _failures(report: Report) -> Iterator[RenderableType]:
     wrong = [result for result in report.results if not result.passed]
-    if not wrong:
-        return
-    table = Table("scenario", "correct verdict", "reason", title=f"{len(wrong)} of {len(report.results)} scenarios failed")
-    for result in wrong[:MOST_FAILURES]:
-        counts = "" if result.expectation.required else " (not required)"
-        table.add_row(result.expectation.name + counts, result.expectation.verdict, result.flaw)
-    yield table
+    rows = [
+        (
+            result.expectation.name + ("" if result.expectation.required else " (not required)"),
+            result.expectation.verdict,
+            result.flaw,
+        )
+        for result in wrong[:MOST_FAILURES]
+    ]
+    yield from _filled(f"{len(wrong)} of {len(report.results)} scenarios failed", ("scenario", "correct verdict", "reason"), rows)
     if len(wrong) > MOST_FAILURES:
         yield f"and {len(wrong) - MOST_FAILURES} more: --json and --junit list all of them"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -12,8 +11,9 @@ import numpy as np
 
 from dcrb_ros.bearing.waveform import Waveform
 from dcrb_ros.exchange.importing import WaveformImport
-from dcrb_ros.exchange.public_sets import find_description
-from dcrb_ros.schema.refusal import Refusal, nearest
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.settings.shipped import find_shipped
+from dcrb_ros.text.tables import read_rows
 
 NEEDED = ("file", "fault")
 TEXTS = ("name", "split", "bearing_id", "machine")
@@ -48,7 +48,7 @@ def listed_runs(table: Path, about: str, rate: int = 0) -> Iterator[ListedRun]:
         Refusal: a column or a value is unknown, a file cannot be imported or has another hash than stated, or a rate is not a whole
             multiple of ``rate``.
     """
-    for number, row in enumerate(_rows(table), 2):
+    for number, row in enumerate(read_rows(table, NEEDED, COLUMNS[len(NEEDED) :]), 2):
         line = f"{table}, line {number}"
         if not row["file"] or not row["fault"]:
             raise Refusal(f"{line}: file and fault are needed: give both")
@@ -60,7 +60,7 @@ def listed_runs(table: Path, about: str, rate: int = 0) -> Iterator[ListedRun]:
             raise Refusal(f"{line}: there is no file {file}")
         settings = [part.strip() for part in (row.get("set") or "").split(";") if part.strip()]
         settings += [f"speed_rpm={row['speed_rpm']}"] if row.get("speed_rpm") else []
-        read = WaveformImport([file], find_description(description), settings)
+        read = WaveformImport([file], find_shipped("description", description), settings)
         sha256 = read.sha256()
         if row.get(SHA256, sha256).lower() != sha256:
             raise Refusal(f"{line}: {file} has the SHA-256 {sha256} instead of {row[SHA256]}: get the file again, or correct the list")
@@ -71,24 +71,6 @@ def listed_runs(table: Path, about: str, rate: int = 0) -> Iterator[ListedRun]:
         fields |= {name: _number(row[name], f"{line}: {name}") for name in NUMBERS if row.get(name)}
         source = dict(read.description.source or {})
         yield ListedRun(row.get("name") or file.stem, decimated(waveform, rate, str(file)) if rate else waveform, source, fields)
-
-
-def _rows(table: Path) -> Iterator[dict[str, str]]:
-    try:
-        with table.open(encoding="utf-8-sig", newline="") as file:
-            reader = csv.DictReader(file)
-            columns = [str(name).strip() for name in reader.fieldnames or ()]
-            reader.fieldnames = columns
-            missing = next((name for name in NEEDED if name not in columns), None)
-            if missing:
-                raise Refusal(f"{table} has no column {missing}: a list needs file and fault, and may have {', '.join(COLUMNS[2:])}")
-            unknown = next((name for name in columns if name not in COLUMNS), None)
-            if unknown is not None:
-                raise Refusal(f"{table} has the unknown column '{unknown}'{nearest(unknown, COLUMNS)}: known are {', '.join(COLUMNS)}")
-            for row in reader:
-                yield {name: (row.get(name) or "").strip() for name in columns}
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise Refusal(f"{table} cannot be read as CSV: {error}") from None
 
 
 def _number(text: str, name: str) -> float:

@@ -43,16 +43,10 @@ class ImpactPriors(NamedTuple):
     """[s]"""
     spin_memory: tuple[float, float]
     """Lowest and highest of a uniform distribution of the logarithm [s]."""
-    edge_rounding: float
-    """Standard deviation of the logarithm of the factor on the depth of a defect that stands for the rounding of its edges [-]."""
 
 
-LABORATORY = ImpactPriors(
-    Lognormal(0.5, 1.8, 1.3), (1.0, 2.5), (1.0, 5.0), (0.1, 0.6), Lognormal(4e-5, 3.0, 1e-3), (0.02, 2.0), edge_rounding=0.25
-)
-AXLE_BOX = ImpactPriors(
-    Lognormal(0.25, 1.8, 1.3), (1.0, 3.0), (1.0, 4.0), (0.0, 0.1), Lognormal(5e-5, 2.0, 1e-3), (0.02, 2.0), edge_rounding=0.25
-)
+LABORATORY = ImpactPriors(Lognormal(0.5, 1.8, 1.3), (1.0, 2.5), (1.0, 5.0), (0.1, 0.6), Lognormal(4e-5, 3.0, 1e-3), (0.02, 2.0))
+AXLE_BOX = ImpactPriors(Lognormal(0.25, 1.8, 1.3), (1.0, 3.0), (1.0, 4.0), (0.0, 0.1), Lognormal(5e-5, 2.0, 1e-3), (0.02, 2.0))
 
 
 def remaining(spread: float, simulated: tuple[float, ...]) -> float:
@@ -92,8 +86,3 @@ def draw_impacts(
         "impacts.time_spread": late,
     }
     return drawn | ({"impacts.axial_share": axial, "impacts.spin_memory": memory} if balls else {})
-
-
-def draw_edge_rounding(priors: ImpactPriors, random: np.random.Generator) -> float:
-    """Return the factor on a defect's depth that stands for the rounding of its edges [-]; one draw for each defect."""
-    return Lognormal(1.0, float(np.exp(priors.edge_rounding))).drawn(random)

@@ -77,13 +77,18 @@ def _read(path: Path) -> Floats:
     """Return the result in a file.
 
     Raises:
-        ValueError: its content does not have the hash at its begin.
+        ValueError: its content does not have the hash at its begin, or is that of another file.
     """
     content = path.read_bytes()
     stated, data = content[:DIGEST_SIZE], content[DIGEST_SIZE:]
-    if hashlib.sha256(data).digest() != stated:
+    if _digest(path.name, data) != stated:
         raise ValueError(f"{path} is damaged")
     return np.asarray(np.load(io.BytesIO(data)), dtype=float)
+
+
+def _digest(name: str, data: bytes) -> bytes:
+    """Return the hash of a result and of the name of its file, so that a file under the name of another one is found."""
+    return hashlib.sha256(name.encode() + data).digest()
 
 
 def folder() -> Path:
@@ -118,7 +123,7 @@ def _write(made: Floats, path: Path) -> None:
     handle, name = tempfile.mkstemp(dir=path.parent)
     try:
         with os.fdopen(handle, "wb") as file:
-            file.write(hashlib.sha256(stream.getvalue()).digest() + stream.getvalue())
+            file.write(_digest(path.name, stream.getvalue()) + stream.getvalue())
             file.flush()
             os.fsync(handle)
         Path(name).replace(path)

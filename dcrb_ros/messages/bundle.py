@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from dcrb_ros.messages.topics import Message
 from dcrb_ros.stream.block import Block
@@ -19,3 +20,5 @@ class Bundle:
     messages: tuple[Message, ...]
     block: Block | None = None
     """The block that was encoded; none in a replay."""
+    commands: tuple[Any, ...] = ()
+    """Commands that took effect in it, as the recorder of the source takes them."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeVar
 
 from dcrb_ros.messages.cdr import decoded, stamp_of
 from dcrb_ros.settings.configuration import Configuration
@@ -14,6 +14,8 @@ from dcrb_ros.stream.diagnosis import Diagnosis
 NAMESPACE = "/dcrb"
 MANIFEST = "dcrb_ros"
 """Name of the metadata record in which a recording describes itself."""
+
+Kind = TypeVar("Kind", bound="Topic")
 
 
 @dataclass(frozen=True)
@@ -41,6 +43,10 @@ class Topic:
     def resolved(self, namespace: str) -> str:
         """Return the absolute name."""
         return self.name if self.name.startswith("/") else f"{namespace.rstrip('/')}/{self.name}"
+
+    def below(self: Kind, prefix: str) -> Kind:
+        """Return the same topic below a relative namespace, such as that of an axle box."""
+        return replace(self, name=self.resolved(prefix))
 
     def decoded(self, data: bytes) -> Any:
         """Return what a message carries.

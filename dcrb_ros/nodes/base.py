@@ -10,11 +10,11 @@ from rclpy.clock_type import ClockType
 
 from dcrb_ros.messages.cdr import FRAME
 from dcrb_ros.messages.statuses import Status, encode_diagnostics
-from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, DIAGNOSIS, NAMESPACE, VIBRATION, Message, Topic
+from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, DIAGNOSIS, NAMESPACE, Message, Topic
 from dcrb_ros.nodes.answers import Answers
 from dcrb_ros.nodes.other_publishers import OtherPublishers
 from dcrb_ros.nodes.parameters import ParameterNode
-from dcrb_ros.nodes.publisher import Publisher, message_class, qos
+from dcrb_ros.nodes.publisher import message_class, qos
 from dcrb_ros.nodes.qos_overrides import overridable
 from dcrb_ros.nodes.subscriber_wait import SubscriberWait
 
@@ -70,12 +70,11 @@ class BenchNode(ParameterNode):
 
         return ActionServer(self, kind, name, execute, callback_group=callback_group, cancel_callback=lambda _: CancelResponse.ACCEPT)
 
-    def start_with_subscribers(self, publisher: Publisher, listeners: int, timeout: float, start: Callable[[], None]) -> None:
-        """Call ``start`` once ``listeners`` subscribers to the waveform have joined, or after ``timeout`` of wall time [s] without them."""
-        wait = SubscriberWait(publisher, listeners, timeout)
-        if listeners:
-            plural = "" if listeners == 1 else "s"
-            self.get_logger().info(f"waiting for {listeners} subscriber{plural} to {VIBRATION.name}, at most {timeout:g} s")
+    def start_with_subscribers(self, wait: SubscriberWait, start: Callable[[], None]) -> None:
+        """Call ``start`` once the subscribers to the waveform have joined, or after the longest wait without them."""
+        if wait.listeners:
+            plural = "" if wait.listeners == 1 else "s"
+            self.get_logger().info(f"waiting for {wait.listeners} subscriber{plural} to {wait.waveform.name}, at most {wait.timeout:g} s")
 
         def poll() -> None:
             if wait.over():
@@ -86,11 +85,11 @@ class BenchNode(ParameterNode):
 
         timer = self.repeat(POLL_PERIOD, poll)
 
-    def follow_detector(self) -> Answers:
+    def follow_detector(self, topic: Topic = DIAGNOSIS) -> Answers:
         """Return the diagnoses of a detector in the namespace of this node."""
-        name = self.resolve_topic_name(DIAGNOSIS.name)
+        name = self.resolve_topic_name(topic.name)
         answers = Answers(lambda: self.count_publishers(name), self.get_logger().warning)
-        self.subscribe(DIAGNOSIS, answers.take)
+        self.subscribe(topic, answers.take)
         return answers
 
     def watch_publishers(self, *topics: Topic) -> OtherPublishers:

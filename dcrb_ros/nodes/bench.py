@@ -8,8 +8,9 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -48,6 +49,9 @@ def _with_values(status: Status, *keys: str) -> Status:
 class Observer:
     """Keeps the last messages of the bench for the status line and the result."""
 
+    simulator = "simulator"
+    """Name of the node whose status is shown."""
+
     def __init__(self) -> None:
         self.blocks = 0
         self.refused = 0
@@ -57,10 +61,19 @@ class Observer:
         self.bench: Status | None = None
         self.features: Joints | None = None
 
+    def topics(self) -> Mapping[Topic, Callable[[bytes], None]]:
+        """Return what takes the messages of each topic."""
+        return {
+            DIAGNOSIS: self._on_diagnosis,
+            BENCH_DIAGNOSTICS: self._on_bench,
+            FEATURES: self._on_features,
+            VIBRATION: self._on_block,
+        }
+
     def subscribe(self, node: Any) -> None:
         """Subscribe to the topics of the bench."""
 
-        def subscribe(topic: Topic, callback: Any) -> None:
+        def subscribe(topic: Topic, callback: Callable[[bytes], None]) -> None:
             def receive(data: bytes) -> None:
                 try:
                     callback(bytes(data))
@@ -69,10 +82,8 @@ class Observer:
 
             node.create_subscription(message_class(topic), topic.resolved(NAMESPACE), receive, qos(topic), raw=True)
 
-        subscribe(DIAGNOSIS, self._on_diagnosis)
-        subscribe(BENCH_DIAGNOSTICS, self._on_bench)
-        subscribe(FEATURES, self._on_features)
-        subscribe(VIBRATION, self._on_block)
+        for topic, callback in self.topics().items():
+            subscribe(topic, callback)
 
     def _on_block(self, data: bytes) -> None:
         self.blocks += 1
@@ -87,7 +98,7 @@ class Observer:
     def _on_bench(self, data: bytes) -> None:
         """Keep the status of the simulator; other nodes publish on the same topic."""
         for status in decode_diagnostics(data)[1]:
-            if status.name == f"{NAMESPACE}/simulator":
+            if status.name == f"{NAMESPACE}/{self.simulator}":
                 self.bench = _with_values(status, "real_time_factor", "late_blocks")
 
     def _on_features(self, data: bytes) -> None:
@@ -96,16 +107,19 @@ class Observer:
             raise Refusal("a JointState without rms and kurtosis does not contain the features of the bench")
         self.features = joints
 
+    def pace(self) -> list[str]:
+        """Return the parts of the status line about the speed of the bench."""
+        if self.bench is None:
+            return []
+        paused = ["paused"] if self.bench.values.get("model") == "paused" else []
+        return [*paused, f"{self.bench.values['real_time_factor']} x real time, {self.bench.values['late_blocks']} late"]
+
     def line(self) -> str:
         """Return the status line."""
         if self.features is None:
             return "waiting for the first block ..."
         values = dict(zip(self.features.names, self.features.position, strict=False))
-        parts = [f"{self.features.stamp_ns * 1e-9:6.2f} s simulated"]
-        if self.bench is not None:
-            if self.bench.values.get("model") == "paused":
-                parts.append("paused")
-            parts.append(f"{self.bench.values['real_time_factor']} x real time, {self.bench.values['late_blocks']} late")
+        parts = [f"{self.features.stamp_ns * 1e-9:6.2f} s simulated", *self.pace()]
         parts.append(f"rms {values['rms']:7.1f} m/s^2, kurtosis {values['kurtosis']:5.1f}")
         if self.verdict is not None:
             levels = "  ".join(f"{name} {self.verdict.values[f'{name} [dB]']}" for name in ("BPFO", "BPFI"))
@@ -114,7 +128,7 @@ class Observer:
 
 
 @contextmanager
-def node_process(name: str, arguments: Sequence[str], parameters: Group | None = None) -> Iterator[subprocess.Popen[bytes]]:
+def node_process(name: str, arguments: Sequence[str], parameters: Any = None) -> Iterator[subprocess.Popen[bytes]]:
     """Run a node as a process, with checked parameters if they are given, which need no second check.
 
     The process is ended in any case: it also ends with this process, by the pipe to its standard input.
@@ -151,29 +165,57 @@ def run(
 
     With ``shown`` Rerun shows the bench; a failure of the viewer does not stop it.
     """
-    check_ros()
-    stop = stop_on_signals()
-    limit_discovery()
-    console = terminal.console(stderr=True)
-    console.print(
+    about = (
         f"bench '{name}': simulator and fault detector as ROS 2 nodes in {NAMESPACE}, "
         f"{duration:g} s at time scale {configuration.time_scale:g}"
     )
     arguments = ["--duration", repr(duration), *(["--scenario", str(scenario)] if scenario else [])]
+    nodes = Nodes(
+        ("simulator", arguments),
+        lambda listeners: _waiting_for(configuration, listeners),
+        ("fault_detector", detector_parameters),
+        ("viewer", []) if shown else None,
+        VIBRATION,
+    )
     observer = Observer()
+    console = terminal.console(stderr=True)
+    return run_nodes(about, nodes, observer, duration, console) or _conclude(observer, configuration, console)
+
+
+@dataclass(frozen=True)
+class Nodes:
+    """The nodes of a bench."""
+
+    simulator: tuple[str, Sequence[str]]
+    """Name and arguments."""
+    waiting_for: Callable[[int], Any]
+    """Returns the parameters with which the simulator waits for a number of subscribers to the waveform."""
+    detector: tuple[str, Group]
+    """Name and parameters."""
+    viewer: tuple[str, Sequence[str]] | None
+    """Name and arguments; None for none."""
+    first: Topic
+    """The topic to which detector, viewer and observer subscribe when they start."""
+
+
+def run_nodes(about: str, nodes: Nodes, observer: Observer, duration: float, console: Console) -> int:
+    """Run nodes for ``duration`` of simulated time [s] and show a status line; return the status of the one that failed, or 0."""
+    check_ros()
+    stop = stop_on_signals()
+    limit_discovery()
+    console.print(about)
     with ExitStack() as stack:
         node = stack.enter_context(_observing(observer))
-        detector = stack.enter_context(node_process("fault_detector", [], detector_parameters))
-        subscribers = [detector, *([stack.enter_context(node_process("viewer", []))] if shown else [])]
+        detector = stack.enter_context(node_process(nodes.detector[0], [], nodes.detector[1]))
+        subscribers = [detector, *([stack.enter_context(node_process(*nodes.viewer))] if nodes.viewer else [])]
         # The simulator is started last, so that the others do not slow it down by their start.
-        _await_subscribers(node, subscribers, stop)
+        _await_subscribers(node, nodes.first, subscribers, stop)
         if stop.is_set():
             console.print("stopped before the simulator was started")
             return STOPPED
         # Its first block waits until they have discovered it.
-        with node_process("simulator", arguments, _waiting_for(configuration, 1 + _running(subscribers))) as simulator:
-            failed = _watch(observer, node, simulator, detector, duration, stop, console)
-    return failed or _conclude(observer, configuration, console)
+        with node_process(*nodes.simulator, nodes.waiting_for(1 + _running(subscribers))) as simulator:
+            return _watch(observer, node, simulator, detector, duration, stop, console)
 
 
 def _waiting_for(configuration: Configuration, listeners: int) -> Configuration:
@@ -204,11 +246,11 @@ def _observing(observer: Observer) -> Iterator[Any]:
         try_shutdown()
 
 
-def _await_subscribers(node: Any, processes: Sequence[subprocess.Popen[bytes]], stop: threading.Event) -> None:
+def _await_subscribers(node: Any, first: Topic, processes: Sequence[subprocess.Popen[bytes]], stop: threading.Event) -> None:
     """Wait until the observer and every running process have subscribed, at most `SUBSCRIBER_TIMEOUT`."""
     import rclpy
 
-    topic, deadline = VIBRATION.resolved(NAMESPACE), time.monotonic() + SUBSCRIBER_TIMEOUT
+    topic, deadline = first.resolved(NAMESPACE), time.monotonic() + SUBSCRIBER_TIMEOUT
     while not stop.is_set() and time.monotonic() < deadline:
         if node.count_subscribers(topic) > _running(processes):
             return

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from dcrb_ros.messages.statuses import ERROR, OK, WARN, Status
-from dcrb_ros.messages.topics import COMMANDS, DETECTED
+from dcrb_ros.messages.topics import COMMANDS, DETECTED, Topic
 from dcrb_ros.nodes.engine import Engine, Progress
 from dcrb_ros.nodes.recording_switch import RecordingSwitch
 from dcrb_ros.nodes.refusals import Refusals
@@ -48,8 +48,33 @@ def _temperatures(state: ThermalState | None) -> dict[str, str]:
 class BenchStatus:
     """Composes the status, with the real-time factor since the previous one."""
 
-    def __init__(self, engine: Engine, progress: Progress, recording: RecordingSwitch, refusals: Refusals) -> None:
+    def __init__(
+        self,
+        engine: Engine,
+        progress: Progress,
+        recording: RecordingSwitch,
+        refusals: Refusals,
+        *,
+        commands: Iterable[Topic] = COMMANDS,
+        detected: Iterable[Topic] = DETECTED,
+        about: Callable[[], tuple[str, Mapping[str, str]]] = lambda: ("", {}),
+        behind: str = "behind real time",
+    ) -> None:
+        """Compose the status of an engine.
+
+        Args:
+            engine: the engine.
+            progress: how far it came.
+            recording: its recordings.
+            refusals: what was refused.
+            commands: topics of commands, whose refusals are counted together.
+            detected: topics of the detector, whose refusals are counted together.
+            about: returns a message that makes the status a warning, or "", and more values.
+            behind: what is said where the engine is behind real time.
+        """
         self._engine, self._progress, self._recording, self._refusals = engine, progress, recording, refusals
+        self._commands, self._detected = [topic.name for topic in commands], [topic.name for topic in detected]
+        self._about, self._behind = about, behind
         self._simulated, self._wall = 0.0, time.monotonic()
 
     def status(self, name: str, time_ns: int, others: Sequence[str] = ()) -> Status:
@@ -57,7 +82,8 @@ class BenchStatus:
         gate, progress, recording = self._engine.gate, self._progress, self._recording
         model = self._model()
         behind = gate.pacer.lag > MAX_LAG and not gate.paused
-        level = ERROR if recording.failed else WARN if behind or others else OK
+        warning, more = self._about()
+        level = ERROR if recording.failed else WARN if behind or others or warning else OK
         count = self._refusals.count
         values = {
             "time_scale": f"{gate.pacer.scale:g}",
@@ -66,8 +92,8 @@ class BenchStatus:
             "lag [s]": f"{gate.pacer.lag:.4f}",
             "late_blocks": str(gate.pacer.late),
             "blocks": str(progress.bundles),
-            "rejected_commands": str(count(*(topic.name for topic in COMMANDS))),
-            "rejected_messages": str(count(*(topic.name for topic in DETECTED))),
+            "rejected_commands": str(count(*self._commands)),
+            "rejected_messages": str(count(*self._detected)),
             "rejected_parameters": str(count("parameters")),
             "rejected_calls": str(count(*SERVICES)),
             "recorder": recording.state,
@@ -78,11 +104,14 @@ class BenchStatus:
             "other_publishers": ", ".join(others),
             **_lubrication(progress.lubrication),
             **_temperatures(progress.thermal),
+            **more,
         }
         message = (
             recording.state
             if level == ERROR
-            else "behind real time"
+            else warning
+            if warning
+            else self._behind
             if behind
             else "others publish on the same topics"
             if others

@@ -125,7 +125,7 @@ class DetectorInput:
         if self._detector is None:
             return Response()
         try:
-            _check_rate(block, self._detector.rate)
+            check_rate(block, self._detector.rate)
             diagnosis = self._detector.update(block.first_index(self._detector.rate), block.acceleration, block.shaft_angle)
             return Response((diagnosis,) if diagnosis else ())
         except Refusal as refusal:
@@ -140,7 +140,12 @@ class DetectorInput:
         return Response((Diagnosis(0, self._time, "waiting", f"refused: {reason}"),), warning=reason)
 
 
-def _check_rate(block: Vibration, rate: int) -> None:
+def check_rate(block: Vibration, rate: int) -> None:
+    """Refuse a block whose samples are not as far apart as a sampling rate [Hz] says.
+
+    Raises:
+        Refusal: the spacing differs by more than `RATE_TOLERANCE`.
+    """
     if len(block.offsets_ns) < 2:
         return
     step = float(np.median(np.diff(block.offsets_ns.astype(np.int64))))

@@ -23,8 +23,10 @@ from dcrb_ros.schema.simulated_time import MAX_DURATION
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration, read_parameters, validated
 from dcrb_ros.settings.shipped import find_configuration, shipped_folder
-from dcrb_ros.simulation.scenario import read_scenario
+from dcrb_ros.simulation.scenario import read_scenario, read_scenario_file
 from dcrb_ros.text.files import checked_path, is_file
+from dcrb_ros.vehicle.file import read_vehicle
+from dcrb_ros.vehicle.scenario import vehicle_scenario
 
 PACKAGE = "dcrb_ros"
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
@@ -160,6 +162,33 @@ def simulator_parameters(argument: str, given: Mapping[str, Any], keys: Mapping[
         with naming("record" if recorded else argument, recorded or given[argument]):
             _check_folder(Path(configuration.recording.path))
     return {**_parameters(find_configuration(given[argument]), "simulator"), **overrides(given, keys)}
+
+
+def vehicle_parameters(argument: str, given: Mapping[str, Any], keys: Mapping[str, str], scenario: str | None = None) -> dict[str, Any]:
+    """Return the parameters that other arguments set on top of a vehicle, if both are valid, with a scenario as well.
+
+    Args:
+        argument: the name of the argument that gives the vehicle, a path or a shipped name.
+        given: values by argument, None for those left empty.
+        keys: parameters by the arguments that set them.
+        scenario: a path or a shipped name.
+
+    Raises:
+        Refusal: there is no such file, or it is invalid; the sentence names the argument.
+    """
+    with naming(argument, given[argument]):
+        vehicle = read_vehicle(given[argument])
+    if scenario is not None:
+        with naming("scenario", scenario):
+            vehicle_scenario(read_scenario_file(Path(scenario)), vehicle, scenario)
+    set_by = {name: {key: given[name]} for name, key in keys.items() if given[name] is not None}
+    for name, change in set_by.items():
+        with naming(name, given[name]):
+            read_vehicle(given[argument], change)
+    if given.get("record"):
+        with naming("record", given["record"]):
+            _check_folder(Path(given["record"]))
+    return overrides(given, keys)
 
 
 def _check_folder(path: Path) -> None:

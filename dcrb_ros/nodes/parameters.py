@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from typing import Any, TypeVar
 
@@ -11,7 +11,8 @@ from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescri
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from dcrb_ros.messages.topics import BENCH, COMMANDS, DETECTED, SIMULATED, WAYSIDE
+from dcrb_ros.messages.topics import BENCH, COMMANDS, DETECTED, SIMULATED, WAYSIDE, Topic
+from dcrb_ros.messages.topics.vehicle import VEHICLE, VEHICLE_COMMANDS
 from dcrb_ros.nodes.qos_overrides import check_overrides, is_override
 from dcrb_ros.nodes.refusals import shortened
 from dcrb_ros.schema.fields import Group
@@ -33,11 +34,16 @@ class ParameterNode(Node):
         super().__init__(name, namespace=namespace, automatically_declare_parameters_from_overrides=True)
         given: Mapping[str, Any] = self.get_parameters_by_prefix("")
         overrides = {key: parameter.value for key, parameter in given.items() if is_override(key)}
-        check_overrides(overrides, (self.resolve_topic_name(topic.name) for topic in (*SIMULATED, *DETECTED, *WAYSIDE, *BENCH, *COMMANDS)))
+        topics = (*SIMULATED, *DETECTED, *WAYSIDE, *BENCH, *COMMANDS, *VEHICLE, *VEHICLE_COMMANDS.values(), *self.more_topics())
+        check_overrides(overrides, (self.resolve_topic_name(topic.name) for topic in topics))
         for key in overrides:  # declared again, read-only, by the publisher or subscription
             self.undeclare_parameter(key)
         self._fields: dict[str, ParameterField] = {}
         """Declared parameters of the schema by their keys."""
+
+    def more_topics(self) -> Iterable[Topic]:
+        """Return the topics of the node beside those of a bench."""
+        return ()
 
     def on_parameters(self, changes: dict[str, Any]) -> None:
         """Apply a requested change of parameters; a node that overrides this method accepts the declared ones.
@@ -67,11 +73,19 @@ class ParameterNode(Node):
         values = flatten(adjusted.model_dump())
         self._fields = {field.key: field for field in parameter_fields(model)}
         for field in self._fields.values():
-            if self.has_parameter(field.key):
-                self.undeclare_parameter(field.key)
-            descriptor = _descriptor(field, read_only=field.key not in run_time)
-            self.declare_parameter(field.key, values[field.key], descriptor, ignore_override=True)
+            self.declare_field(field.key, field, values[field.key], read_only=field.key not in run_time)
         return adjusted
+
+    def declare_field(self, key: str, field: ParameterField, value: Any, *, read_only: bool = False) -> None:
+        """Declare a parameter under a key, with type, range and description of a field and a checked value."""
+        if self.has_parameter(key):
+            self.undeclare_parameter(key)
+        self.declare_parameter(key, value, _descriptor(key, field, read_only=read_only), ignore_override=True)
+
+    @staticmethod
+    def of_ros(key: str) -> bool:
+        """Return whether a parameter is one that every node of ROS has."""
+        return _is_of_ros(key)
 
     def set_parameters_atomically(self, parameter_list: list[Any]) -> Any:
         """Apply a change of parameters that others request, or answer why not.
@@ -122,9 +136,9 @@ def _is_of_ros(key: str) -> bool:
     return key in OF_ROS or is_override(key)
 
 
-def _descriptor(field: ParameterField, *, read_only: bool) -> Any:
+def _descriptor(key: str, field: ParameterField, *, read_only: bool) -> Any:
     unit = f" [{field.unit}]" if field.unit != "-" else ""
-    descriptor = ParameterDescriptor(name=field.key, description=f"{field.description}{unit}", read_only=read_only)
+    descriptor = ParameterDescriptor(name=key, description=f"{field.description}{unit}", read_only=read_only)
     if field.low is not None and field.high is not None:
         if field.kind is int:
             descriptor.integer_range = [IntegerRange(from_value=int(field.low), to_value=int(field.high), step=1)]

@@ -14,7 +14,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any, NoReturn
 
-NAMES = ("simulator", "replayer", "fault_detector", "hot_box_detector", "viewer")
+NAMES = ("simulator", "vehicle_simulator", "replayer", "fault_detector", "vehicle_detector", "hot_box_detector", "viewer")
 WITH_PARENT = "--with-parent"
 """Option of `python -m dcrb_ros.nodes` that ends the node with its parent process."""
 
@@ -28,9 +28,10 @@ def main(name: str, arguments: list[str], *, with_parent: bool = False) -> NoRet
     end_at_once(0)
     accept_termination()
     from dcrb_ros.runtime.exit_status import exit_status
-    from dcrb_ros.runtime.memory import keep_freed_memory
+    from dcrb_ros.runtime.memory import collect_rarely, keep_freed_memory
 
     keep_freed_memory()
+    collect_rarely()
     parameters = None
     if with_parent:
         from dcrb_ros.runtime.children import end_with_parent, received_from_parent
@@ -60,6 +61,11 @@ def simulator() -> None:
     main("simulator", sys.argv[1:])
 
 
+def vehicle_simulator() -> None:
+    """Simulate the axle boxes of a vehicle."""
+    main("vehicle_simulator", sys.argv[1:])
+
+
 def replayer() -> None:
     """Replay a recording."""
     main("replayer", sys.argv[1:])
@@ -68,6 +74,11 @@ def replayer() -> None:
 def fault_detector() -> None:
     """Run the fault detector."""
     main("fault_detector", sys.argv[1:])
+
+
+def vehicle_detector() -> None:
+    """Run the detector that compares the axle boxes of a vehicle."""
+    main("vehicle_detector", sys.argv[1:])
 
 
 def hot_box_detector() -> None:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-import importlib
+import importlib.util
 import time
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.topics import Message, Topic
+
+OPTIONAL = "tf2_msgs"
+"""Package of messages that PyPI does not have."""
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -31,16 +34,19 @@ def message_class(topic: Topic) -> type[Any]:
 
 
 class Publisher:
-    """A sink that publishes on topics of a node."""
+    """A sink that publishes on topics of a node; without the package `OPTIONAL`, transforms are left out."""
 
     def __init__(self, node: Node, topics: Iterable[Topic]) -> None:
         from dcrb_ros.nodes.qos_overrides import overridable
 
         self._node = node
         # Latched topics last: who has received one of their messages has discovered the publishers of the others.
+        ordered = sorted(topics, key=lambda topic: topic.latched)
+        self._absent = {topic for topic in ordered if topic.type.startswith(OPTIONAL) and importlib.util.find_spec(OPTIONAL) is None}
         self._publishers: dict[Topic, Any] = {
             topic: node.create_publisher(message_class(topic), topic.name, qos(topic), qos_overriding_options=overridable())
-            for topic in sorted(topics, key=lambda topic: topic.latched)
+            for topic in ordered
+            if topic not in self._absent
         }
 
     def start(self, messages: Sequence[Message]) -> None:
@@ -54,7 +60,8 @@ class Publisher:
     def write_messages(self, messages: Iterable[Message]) -> None:
         """Publish messages."""
         for message in messages:
-            self._publishers[message.topic].publish(message.data)
+            if message.topic not in self._absent:
+                self._publishers[message.topic].publish(message.data)
 
     def subscribers(self, topic: Topic) -> int:
         """Return the number of subscribers to a topic."""

@@ -7,15 +7,13 @@ import time
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.topics import Message, Topic
 from dcrb_ros.recordings.recorder_thread import CLOSE_TIMEOUT, RecorderThread
 from dcrb_ros.recordings.splitting import RecordingFailed
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.simulation.ground_truth import commands_in
-from dcrb_ros.stream.events import TimedCommand
 
 FOLDER = Path("recordings")
 """Folder of the recordings for which the user gave no path."""
@@ -24,7 +22,7 @@ FOLDER = Path("recordings")
 class CreateRecorder(Protocol):
     """Creates the recorder of a new recording."""
 
-    def __call__(self, path: Path, *, commands: Sequence[TimedCommand], start_ns: int) -> RecorderThread:
+    def __call__(self, path: Path, *, commands: Sequence[Any], start_ns: int) -> RecorderThread:
         """Create the folder ``path``; the recording starts at ``start_ns`` [ns] and ``commands`` took effect before.
 
         Raises:
@@ -69,7 +67,7 @@ class RecordingSwitch:
         """Recorders that receive nothing more and may still be writing."""
         self._failure = ""
         self._started = False
-        self._commands: list[TimedCommand] = []
+        self._commands: list[Any] = []
         self._latched: dict[Topic, Message] = {}
         """The last message on each latched topic since the start."""
         self._time_ns = 0
@@ -137,8 +135,7 @@ class RecordingSwitch:
             self._write(bundle.messages)
             self._latched |= {message.topic: message for message in bundle.messages if message.topic.latched}
             self._time_ns = bundle.end_ns
-            if bundle.block is not None:
-                self._commands += commands_in(bundle.block.truths)
+            self._commands += bundle.commands
 
     def write_messages(self, messages: Iterable[Message]) -> None:
         """Record messages, if a recording is running."""

@@ -7,7 +7,8 @@ import time
 from typing import Any
 
 from dcrb_ros.messages.statuses import OK, WARN, Status
-from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, CLOCK, DIAGNOSIS, VIBRATION
+from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, CLOCK, DIAGNOSIS
+from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DIAGNOSIS
 from dcrb_ros.nodes.answers import AnsweredSource
 from dcrb_ros.nodes.base import BenchNode
 from dcrb_ros.nodes.clock import ClockPublisher
@@ -17,6 +18,7 @@ from dcrb_ros.nodes.pacing import Pacer
 from dcrb_ros.nodes.programs import main
 from dcrb_ros.nodes.publisher import Publisher
 from dcrb_ros.nodes.ros import run_node
+from dcrb_ros.nodes.subscriber_wait import SubscriberWait
 from dcrb_ros.recordings.replay import Replay, ReplayParameters
 from dcrb_ros.settings.files import flatten, validated
 
@@ -48,18 +50,22 @@ class ReplayerNode(BenchNode):
         clocks = [ClockPublisher(self._publisher.write_messages)] if self._settings.clock else []
         gate = Gate(Pacer(self._settings.rate, time.monotonic), time.monotonic)
         sinks: list[Sink] = [*clocks, self._publisher, self._progress]
-        answered = VIBRATION in self._replay.topics and DIAGNOSIS not in self._replay.topics
-        self._answers = self.follow_detector() if answered else None
+        diagnosis = VEHICLE_DIAGNOSIS if self._replay.latched == VEHICLE_DESCRIPTION else DIAGNOSIS
+        answered = bool(self._replay.waveforms) and diagnosis not in self._replay.topics
+        self._answers = self.follow_detector(diagnosis) if answered else None
         source = AnsweredSource(self._replay, self._answers, gate) if self._answers else self._replay
         self._engine = Engine("replay", source, sinks, gate, loop=self._settings.loop)
 
     def start(self) -> None:
         """Publish the sensor description; wait for subscribers to the waveform."""
         self._engine.prepare()
-        self.watch_publishers(*({VIBRATION, CLOCK} & {*self._replay.topics, *([CLOCK] if self._settings.clock else [])}))
+        waveform = self._replay.waveforms[:1]
+        self.watch_publishers(*waveform, *([CLOCK] if self._settings.clock else []))
         self.repeat(1.0, self._publish_status)
-        if VIBRATION in self._replay.topics:
-            self.start_with_subscribers(self._publisher, self._settings.listeners, self._settings.wait, self._engine.start)
+        if waveform:
+            topics = waveform[0], self._replay.latched
+            wait = SubscriberWait(self._publisher, self._settings.listeners, self._settings.wait, topics=topics)
+            self.start_with_subscribers(wait, self._engine.start)
         else:
             self._engine.start()
 

@@ -24,6 +24,8 @@ FEATURES = (
 )
 """Names of the supported features in SimulatorFeatures. Time and state are reset together only, so neither is listed by itself."""
 ABOUT = "A step is a block of publishing.block_size samples. Time scale, faults and recordings have parameters and services of their own."
+OVER = "the simulation has ended or is quitting: start the node again"
+"""Answer to requests for which it is too late."""
 POLL_PERIOD = 0.01
 """Wall time between two looks at whether the requested steps are done [s]."""
 Outcome = tuple[int, str]
@@ -80,8 +82,10 @@ class SimulationInterfaces:
 
     @property
     def state(self) -> int:
-        """Present state, a constant of SimulationState: stopped means paused at the start by a request to stop."""
-        if self._engine.gate.closed:
+        """Present state, a constant of SimulationState: stopped means paused at the start by a request to stop, quitting that no more
+        blocks follow.
+        """
+        if self._engine.gate.closed or self._engine.ended:
             return int(self._state.STATE_QUITTING)
         if not self._engine.gate.paused:
             return int(self._state.STATE_PLAYING)
@@ -115,6 +119,8 @@ class SimulationInterfaces:
             )
         if target == self.state:
             return self._transition.ALREADY_IN_TARGET_STATE, f"the simulation is in state {target} already"
+        if self.state == self._state.STATE_QUITTING:
+            raise Declined(self._transition.INCORRECT_TRANSITION, f"set_simulation_state: {OVER}")
         transitions[target]()
         return self._code.RESULT_OK, ""
 
@@ -165,6 +171,8 @@ class SimulationInterfaces:
             Declined: the simulation is not paused, or not all of the blocks were sent.
         """
         gate = self._engine.gate
+        if self.state == self._state.STATE_QUITTING:
+            raise Declined(self._code.RESULT_OPERATION_FAILED, f"{name}: {OVER}")
         if self.state != self._state.STATE_PAUSED:
             raise Declined(
                 self._code.RESULT_OPERATION_FAILED,
@@ -208,6 +216,8 @@ class SimulationInterfaces:
                 self._code.RESULT_FEATURE_UNSUPPORTED,
                 f"reset_simulation: scope {scope} is not supported, because time and state are reset together; use {self._scope.SCOPE_ALL}",
             )
+        if self.state == self._state.STATE_QUITTING:
+            raise Declined(self._code.RESULT_INCORRECT_STATE, f"reset_simulation: {OVER}")
         if not self._services.restart():
             raise Declined(self._code.RESULT_OPERATION_FAILED, _pending("reset_simulation"))
         return self._code.RESULT_OK, ""

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import argparse
-import math
 import sys
-import time
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Generator, Sequence
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -16,33 +14,13 @@ from rclpy.parameter import Parameter
 from dcrb_ros.bearing.payload import body_names
 from dcrb_ros.bearing.plausibility import whole_length
 from dcrb_ros.bearing.runtime_change import altered
-from dcrb_ros.core.announcement import announce_compilation
 from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.encoder import BlockEncoder
-from dcrb_ros.messages.topics import (
-    BENCH_DIAGNOSTICS,
-    CLOCK,
-    DETECTED,
-    LOAD_COMMAND,
-    SIMULATED,
-    SPEED_COMMAND,
-    VIBRATION,
-    Message,
-    Topic,
-)
-from dcrb_ros.nodes.base import BenchNode
-from dcrb_ros.nodes.bench_status import BenchStatus
-from dcrb_ros.nodes.clock import ClockPublisher
-from dcrb_ros.nodes.engine import Engine, Progress, Sink
+from dcrb_ros.messages.topics import DETECTED, LOAD_COMMAND, SENSOR, SIMULATED, SPEED_COMMAND, VIBRATION, Message
 from dcrb_ros.nodes.gate import Gate
-from dcrb_ros.nodes.pacing import Pacer
 from dcrb_ros.nodes.programs import main
-from dcrb_ros.nodes.publisher import Publisher
-from dcrb_ros.nodes.recording_switch import RecordingSwitch
-from dcrb_ros.nodes.refusals import Refusals
-from dcrb_ros.nodes.ros import installed, own_arguments, run_node
-from dcrb_ros.nodes.services import Services
-from dcrb_ros.nodes.simulation_interfaces import PACKAGE, SimulationInterfaces
+from dcrb_ros.nodes.ros import own_arguments, run_node
+from dcrb_ros.nodes.simulating import SimulatingNode, decoded_by
 from dcrb_ros.nodes.transforms import publish_transforms
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.recordings.recorder_thread import RecorderThread
@@ -53,6 +31,7 @@ from dcrb_ros.schema.simulated_time import checked_duration
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten, parameter_fields
 from dcrb_ros.settings.parameters import COMMANDED
+from dcrb_ros.simulation.ground_truth import commands_in
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.scenario import ScheduledChange, read_scenario_file, scheduled_changes, starting_configuration
 from dcrb_ros.stream.events import TimedCommand
@@ -79,29 +58,12 @@ class SimulationSource:
         with closing(prefetch(self.simulation.blocks(self._duration), lambda: self._gate.open)) as blocks:
             for block in blocks:
                 # Encoded before the deadline, so that the bundle is sent at it.
-                yield Bundle(block.stamp_ns, block.end_ns, tuple(self._encoder.encode(block)), block)
+                messages = tuple(self._encoder.encode(block))
+                yield Bundle(block.stamp_ns, block.end_ns, messages, block, tuple(commands_in(block.truths)))
 
 
-class FirstBlockLog:
-    """A sink that logs how long the first block took."""
-
-    def __init__(self, log: Callable[[str], object]) -> None:
-        self._log, self._began = log, time.monotonic()
-
-    def start(self, messages: Sequence[Message]) -> None:
-        """Do nothing."""
-
-    def write(self, bundle: Bundle) -> None:
-        """Log the time of the first bundle."""
-        if self._began:
-            self._log(f"first block {time.monotonic() - self._began:.2f} s after the start")
-            self._began = 0.0
-
-
-class SimulatorNode(BenchNode):
+class SimulatorNode(SimulatingNode):
     """Publishes and records the simulation; accepts commands, parameters and service calls."""
-
-    purpose = "bench"
 
     def __init__(self, duration: float | None = None, scenario: Path | None = None, parameters: Configuration | None = None) -> None:
         """Prepare ``duration`` of simulated time [s], endless without one, with a ``scenario`` if one is given.
@@ -113,61 +75,27 @@ class SimulatorNode(BenchNode):
         """
         super().__init__("simulator")
         self._scenario, name = (read_scenario_file(scenario) if scenario else None), str(scenario)
-        self.configuration = self.declare(
+        configuration = self.declare(
             Configuration, run_time=RUN_TIME, adjust=lambda given: starting_configuration(self._scenario, parameters or given, name)
         )
-        changes = scheduled_changes(self._scenario, self.configuration, name) if scenario else []
-        publishing, log = self.configuration.publishing, self.get_logger()
-        gate = Gate(Pacer(self.configuration.time_scale, time.monotonic), time.monotonic)
-        topics = [topic for topic in SIMULATED if topic.enabled(self.configuration)]
-        self._publisher = Publisher(self, [*topics, BENCH_DIAGNOSTICS, *([CLOCK] if publishing.clock else [])])
-        self._clock_publisher = ClockPublisher(self._publisher.write_messages) if publishing.clock else None
-        self.progress, self.refusals = Progress(), Refusals(log.warning)
-        path = self.configuration.recording.path
-        self.recording = RecordingSwitch(self._recorder, log, Path(path).absolute() if path else None)
-        clock = [self._clock_publisher] if self._clock_publisher else []
-        sinks: list[Sink] = [self.progress, *clock, self._publisher, self.recording, FirstBlockLog(log.info)]
-        self._source = SimulationSource(self.configuration, changes, duration, gate)
-        self.engine = Engine("model", self._source, sinks, gate)
-        self._answers = self.follow_detector()
-        self._status = BenchStatus(self.engine, self.progress, self.recording, self.refusals)
+        changes = scheduled_changes(self._scenario, configuration, name) if scenario else []
 
-    def start(self) -> None:
-        """Start the simulation and the configured recording."""
-        announce_compilation(self.get_logger().info)
-        self.engine.prepare()
+        def begin(gate: Gate) -> SimulationSource:
+            self._source = SimulationSource(configuration, changes, duration, gate)
+            return self._source
+
+        topics = [topic for topic in SIMULATED if topic.enabled(configuration)]
+        answers = self.follow_detector()
+        self.assemble(configuration, begin, topics, self._recorder, waveform=VIBRATION, description=SENSOR, answers=answers)
+
+    def receive(self) -> None:
+        """Subscribe to commands and to the detector, and publish the place of the sensor."""
         self.subscribe(SPEED_COMMAND, self._on_speed)
         self.subscribe(LOAD_COMMAND, self._on_load)
         for topic in DETECTED:
             if topic.recorded:
-                self._record_detected(topic)
+                self.record_detected(topic)
         publish_transforms(self, self.configuration)
-        services = Services(self)
-        if installed(PACKAGE):
-            SimulationInterfaces(self, services)
-        self._others = self.watch_publishers(VIBRATION, *([CLOCK] if self.configuration.publishing.clock else []))
-        self.repeat(1.0, self._publish_status)
-        publishing = self.configuration.publishing
-        if publishing.listeners:
-            self.start_with_subscribers(self._publisher, publishing.listeners, publishing.wait, self.engine.start)
-        else:
-            self.engine.start()
-
-    @property
-    def ended(self) -> bool:
-        """Whether the duration is over and the detector has answered, or the simulation has failed or was asked to quit."""
-        stopped = self.engine.failure is not None or self.engine.gate.closed
-        return self.engine.ended and (stopped or self._answers.complete(self.progress.time_ns))
-
-    @property
-    def failure(self) -> Exception | None:
-        """The exception that ended the simulation, if one did."""
-        return self.engine.failure
-
-    def close(self) -> None:
-        """Stop the simulation and finish the recording."""
-        self.engine.close()
-        self.recording.stop()
 
     def _recorder(self, path: Path, *, commands: Sequence[TimedCommand], start_ns: int) -> RecorderThread:
         configuration = self.configuration
@@ -182,38 +110,13 @@ class SimulatorNode(BenchNode):
         )
         return RecorderThread(recorder, configuration.recording.queue)
 
-    def _record_detected(self, topic: Topic) -> None:
-        """Record the detector's messages on a topic."""
-
-        def record(data: bytes) -> None:
-            if self.recording.path is None:
-                return
-            with self.refusals.suppressed(topic.name):
-                time_ns = _decoded(topic.name, topic.stamp, data)
-                self._check_stamp(topic, time_ns)
-                self.recording.write_messages([Message(topic, time_ns, data)])
-
-        self.subscribe(topic, record)
-
-    def _check_stamp(self, topic: Topic, time_ns: int) -> None:
-        """Refuse a stamp [ns] outside the signal published so far.
-
-        The detector may answer a block before the engine's thread has counted it, hence one block of tolerance.
-        """
-        block_ns = math.ceil(self.configuration.publishing.block_size * 1e9 / self.configuration.sensor.sampling_rate)
-        latest = self.progress.time_ns + block_ns
-        if not 0 <= time_ns <= latest:
-            raise Refusal(
-                f"{topic.name} at {time_ns * 1e-9:g} s is not recorded: its stamp must be within 0 .. {latest * 1e-9:g} s of simulated time"
-            )
-
     def _on_speed(self, data: bytes) -> None:
         with self.refusals.suppressed(SPEED_COMMAND.name):
-            self._source.simulation.command_speed(_decoded(SPEED_COMMAND.name, SPEED_COMMAND.decoded, data))
+            self._source.simulation.command_speed(decoded_by(SPEED_COMMAND.name, SPEED_COMMAND.decoded, data))
 
     def _on_load(self, data: bytes) -> None:
         with self.refusals.suppressed(LOAD_COMMAND.name):
-            self._source.simulation.command_load(*_decoded(LOAD_COMMAND.name, LOAD_COMMAND.decoded, data))
+            self._source.simulation.command_load(*decoded_by(LOAD_COMMAND.name, LOAD_COMMAND.decoded, data))
 
     def on_parameters(self, changes: dict[str, Any]) -> None:
         """Apply a requested change of parameters, or refuse it."""
@@ -236,23 +139,6 @@ class SimulatorNode(BenchNode):
         keys = [key for key in RUN_TIME if key != "time_scale" and self.get_parameter(key).value != present[key]]
         if keys:
             self.set_parameters([Parameter(key, value=present[key]) for key in keys])
-
-    def _publish_status(self) -> None:
-        """Publish the status on /diagnostics, and the time of a paused simulation again on /clock."""
-        time_ns = self.progress.time_ns  # read once: another block may come at any time
-        status = self._status.status(self.get_fully_qualified_name(), time_ns, self._others.names)
-        self._publisher.write_messages([self.diagnostics(status, time_ns, self.configuration.publishing.frame)])
-        if self._clock_publisher is not None:
-            self._clock_publisher.repeat(time_ns)
-        self.update_parameters()
-
-
-def _decoded(topic: str, decode: Callable[[bytes], Any], data: bytes) -> Any:
-    """Return the content of a message; a refusal names the topic."""
-    try:
-        return decode(bytes(data))
-    except Refusal as refusal:
-        raise Refusal(f"{topic}: {refusal}") from None
 
 
 def run(arguments: list[str], parameters: Configuration | None = None) -> int:

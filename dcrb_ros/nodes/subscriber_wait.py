@@ -29,26 +29,35 @@ class SubscriberWait:
     has acknowledged the sensor description, whose publisher is created later.
     """
 
-    def __init__(self, publisher: Publishing, listeners: int, timeout: float, clock: Callable[[], float] = time.monotonic) -> None:
-        """Wait for ``listeners`` subscribers, at most ``timeout`` [s] on ``clock``."""
-        self._publisher, self._listeners, self._timeout, self._clock = publisher, listeners, timeout, clock
+    def __init__(
+        self,
+        publisher: Publishing,
+        listeners: int,
+        timeout: float,
+        clock: Callable[[], float] = time.monotonic,
+        *,
+        topics: tuple[Topic, Topic] = (VIBRATION, SENSOR),
+    ) -> None:
+        """Wait for ``listeners`` subscribers, at most ``timeout`` [s] on ``clock``; ``topics`` are the waveform and its description."""
+        self._publisher, self.listeners, self.timeout, self._clock = publisher, listeners, timeout, clock
+        self.waveform, self._description = topics
         self._subscribers = 0
         self._since = self._changed_at = clock()
 
     def over(self) -> bool:
         """Return whether the wait is over; it must be called repeatedly."""
-        now, count = self._clock(), self._publisher.subscribers(VIBRATION)
+        now, count = self._clock(), self._publisher.subscribers(self.waveform)
         if count != self._subscribers:
             self._subscribers, self._changed_at = count, now
-        settled = now - self._changed_at >= SETTLING_TIME and self._publisher.delivered(SENSOR)
-        return (count >= self._listeners and settled) or now >= self._since + self._timeout
+        settled = now - self._changed_at >= SETTLING_TIME and self._publisher.delivered(self._description)
+        return (count >= self.listeners and settled) or now >= self._since + self.timeout
 
     @property
     def missing(self) -> str:
         """Sentence about subscribers that have not joined; empty if none is missing."""
-        if self._subscribers >= self._listeners:
+        if self._subscribers >= self.listeners:
             return ""
         return (
-            f"{self._subscribers} of {self._listeners} subscribers to {VIBRATION.name} have joined within {self._timeout:g} s; "
+            f"{self._subscribers} of {self.listeners} subscribers to {self.waveform.name} have joined within {self.timeout:g} s; "
             "the others miss the first blocks: lower the number of listeners or raise the wait"
         )

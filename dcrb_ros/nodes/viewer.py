@@ -15,6 +15,7 @@ from urllib.parse import urlsplit
 import rerun as rr
 
 from dcrb_ros.messages.topics import VIBRATION
+from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION
 from dcrb_ros.nodes.base import BenchNode
 from dcrb_ros.nodes.programs import main
 from dcrb_ros.nodes.ros import own_arguments, run_node
@@ -22,6 +23,8 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.viewer.document import APPLICATION
 from dcrb_ros.viewer.live import SHOWN, LiveView
 from dcrb_ros.viewer.show import checked_output
+from dcrb_ros.viewer.vehicle_content import shown_topics
+from dcrb_ros.viewer.vehicle_live import VehicleLiveView
 from dcrb_ros.viewer.window import window_to_fill
 
 FLUSH_PERIOD = 0.2
@@ -39,10 +42,11 @@ NICENESS = 5
 class ViewerNode(BenchNode):
     """Shows the messages of the bench in a Rerun window, in a running viewer or in a file."""
 
-    def __init__(self, save: Path | None = None, connect: str = "") -> None:
-        """Show in the file ``save``, the viewer at the address ``connect``, or a window that is opened."""
+    def __init__(self, save: Path | None = None, connect: str = "", *, vehicle: bool = False) -> None:
+        """Show in the file ``save``, the viewer at the address ``connect``, or a window that is opened; a bench or a ``vehicle``."""
         super().__init__("viewer")
-        self._save, self._address = save, connect
+        self._save, self._address, self._vehicle = save, connect, vehicle
+        self._shown: set[str] = set()
         self._resources = ExitStack()
         self._viewer_closed = lambda: False
 
@@ -51,12 +55,27 @@ class ViewerNode(BenchNode):
         if self._save is None and not self._address:
             viewer, self._address = self._resources.enter_context(window_to_fill())
             self._viewer_closed = lambda: viewer.poll() is not None
-        view = LiveView(self._stream, self.get_namespace(), self.get_logger().warning)
+        kind = VehicleLiveView if self._vehicle else LiveView
+        view = kind(self._stream, self.get_namespace(), self.get_logger().warning)
         self._resources.callback(view.close)
-        for topic in SHOWN:
-            self.subscribe(topic, partial(view.take, topic))
+        if isinstance(view, VehicleLiveView):
+            self.subscribe(VEHICLE_DESCRIPTION, partial(self._describe, view))
+            self.log_wait(VEHICLE_DESCRIPTION)
+        else:
+            for topic in SHOWN:
+                self.subscribe(topic, partial(view.take, topic))
+            self.log_wait(VIBRATION)
         self.repeat(FLUSH_PERIOD, view.flush)
-        self.log_wait(VIBRATION)
+
+    def _describe(self, view: VehicleLiveView, data: bytes) -> None:
+        """Show a vehicle, and subscribe to the topics of boxes that are new."""
+        view.take(VEHICLE_DESCRIPTION, data)
+        names = [box.name for box in view.description.boxes] if view.description is not None else []
+        # The first box last: the simulator counts the subscribers to its waveform before it sends a block.
+        for topic in reversed(shown_topics(names)):
+            if topic != VEHICLE_DESCRIPTION and topic.name not in self._shown:
+                self._shown.add(topic.name)
+                self.subscribe(topic, partial(view.take, topic))
 
     def _stream(self, run: int) -> rr.RecordingStream:
         """Return the Rerun recording of a run; a new run begins after a reset, in a file of its own."""
@@ -101,6 +120,7 @@ def run(arguments: list[str]) -> int:
     """Run the node until a termination signal arrives or the window is closed; return the exit status."""
     parser = argparse.ArgumentParser(prog="viewer", description="A running bench in Rerun.")
     parser.add_argument("--save", type=Path, default=None, help="write a Rerun file (.rrd) instead of opening a window")
+    parser.add_argument("--vehicle", action="store_true", help="show the axle boxes of a vehicle")
     parser.add_argument("--connect", default="", help="address of a running viewer, such as rerun+http://127.0.0.1:9876/proxy")
     options = own_arguments(parser, arguments)
     if options.save is not None and options.connect:
@@ -110,7 +130,7 @@ def run(arguments: list[str]) -> int:
     if options.connect:
         _check_address(options.connect)
     os.nice(NICENESS)
-    return run_node(lambda: ViewerNode(options.save, options.connect), arguments)
+    return run_node(lambda: ViewerNode(options.save, options.connect, vehicle=options.vehicle), arguments)
 
 
 if __name__ == "__main__":

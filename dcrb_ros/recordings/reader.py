@@ -32,6 +32,7 @@ from dcrb_ros.recordings.latched import described_manifest, in_order, of_one_ben
 from dcrb_ros.recordings.manifest import OUTCOME
 from dcrb_ros.recordings.recorded_run import RecordedRun
 from dcrb_ros.recordings.storage import StoredMessage, valid_files
+from dcrb_ros.recordings.vehicle_folder import box_of, boxes_in, record_name
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.numbers import sampling_rate
 from dcrb_ros.schema.printable import printable
@@ -63,6 +64,7 @@ class Recording(RecordedRun):
     It has the attributes of a `SimulationResult` except ``clean``, which is not recorded. They are read from the file on first use.
 
     A recording that `ros2 bag record` made beside the bench has no manifest; the description of the sensor in it takes its place.
+    A box of a vehicle has the path of the vehicle's recording and its name, such as ``run/axle_1.left``.
 
     Raises
     ------
@@ -74,7 +76,9 @@ class Recording(RecordedRun):
         if not isinstance(path, (str, os.PathLike)):
             raise Refusal(f"{path!r} is not the path of a recording: give a folder made by dcrb simulate or dcrb bench, or an .mcap file")
         self.path = Path(path)
-        self.stored, self.damage = valid_files(self.path)
+        source, self.box = box_of(self.path)
+        """The name of the box in the recording of a vehicle; empty for a bench."""
+        self.stored, self.damage = valid_files(source)
         """The files in order; a sentence for each part that could not be read so far."""
         self.manifest = self._manifest()
         if self.manifest.get("format", 1) != 1 and self.outcome is None:
@@ -166,7 +170,7 @@ class Recording(RecordedRun):
     @cached_property
     def outcome(self) -> Mapping[str, Any] | None:
         """The outcome record at the end of the recording; None if it was cut off."""
-        records = [record for record in self.stored[-1].metadata() if record.name == OUTCOME]
+        records = [record for record in self.stored[-1].metadata() if record.name == record_name(OUTCOME, self.box)]
         return self._json(records[-1], "outcome", self.stored[-1].path.name) if records else None
 
     def commands(self) -> list[TimedCommand]:
@@ -260,11 +264,20 @@ class Recording(RecordedRun):
 
     def _manifest(self) -> dict[str, Any]:
         """Return the manifest of the first file that has one, or the entries that follow from the description of the sensor."""
+        names = list[str]()
         for file in self.stored:
-            record = next((record for record in file.metadata() if record.name == MANIFEST), None)
+            records = list(file.metadata())
+            names += [record.name for record in records]
+            record = next((record for record in records if record.name == record_name(MANIFEST, self.box)), None)
             manifest = self._json(record, "manifest", file.path.name) if record else None
             if manifest is not None:
                 return manifest
+        boxes = boxes_in(names)
+        if boxes and not self.box:
+            raise Refusal(f"{self.path} is the recording of a vehicle: give one of its boxes, such as {self.path / boxes[0]}")
+        if self.box:
+            known = f"its boxes are {', '.join(boxes)}" if boxes else "it is not the recording of a vehicle"
+            raise Refusal(f"there is no box {self.box} in {self.path.parent}: {known}")
         try:
             return described_manifest(self.path, self.stored)
         except Refusal as refusal:

@@ -22,6 +22,7 @@ from dcrb_ros.recordings.mcap_writer import Channel, McapFile, described_channel
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.splitting import SECOND, Bag, RecordingFailed, Splitting
 from dcrb_ros.recordings.storage import StoredMessage, valid_files
+from dcrb_ros.recordings.vehicle_folder import VEHICLE_OUTCOME, box_of, record_name, vehicle_boxes
 from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.files import checked_path
@@ -55,13 +56,18 @@ class Recovery:
     """Copies the readable part of a recording to a new bag."""
 
     def __init__(self, source: Path) -> None:
-        self._recording = _recording(source)
+        self._recordings = _recordings(source)
         self._files, self._damage = valid_files(source)
-        if self._recording is not None:
-            self._files = self._recording.stored  # unpacked already
+        if self._recordings:
+            self._files = self._recordings[0].stored  # unpacked already
         self._source = source
         self._recovered = Recovered()
-        self._outcome = Outcome(self._recording.sampling_rate) if self._recording else None
+        self._outcomes = [Outcome(recording.sampling_rate) for recording in self._recordings]
+        self._checked = {
+            topic.resolved(recording.namespace): (topic, outcome)
+            for recording, outcome in zip(self._recordings, self._outcomes, strict=True)
+            for topic in (VIBRATION, GROUND_TRUTH)
+        }
 
     def write(self, target: Path) -> Recovered:
         """Write everything that can be read to a new bag.
@@ -102,10 +108,11 @@ class Recovery:
 
     def _mismatch(self) -> list[str]:
         """Return a sentence if the samples of a source that is readable throughout do not match its digest."""
-        if self._recording is None or self._outcome is None or self._damage:
+        if self._damage:
             return []
-        sentence = SampleDigests(stated_samples(self._recording), samples_in(self._outcome)).mismatch
-        return [sentence] if sentence else []
+        read = zip(self._recordings, self._outcomes, strict=True)
+        sentences = [SampleDigests(stated_samples(recording), samples_in(outcome)).mismatch for recording, outcome in read]
+        return [sentence for sentence in sentences if sentence]
 
     def _channel(self, stored: StoredMessage) -> Channel | None:
         """Return the description of a message's channel; None, counted as damage, if ROS 2 has no such channel."""
@@ -126,21 +133,21 @@ class Recovery:
         if record.log_time > LATEST:
             self._note([f"{channel.name} has a message at {record.log_time} ns, beyond {time_text(LATEST)}, which ROS cannot represent"])
             return False
-        for topic in (VIBRATION, GROUND_TRUTH):
-            if self._recording is not None and self._outcome is not None and channel.name == topic.resolved(self._recording.namespace):
-                try:
-                    check = decode_vibration if topic == VIBRATION else decode_truth
-                    check(record.data)
-                except Refusal as refusal:
-                    self._note([f"{topic.name} at {time_text(record.log_time)}: {refusal}"])
-                    return False
+        topic, _ = self._checked.get(channel.name, (None, None))
+        if topic is not None:
+            try:
+                check = decode_vibration if topic == VIBRATION else decode_truth
+                check(record.data)
+            except Refusal as refusal:
+                self._note([f"{topic.name} at {time_text(record.log_time)}: {refusal}"])
+                return False
         return True
 
     def _count(self, channel: Channel, record: McapMessage) -> None:
         """Count a message that was written, so that a split file states its own samples."""
-        for topic in (VIBRATION, GROUND_TRUTH):
-            if self._recording is not None and self._outcome is not None and channel.name == topic.resolved(self._recording.namespace):
-                self._outcome.add(Message(topic, record.log_time, record.data))
+        topic, outcome = self._checked.get(channel.name, (None, None))
+        if topic is not None and outcome is not None:
+            outcome.add(Message(topic, record.log_time, record.data))
         self._recovered.messages += 1
         self._recovered.last_ns = max(self._recovered.last_ns, record.log_time)
 
@@ -149,33 +156,40 @@ class Recovery:
         records: dict[str, dict[str, str]] = {}
         for file in self._files:
             for record in file.metadata():
-                if record.name not in ("rosbag2", OUTCOME, RECOVERY):
+                if record.name not in ("rosbag2", RECOVERY, VEHICLE_OUTCOME) and record.name.partition("/")[0] != OUTCOME:
                     records.setdefault(record.name, dict(record.metadata))
         return records
 
     def _closing(self) -> Mapping[str, Mapping[str, str]]:
         about: dict[str, Any] = {"source": self._source.name, "lost": self._damage, "recovered": now()}
         ending = {RECOVERY: {"recovery": json.dumps(about)}}
-        return {**ending, **(self._outcome.records() if self._outcome else {})}
+        for recording, outcome in zip(self._recordings, self._outcomes, strict=True):
+            ending[record_name(OUTCOME, recording.box)] = outcome.records()[OUTCOME]
+        return ending
 
     def _splitting(self) -> Splitting:
-        if self._recording is None or not self._recording.configured:
+        if not self._configured:
             return Splitting()
-        settings = self._recording.configuration.recording
+        settings = self._recordings[0].configuration.recording
         return Splitting(settings.split_size, round(settings.split_duration * SECOND))
 
     def _compression(self) -> str:
-        if self._recording is None or not self._recording.configured:
-            return "zstd"
-        return self._recording.configuration.recording.compression
+        return self._recordings[0].configuration.recording.compression if self._configured else "zstd"
+
+    @property
+    def _configured(self) -> bool:
+        return bool(self._recordings) and self._recordings[0].configured
 
 
 def recover(source: Path, target: Path) -> Recovered:
     """Write everything that can be read of a recording to a new bag.
 
     Raises:
-        Refusal: no message can be read, or the target exists.
+        Refusal: no message can be read, the target exists, or the source is a box of a vehicle.
     """
+    whole, box = box_of(source)
+    if box:
+        raise Refusal(f"{source} is a box in the recording {whole}, which is recovered as a whole: give {whole}")
     if checked_path(target).exists():
         raise Refusal(f"{target} exists: give another name or remove it, a recording is never overwritten")
     return Recovery(source).write(target)
@@ -214,11 +228,12 @@ def time_text(time_ns: int) -> str:
     return str(np.datetime64(time_ns // 1_000_000, "ms")).replace("T", " ") + " UTC"
 
 
-def _recording(source: Path) -> Recording | None:
-    """Return the source as a recording of the bench; None if it is another bag."""
+def _recordings(source: Path) -> list[Recording]:
+    """Return the source as a recording of the bench, or those of the boxes of a vehicle; none if it is another bag."""
     try:
-        recording = Recording(source)
-        _ = recording.sampling_rate  # without it no sample can be counted
+        recordings = [Recording(source / name) for name in vehicle_boxes(source)] or [Recording(source)]
+        for recording in recordings:
+            _ = recording.sampling_rate  # without it no sample can be counted
     except Refusal:
-        return None
-    return recording
+        return []
+    return recordings

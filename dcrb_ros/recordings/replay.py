@@ -4,14 +4,21 @@ from __future__ import annotations
 
 import json
 from collections.abc import Generator
+from itertools import islice
+from pathlib import Path
 
 from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.description import decode_frame, sensor_text
 from dcrb_ros.messages.plain import encode_text
 from dcrb_ros.messages.points import decode_vibration
-from dcrb_ros.messages.topics import SENSOR, SIMULATED, VIBRATION, Message, Topic
+from dcrb_ros.messages.topics import SENSOR, SIMULATED, TRANSFORMS, VIBRATION, Message, Topic
+from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DETECTED
+from dcrb_ros.messages.vehicle import box_path
+from dcrb_ros.messages.vehicle_encoder import BESIDE
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import chosen_topics
+from dcrb_ros.recordings.vehicle import VehicleRecording
+from dcrb_ros.recordings.vehicle_folder import vehicle_boxes
 from dcrb_ros.schema.fields import Group, choice, quantity
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.simulated_time import nanoseconds
@@ -35,6 +42,8 @@ class ReplayParameters(Group):
 class Replay:
     """The messages of a recording in bundles as the simulator sends them: a block and its other messages at the end of the block.
 
+    The blocks of the boxes of a vehicle are in one bundle, with equal stamps.
+
     Raises:
         Refusal: there is no recording, or a topic is unknown.
     """
@@ -42,21 +51,35 @@ class Replay:
     def __init__(self, parameters: ReplayParameters) -> None:
         if not parameters.bag:
             raise Refusal("there is nothing to replay: give a recording with the parameter bag")
-        self.recording = Recording(parameters.bag)
+        path = Path(parameters.bag)
         self._offset_ns = round(parameters.offset * 1e9)
-        chosen = sorted(chosen_topics(parameters.topics), key=lambda topic: topic.name) if parameters.topics else SIMULATED
-        self.topics: tuple[Topic, ...] = tuple(chosen)
-        # Without a manifest, the description that takes its place is the first one.
-        recorded = None if self.recording.described else next(self.recording.messages((SENSOR,)), None)
-        self._first = recorded or Message(SENSOR, 0, encode_text(_sensor(self.recording)))
-        self.frame = decode_frame(self._first.data)
-        """Frame id of the sensor."""
-        self._sent = self._first
-        """The sensor description sent last."""
+        boxes = vehicle_boxes(path)
+        self.recording: Recording | VehicleRecording = VehicleRecording(path) if boxes else Recording(path)
+        chosen = sorted(chosen_topics(parameters.topics), key=lambda topic: topic.name) if parameters.topics else list(SIMULATED)
+        if isinstance(self.recording, VehicleRecording):
+            below = [(topic, topic.below(box_path(name)), box) for name, box in self.recording.boxes.items() for topic in chosen]
+            detected = () if not parameters.topics else VEHICLE_DETECTED
+            self.topics: tuple[Topic, ...] = (*(topic for _, topic, _ in below), *BESIDE, *detected)
+        else:
+            below = [(topic, topic, self.recording) for topic in chosen]
+            self.topics = tuple(chosen)
+        self.waveforms = tuple(topic for plain, topic, _ in below if plain == VIBRATION)
+        """The topics of the waveforms, which say when a bundle is due."""
+        self._descriptions = {topic: _described(box, topic) for plain, topic, box in below if plain == SENSOR} or {
+            SENSOR: _described(below[0][2], SENSOR)
+        }
+        """The description of the sensor that was sent last, by topic."""
+        self.frame = decode_frame(next(iter(self._descriptions.values())).data)
+        """Frame id of the sensor, the first one of a vehicle."""
+        self.latched = VEHICLE_DESCRIPTION if boxes else SENSOR
+        """The latched topic that is published last."""
 
     def start(self) -> list[Message]:
-        """Return the message that precedes the first block: the sensor description, as recorded or from the manifest."""
-        return [self._first]
+        """Return the messages that precede the first block: the descriptions, as recorded or from the manifest."""
+        first = list(self._descriptions.values())
+        if isinstance(self.recording, VehicleRecording):
+            first += [message for topic in (TRANSFORMS, VEHICLE_DESCRIPTION) for message in islice(self.recording.messages([topic]), 1)]
+        return first
 
     def bundles(self) -> Generator[Bundle, None, None]:
         """Yield the bundles in the order of time, with the sensor description where it is recorded again, or differs.
@@ -65,11 +88,11 @@ class Replay:
             Refusal: the offset skips all messages.
         """
         begin = end = start = None
-        repeated = False
-        description, collected = self._first, list[Message]()
-        for message in self.recording.messages({SENSOR, *self.topics}):
-            if message.topic == SENSOR:
-                description, repeated = message, begin is not None
+        waiting: dict[Topic, tuple[Message, bool]] = {}
+        collected = list[Message]()
+        for message in self.recording.messages({*self._descriptions, *self.topics}):
+            if message.topic in self._descriptions:
+                waiting[message.topic] = message, begin is not None
                 continue
             start = message.time_ns if start is None else start
             if message.time_ns < start + self._offset_ns:
@@ -82,25 +105,32 @@ class Replay:
                 begin, collected = end, []
             end = due
             # A description is sent with the block that it describes, not with the previous one.
-            collected += [*self._unsent(description, repeated), message]
-            repeated = False
+            for topic in list(waiting):
+                collected += self._unsent(*waiting.pop(topic))
+            collected.append(message)
         if begin is None or end is None:
             raise Refusal(f"{self.recording.path} has no message later than {self._offset_ns * 1e-9:g} s after its start: lower the offset")
         yield Bundle(begin, end, tuple(collected))
 
     def _unsent(self, description: Message, repeated: bool) -> list[Message]:
         """Return a description if it was recorded again or differs from the last one sent."""
-        if description.data == self._sent.data and not repeated:
+        if description.data == self._descriptions[description.topic].data and not repeated:
             return []
-        self._sent = description
+        self._descriptions[description.topic] = description
         return [description]
 
     def _due(self, message: Message) -> int:
         """Return the time at which a message is sent [ns]: a block at its end, any other message at its time."""
-        if message.topic != VIBRATION:
+        if message.topic not in self.waveforms:
             return message.time_ns
         block, rate = decode_vibration(message.data), self.recording.sampling_rate
         return nanoseconds(block.first_index(rate) + len(block.shaft_angle), rate)
+
+
+def _described(recording: Recording, topic: Topic) -> Message:
+    """Return the description of the sensor that precedes the first block; without a manifest, the first one that was recorded."""
+    recorded = next(recording.messages((SENSOR,)), None) if recording.described else None
+    return recorded or Message(topic, 0, encode_text(_sensor(recording)))
 
 
 def _sensor(recording: Recording) -> str:

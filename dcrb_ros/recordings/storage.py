@@ -18,7 +18,6 @@ from dcrb_ros.recordings import mcap_reader, sqlite_reader
 from dcrb_ros.recordings.compression import MessageUnpacker, beginning, compression_of, unpack
 from dcrb_ros.recordings.mcap_reader import MAX_RECORD, FileRecords, McapRecords, has_summary
 from dcrb_ros.recordings.sqlite_reader import SqliteRecords
-from dcrb_ros.recordings.vehicle_folder import VEHICLE_FILE
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.files import checked_path, open_regular, special_kind
 
@@ -176,8 +175,6 @@ def valid_files(path: Path) -> tuple[list[StoredFile], list[str]]:
         files = [StoredFile(file) for file in (_listed(path) if path.is_dir() else [path])]
     except OSError as error:
         raise Refusal(f"{path} cannot be read: {error.strerror}") from None
-    if not files and (path / VEHICLE_FILE).is_file():
-        raise Refusal(f"{path} is the recording of a vehicle: give that of one of its boxes, such as {path / 'axle_1.left'}")
     if not files:
         raise Refusal(f"{path} contains no .mcap file and no .db3 file: give the folder of a recording")
     flaws = {file.path: file.flaw for file in files if file.flaw}

@@ -1,6 +1,47 @@
-"""Names of the files in the folder of a vehicle's recording, beside the recordings of its boxes."""
+"""How the recording of a vehicle names its boxes: records of their own in the file, and paths such as ``run/axle_1.left``."""
 
-VEHICLE_FILE = "vehicle.json"
-"""Parameters of the vehicle, and the digests of the samples of its boxes."""
-TRUTH_FILE = "ground_truth.jsonl"
-"""A line for every block: speed, place, loads, levels of the sources in each box, joints and flats."""
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterable
+from pathlib import Path
+
+from dcrb_ros.messages.topic import MANIFEST
+from dcrb_ros.recordings.storage import valid_files
+from dcrb_ros.schema.refusal import Refusal
+
+VEHICLE = f"{MANIFEST}_vehicle"
+"""Name of the metadata record with the parameters of the vehicle."""
+VEHICLE_OUTCOME = f"{MANIFEST}_vehicle_outcome"
+"""Name of the metadata record with duration and commands of the run."""
+BOX_NAME = re.compile(r"axle_\d+\.(left|right)")
+"""Name of a box."""
+
+
+def record_name(name: str, box: str) -> str:
+    """Return the name of a metadata record of a box; that of a single bench if ``box`` is empty."""
+    return f"{name}/{box}" if box else name
+
+
+def box_of(path: Path) -> tuple[Path, str]:
+    """Return the recording and the name of the box for a path such as ``run/axle_1.left``; the path itself and "" for any other."""
+    if BOX_NAME.fullmatch(path.name) and not os.path.lexists(path) and os.path.lexists(path.parent):
+        return path.parent, path.name
+    return path, ""
+
+
+def boxes_in(records: Iterable[str]) -> tuple[str, ...]:
+    """Return the boxes that metadata records of these names describe."""
+    prefix = record_name(MANIFEST, " ").strip()
+    return tuple(dict.fromkeys(name.removeprefix(prefix) for name in records if name.startswith(prefix)))
+
+
+def vehicle_boxes(path: Path) -> tuple[str, ...]:
+    """Return the boxes in the recording of a vehicle; none for any other path, which need not exist."""
+    if not path.exists():
+        return ()
+    try:
+        return boxes_in(record.name for file in valid_files(path)[0] for record in file.metadata())
+    except Refusal:
+        return ()

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import count
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from rich.console import Console
+    from rich.console import Console, RenderableType
     from rich.progress import Progress, ProgressColumn
+    from rich.table import Table
 
 UNLIMITED = 200
 """Width of a line where nothing limits it, such as in a file [characters]."""
@@ -23,6 +24,16 @@ def console(*, stderr: bool = False) -> Console:
     made = LiteralConsole(stderr=stderr)
     if not made.is_terminal and "COLUMNS" not in os.environ:
         made.width = UNLIMITED
+    return made
+
+
+def table(title: str, heads: Sequence[str], rows: Iterable[Sequence[RenderableType]]) -> Table:
+    """Return a table with a title above it, which may be empty."""
+    from rich.table import Table
+
+    made = Table(*heads, title=title or None)
+    for row in rows:
+        made.add_row(*row)
     return made
 
 

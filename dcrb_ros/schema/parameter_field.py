@@ -137,6 +137,13 @@ def wrong_type(field: ParameterField, value: Any) -> str:
     return "" if isinstance(value, field.kind) and isinstance(value, bool) == (field.kind is bool) else _refused(field, value)
 
 
+def flaw_of(field: ParameterField, value: Any) -> str:
+    """Return why a value has the wrong type for a parameter, or is outside its range or choices, or an empty string."""
+    outside = field.low is not None and field.high is not None and not (isinstance(value, str) or field.low <= value <= field.high)
+    valid = not outside and (not field.choices or value in field.choices)
+    return wrong_type(field, value) or ("" if valid else _refused(field, value))
+
+
 def _refused(field: ParameterField, value: Any) -> str:
     """Return why a value is invalid."""
     said = f"{field.key} = {value!r}" + (f" {field.unit}" if field.unit != "-" else "")

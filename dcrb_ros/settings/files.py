@@ -21,7 +21,7 @@ from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.sections import read_sections
 from dcrb_ros.settings.sensor import preset_values
 from dcrb_ros.settings.shipped import find_configuration
-from dcrb_ros.settings.vehicle_speed import SPEED, SPEED_KMH, converted
+from dcrb_ros.settings.vehicle_speed import SPEED, SPEED_KMH, WHEEL_DIAMETER, converted
 from dcrb_ros.text.yaml import parsed, read_yaml
 
 MOST_UNKNOWN = 20
@@ -220,7 +220,7 @@ def overlaid(whole: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, 
     parameters = {**whole, **brought, **changes}
     if SPEED in changes:
         return {**parameters, SPEED_KMH: changes.get(SPEED_KMH, 0.0)}
-    speed = converted(parameters.get(SPEED_KMH), parameters.get("operating.wheel_diameter"))
+    speed = converted(parameters.get(SPEED_KMH), parameters.get(WHEEL_DIAMETER))
     return parameters if speed is None else {**parameters, SPEED: speed, SPEED_KMH: 0.0}
 
 

@@ -13,10 +13,10 @@ from dcrb_ros.settings.parameters import (
     Operating,
     Publishing,
     Recording,
-    SimulationParameters,
     Surfaces,
 )
 from dcrb_ros.settings.sensor import Background, SensorParameters, Structure, Tacho
+from dcrb_ros.settings.simulation import SimulationParameters
 from dcrb_ros.settings.thermal import Thermal
 
 

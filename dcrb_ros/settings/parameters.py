@@ -15,8 +15,6 @@ from pydantic import model_validator
 from dcrb_ros.schema.fields import LENGTH_REMEDY, Group, choice, length, quantity
 from dcrb_ros.settings.vehicle_speed import FASTEST_KMH, with_shaft_speed
 
-SHORTEST_STEP = 1e-7
-"""Shortest time step [s]."""
 COMMANDED = {"operating.speed": "command/speed", "operating.load": "command/load", "operating.lateral_load": "command/load"}
 """Parameters that are changed by commands while a node runs, and the topics of these commands."""
 
@@ -215,21 +213,6 @@ class Operating(Group):
     def _speed_of_vehicle(cls, given: Any) -> Any:
         """Replace a speed in km/h by the shaft's."""
         return with_shaft_speed(given, cls.model_fields["wheel_diameter"].default) if isinstance(given, Mapping) else given
-
-
-class SimulationParameters(Group):
-    """Time step and seed."""
-
-    step: float = quantity(
-        1.0 / 102400.0,
-        "s",
-        "Time step; a sampling interval must be a whole number of steps",
-        SHORTEST_STEP,
-        2e-5,
-        symbol="h",
-        remedy="the contacts oscillate at up to 18 kHz and need 20 us or less",
-    )
-    seed: int = quantity(1, "-", "Seed of every random number", 0, 2**31 - 1)
 
 
 class Publishing(Group):

@@ -1,6 +1,6 @@
 """The limits of the time step: whole steps in a sampling interval, the modes of vibration and the damping of a bearing under its load.
 
-The range of the parameter is that of its field, `dcrb_ros.settings.parameters.SimulationParameters`.
+The range of the parameter is that of its field, `dcrb_ros.settings.simulation.SimulationParameters`.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dcrb_ros.core.laws.pereira import pereira_coefficients, pereira_stiffness
 from dcrb_ros.faults.geometry import BrokenBar
 from dcrb_ros.settings.groups import ParameterGroups
 from dcrb_ros.settings.loaded_contacts import contact_stiffness, heaviest, load_and_weight
-from dcrb_ros.settings.parameters import SHORTEST_STEP
+from dcrb_ros.settings.simulation import SHORTEST_STEP
 
 LARGEST_PHASE = 1.8
 """Largest phase of the stiffest mode in a step [rad]: leapfrog is unstable from 2 on, and impacts stiffen the contacts."""

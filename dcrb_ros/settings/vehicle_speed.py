@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-SPEED, SPEED_KMH = "operating.speed", "operating.speed_kmh"
+SPEED, SPEED_KMH, WHEEL_DIAMETER = "operating.speed", "operating.speed_kmh", "operating.wheel_diameter"
 FASTEST_KMH = 1000.0
 """Largest speed of a vehicle [km/h]."""
 

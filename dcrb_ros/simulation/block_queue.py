@@ -74,7 +74,7 @@ class BlockQueue:
             index=first,
             rate=self._rate,
             acceleration=measured.measured.astype(np.float32),
-            shaft_angle=_wrapped(measured.angle),
+            shaft_angle=wrapped(measured.angle),
             clean=measured.clean.astype(np.float32),
             clipped=int(measured.clipped.sum()),
             range=sensor_range,
@@ -109,7 +109,7 @@ class BlockQueue:
             self._preview_count += 1
 
 
-def _wrapped(angle: Floats) -> npt.NDArray[np.float32]:
+def wrapped(angle: Floats) -> npt.NDArray[np.float32]:
     """Return angles wrapped to [0, 2 pi) in single precision, where an angle below 2 pi may be rounded up to it."""
     turned = np.mod(angle, 2.0 * math.pi).astype(np.float32)
     turned[turned >= np.float32(2.0 * math.pi)] = 0.0

@@ -64,11 +64,7 @@ def healthy_level(
     kept = given.model_dump()
     rate = _sampling_rate(given.step_rate)
     machine = {
-        **{
-            name: group
-            for name, group in kept.items()
-            if name not in ("faults", "background", "sensor", "publishing", "recording", "tacho")
-        },
+        **{name: group for name, group in kept.items() if name not in REPLACED},
         "structure": kept["structure"] | {"healthy_level": 0.0, "background": 0.0, "background_lines": 0.0, "floor": 0.0},
         "sensor": {"preset": "ideal", "sampling_rate": rate},
         "publishing": {"preview_rate": next(divisor for divisor in range(200, 9, -1) if rate % divisor == 0)},

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from dcrb_ros.bearing.axle_heat import ALONE, BoxTemperatures, Surroundings, box_temperatures
 from dcrb_ros.bearing.heat_network import Conductances, Vector
 from dcrb_ros.bearing.lubricant import held
 from dcrb_ros.bearing.lubrication import friction_losses
@@ -47,14 +48,16 @@ class Burnt(RuntimeError):
 class Heating:
     """Steps the temperatures, and fits oil and radii to them and to the faults; inactive unless configured or a fault asks for it."""
 
-    def __init__(self, configuration: Configuration) -> None:
+    def __init__(self, configuration: Configuration, surroundings: Surroundings = ALONE) -> None:
         c = configuration
+        self.surroundings = surroundings
+        """What a vehicle does to the heat of the box."""
         self.network_on = c.thermal.law == "network"
         """Whether there are temperatures."""
         self.interval = max(1, round((TICK if c.thermal.acceleration < LAPSE else SHORT_TICK) * c.step_rate))
         """Time steps in a tick."""
         self._part = max(1, round(PART * c.step_rate))
-        self._steady = QuasiSteady(c)
+        self._steady = QuasiSteady(_in_air(c, surroundings.air))
         self._material = material_of(c.bearing)
         self._network = self._steady.network
         self._tick = self.interval / c.step_rate
@@ -144,6 +147,11 @@ class Heating:
         return self._sensors.reading(configuration, steps, time_ns) if self._sensors is not None else None
 
     @property
+    def box(self) -> BoxTemperatures | None:
+        """Temperatures of journal, outer ring and box; None without a network."""
+        return box_temperatures(self._network, self.temperatures) if self.network_on else None
+
+    @property
     def present(self) -> ThermalState | None:
         """The temperatures; None without a network."""
         if not self.network_on:
@@ -178,8 +186,11 @@ class Heating:
             }
             numbers |= {"ambient [deg C]": configuration.thermal.ambient, "acceleration": configuration.thermal.acceleration}
             numbers["clamped"] = float(self.clamped)
-            assert self._opposite is not None
-            numbers |= {"opposite_box [deg C]": self._opposite.box, "opposite_outer_ring [deg C]": self._opposite.outer_ring}
+            opposite = self.surroundings.opposite or self._opposite
+            assert opposite is not None
+            numbers |= {"opposite_box [deg C]": opposite.box, "opposite_outer_ring [deg C]": opposite.outer_ring}
+            if self.surroundings != ALONE:
+                numbers["brakes [W]"] = self.surroundings.journal_heat
         if self.active(configuration):
             numbers |= {"lubricant_loss": self.loss, "clearance_change [m]": self._growth.clearance}
         return numbers
@@ -208,11 +219,13 @@ class Heating:
         self._ambient = c.thermal.ambient
         self.flow = self._flow(c, speed)
         heat = self._network.heat(self._heat, c.thermal.sun)
+        if self.surroundings != ALONE:
+            heat = self.surroundings.heated(self._network, heat, self.temperatures)
         duration = c.thermal.acceleration * self._tick
         self.temperatures = self._network.after(self.temperatures, self.flow, heat, c.thermal.ambient, duration)
         if self._sensors is not None:
             self._sensors.follow(c, self.temperatures, duration)
-        if self._opposite is not None:
+        if self._opposite is not None and self.surroundings.opposite is None:
             self._opposite.follow(c, speed, self._tick)
         self._count_clamped(c)
         hottest = max(self.temperatures)
@@ -222,7 +235,7 @@ class Heating:
 
     def _flow(self, c: Configuration, speed: float) -> Conductances:
         raceways = [(inner, outer) for inner, outer in self._conductance]
-        return self._network.conductances(raceways, vehicle_speed(c, speed), air_speed(c, speed))
+        return self._network.conductances(raceways, vehicle_speed(c, speed), air_speed(c, speed) * self.surroundings.air)
 
     def _sources(self, c: Configuration, payload: Payload, state: State) -> tuple[list[list[float]], list[list[float]]]:
         """Return the mean heat of each row since the tick before [W], and the conductances of its raceways now [W/K]."""
@@ -293,3 +306,10 @@ class Heating:
         """Count a tick at which the oil at a raceway is beyond the range of its formulas."""
         lubricant = lubricant_of(dict(c.lubrication))
         self.clamped += any(held(lubricant, c.lubrication.law, inlet) != inlet for inlet in self._inlets())
+
+
+def _in_air(c: Configuration, share: float) -> Configuration:
+    """Return a configuration whose box has a share of the air."""
+    if share == 1.0:
+        return c
+    return c.model_copy(update={"thermal": c.thermal.model_copy(update={"exposure": share * c.thermal.exposure})})

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from dcrb_ros.bearing.axle_heat import ALONE, BoxTemperatures, Surroundings
 from dcrb_ros.bearing.energy import account, stored_energy
 from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.bearing.observation import observe
@@ -70,6 +71,7 @@ class Simulation:
         *,
         waveform_only: bool = False,
         drive: Drive | None = None,
+        surroundings: Surroundings = ALONE,
     ) -> None:
         """Set up the bearing at simulated time 0.
 
@@ -83,6 +85,8 @@ class Simulation:
             Leave out states, preview and energy; samples and ground truth are the same.
         drive
             What drives and loads the shaft; that of the configuration by default.
+        surroundings
+            What a vehicle does to the heat of the box at the start.
 
         Raises
         ------
@@ -104,7 +108,7 @@ class Simulation:
         """Values in the pending changes."""
         self._onsets = onsets({}, configuration, 0.0)
         self.bodies: BodyNames = body_names(configuration)
-        self._heating = Heating(configuration)
+        self._heating = Heating(configuration, surroundings)
         self._payload = self._heating.begin(configuration, build_payload(configuration))
         self._state = initial_state(configuration, self._payload)
         self._work = workspace(self._payload)
@@ -127,6 +131,11 @@ class Simulation:
     def time_ns(self) -> int:
         """Simulated time reached by the model [ns]; the next command takes effect here."""
         return nanoseconds(self._steps, self.configuration.step_rate)
+
+    @property
+    def temperatures(self) -> BoxTemperatures | None:
+        """Temperatures of the bearing and its box; None without a thermal network."""
+        return self._heating.box
 
     @property
     def energy(self) -> Account:
@@ -230,6 +239,10 @@ class Simulation:
         self.prepare(size)
         self.sense(*self.step_to(self.steps_of(size)))
         return self.cut(size)
+
+    def surround(self, surroundings: Surroundings) -> None:
+        """Heat and cool the box as a vehicle does, from the next step of the thermal network on; not while `step_to` runs."""
+        self._heating.surroundings = surroundings
 
     def prepare(self, size: int) -> None:
         """Begin a block of ``size`` samples: compile the kernels before the first one, and apply the pending commands."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import changed, flatten
 from dcrb_ros.settings.parameters import COMMANDED
 from dcrb_ros.settings.shipped import find_shipped
-from dcrb_ros.settings.vehicle_speed import FASTEST_KMH, SPEED, SPEED_KMH, shaft_speed
+from dcrb_ros.settings.vehicle_speed import SPEED, SPEED_KMH, WHEEL_DIAMETER
 from dcrb_ros.stream.events import ScenarioEvent
 from dcrb_ros.text.yaml import read_yaml
 
@@ -50,7 +50,7 @@ class ScheduledChange:
 
 
 @dataclass(frozen=True)
-class _Entry:
+class Entry:
     """An entry of the file: values that are set at a time, or approached linearly over a duration."""
 
     at: float
@@ -121,12 +121,12 @@ def _values(tree: Mapping[Any, Any], configuration: Configuration, source: str) 
     values = {str(key): value for key, value in flatten(tree).items()}
     if SPEED_KMH not in values:
         return values
-    kmh = values.pop(SPEED_KMH)
     if SPEED in values:
         raise Refusal(f"{source}: it sets {SPEED} and {SPEED_KMH}; give one of them")
-    if isinstance(kmh, bool) or not isinstance(kmh, (int, float)) or not abs(kmh) <= FASTEST_KMH:
-        raise Refusal(f"{source}: {SPEED_KMH} = {kmh!r} km/h is not a number within {-FASTEST_KMH:g} .. {FASTEST_KMH:g} km/h")
-    return {SPEED: shaft_speed(float(kmh), configuration.operating.wheel_diameter), **values}
+    vehicle = {key: values[key] for key in (SPEED_KMH, WHEEL_DIAMETER) if key in values}
+    speed = changed(configuration, vehicle, source).operating.speed
+    # In a configuration, 0 km/h stands for no speed in km/h. In a scenario, the vehicle stops.
+    return {SPEED: speed if values.pop(SPEED_KMH) else 0.0, **values}
 
 
 def scheduled_changes(tree: Any, configuration: Configuration, source: str) -> list[ScheduledChange]:
@@ -140,23 +140,53 @@ def scheduled_changes(tree: Any, configuration: Configuration, source: str) -> l
     Raises:
         Refusal: the tree is not a scenario, or one of its changes is invalid for the bench.
     """
+
+    def parameters(given: Mapping[Any, Any], name: str) -> dict[str, Any]:
+        return _values(given, configuration, name)
+
+    return planned_changes(timeline_entries(tree, source, configuration.step_rate, parameters), configuration, source)
+
+
+def timeline_entries(
+    tree: Any, source: str, step_rate: int, values_of: Callable[[Mapping[Any, Any], str], Mapping[str, Any]]
+) -> list[Entry]:
+    """Return the entries of a scenario in the order of time.
+
+    Args:
+        tree: the scenario as parsed from YAML.
+        source: the scenario's name in error messages.
+        step_rate: rate of the time steps [Hz].
+        values_of: gives the values that an entry sets by dotted keys, for its mapping and its name in error messages.
+
+    Raises:
+        Refusal: the tree is not a scenario, or two entries change the same parameter at the same time.
+    """
     if not isinstance(tree, Mapping) or set(tree) - {"start"} != {"timeline"} or not isinstance(tree["timeline"], list):
         raise Refusal(
             f"{source} is not a scenario: give 'timeline:' with a list of entries that have 'at' and 'set', and optionally 'start:'"
         )
     if len(tree["timeline"]) > MAX_ENTRIES:
         raise Refusal(f"{source} has {len(tree['timeline'])} entries; a scenario has at most {MAX_ENTRIES}")
-    parsed = [_entry(item, configuration, f"{source}, entry {number}") for number, item in enumerate(tree["timeline"], 1)]
+    parsed = [_entry(item, f"{source}, entry {number}", step_rate, values_of) for number, item in enumerate(tree["timeline"], 1)]
     # Immediate changes come before gradual changes that begin at the same time.
     entries = sorted(parsed, key=lambda entry: (entry.first, entry.gradual))
     _refuse_overlaps(entries)
+    return entries
+
+
+def planned_changes(entries: Sequence[Entry], configuration: Configuration, source: str) -> list[ScheduledChange]:
+    """Return the changes of a bench by the entries of a scenario, in the order of time.
+
+    Raises:
+        Refusal: one of the changes is invalid for the bench.
+    """
     _refuse_many_steps(entries, source)
-    beginning, ending = defaultdict[int, list[_Entry]](list), defaultdict[int, list[_Entry]](list)
+    beginning, ending = defaultdict[int, list[Entry]](list), defaultdict[int, list[Entry]](list)
     for entry in entries:
         beginning[entry.first].append(entry)
         if entry.gradual:
             ending[entry.last].append(entry)
-    planned: list[tuple[ScheduledChange, _Entry]] = []
+    planned: list[tuple[ScheduledChange, Entry]] = []
     present = configuration
     for moment in sorted({*beginning, *ending}):
         # Gradual changes end before others begin at the same time.
@@ -170,7 +200,7 @@ def scheduled_changes(tree: Any, configuration: Configuration, source: str) -> l
     return [change for change, _ in planned]
 
 
-def _rehearse(planned: Sequence[tuple[ScheduledChange, _Entry]], configuration: Configuration) -> None:
+def _rehearse(planned: Sequence[tuple[ScheduledChange, Entry]], configuration: Configuration) -> None:
     """Refuse a gradual change on whose way the bench becomes impossible, together with whatever else changes meanwhile."""
     between = Counter(entry.source for change, entry in planned if change.event is None)
     passed: Counter[str] = Counter()
@@ -183,7 +213,7 @@ def _rehearse(planned: Sequence[tuple[ScheduledChange, _Entry]], configuration: 
         present = altered(present, change.changes, f"{entry.source} (at {change.step / configuration.step_rate:.6g} s)")
 
 
-def _refuse_many_steps(entries: Sequence[_Entry], source: str) -> None:
+def _refuse_many_steps(entries: Sequence[Entry], source: str) -> None:
     """Refuse gradual changes of more than `MAX_CHANGES` steps together."""
     steps = sum(_steps(entry) for entry in entries if set(entry.values) - set(COMMANDED))
     if steps > MAX_CHANGES:
@@ -193,14 +223,14 @@ def _refuse_many_steps(entries: Sequence[_Entry], source: str) -> None:
         )
 
 
-def _steps(entry: _Entry) -> int:
+def _steps(entry: Entry) -> int:
     """Return the number of steps of a gradual change."""
     return max(1, min(MAX_TICKS, math.floor(entry.over / TICK)))
 
 
-def _refuse_overlaps(entries: Sequence[_Entry]) -> None:
+def _refuse_overlaps(entries: Sequence[Entry]) -> None:
     """Refuse an entry that sets a key which another entry is still changing: one of the two would have no effect."""
-    changing: dict[str, _Entry] = {}
+    changing: dict[str, Entry] = {}
     for entry in entries:
         for key in sorted(entry.keys & set(changing)):
             other = changing[key]
@@ -213,7 +243,7 @@ def _refuse_overlaps(entries: Sequence[_Entry]) -> None:
             changing.update(dict.fromkeys(entry.keys, entry))
 
 
-def _entry(item: Any, configuration: Configuration, source: str) -> _Entry:
+def _entry(item: Any, source: str, step_rate: int, values_of: Callable[[Mapping[Any, Any], str], Mapping[str, Any]]) -> Entry:
     if not isinstance(item, Mapping) or not {"at", "set"} <= set(item):
         raise Refusal(f"{source}: it must have 'at' [s] and 'set', and may have 'over' [s]")
     for key in item:
@@ -221,12 +251,12 @@ def _entry(item: Any, configuration: Configuration, source: str) -> _Entry:
             raise Refusal(f"{source}: unknown key '{key}'{nearest(str(key), KEYS)}; an entry has 'at', 'set' and 'over'")
     if not isinstance(item["set"], Mapping) or not item["set"]:
         raise Refusal(f"{source}: 'set' must name parameters and their values, such as faults.outer_1.width: 0.002")
-    values = _values(item["set"], configuration, source)
+    values = values_of(item["set"], source)
     if "time_scale" in values:
         raise Refusal(f"{source}: time_scale cannot be set by a scenario, whose times are simulated; set it in the configuration")
     at, over = _seconds(item["at"], "at", source), _seconds(item.get("over", 0.0), "over", source)
-    first, last = (first_step(seconds, configuration.step_rate) for seconds in (at, at + over))
-    return _Entry(at, over, first, last, values, source)
+    first, last = (first_step(seconds, step_rate) for seconds in (at, at + over))
+    return Entry(at, over, first, last, values, source)
 
 
 def _seconds(value: Any, key: str, source: str) -> float:
@@ -242,7 +272,7 @@ def first_step(seconds: float, step_rate: int) -> int:
     return near if abs(exact - near) < 1e-3 else math.ceil(exact)
 
 
-def _changes(entry: _Entry, present: Configuration) -> Iterator[ScheduledChange]:
+def _changes(entry: Entry, present: Configuration) -> Iterator[ScheduledChange]:
     """Yield the changes of an entry; ``present`` is the configuration at its beginning."""
     if not entry.gradual:
         yield ScheduledChange(entry.first, entry.values, ScenarioEvent(entry.values))
@@ -260,7 +290,7 @@ def _changes(entry: _Entry, present: Configuration) -> Iterator[ScheduledChange]
     yield from _growth(entry, grown, before)
 
 
-def _slopes(entry: _Entry, values: Mapping[str, float], before: Mapping[str, Any]) -> dict[str, float]:
+def _slopes(entry: Entry, values: Mapping[str, float], before: Mapping[str, Any]) -> dict[str, float]:
     """Return the ramps with which speed and load take the entry's duration; of two loads, the one that changes more."""
     slopes: dict[str, float] = {}
     for key, value in values.items():
@@ -269,14 +299,14 @@ def _slopes(entry: _Entry, values: Mapping[str, float], before: Mapping[str, Any
     return {key: slope for key, slope in slopes.items() if slope > 0.0}
 
 
-def _ramps(entry: _Entry, values: Mapping[str, float], slopes: Mapping[str, float], before: Mapping[str, Any]) -> Iterator[ScheduledChange]:
+def _ramps(entry: Entry, values: Mapping[str, float], slopes: Mapping[str, float], before: Mapping[str, Any]) -> Iterator[ScheduledChange]:
     """Yield the start and the end of a gradual change of speed and load; at the end the previous ramps are restored."""
     if slopes:
         yield ScheduledChange(entry.first, {**slopes, **values}, ScenarioEvent(values, entry.over))
         yield ScheduledChange(entry.last, {key: before[key] for key in slopes}, ScenarioEvent(values))
 
 
-def _growth(entry: _Entry, values: Mapping[str, float], before: Mapping[str, Any]) -> Iterator[ScheduledChange]:
+def _growth(entry: Entry, values: Mapping[str, float], before: Mapping[str, Any]) -> Iterator[ScheduledChange]:
     """Yield the steps of parameters that change gradually, at equal intervals; the last one completes the change."""
     if not values:
         return

@@ -16,13 +16,14 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import nest
 from dcrb_ros.sweep.card import card
 from dcrb_ros.sweep.execution import common_settings, error_label, write_label
-from dcrb_ros.sweep.extension import extended_plan, without_count
+from dcrb_ros.sweep.extension import extended_plan, without_extension
 from dcrb_ros.sweep.folder_lock import locked
 from dcrb_ros.sweep.label import ERROR
 from dcrb_ros.sweep.plan import Plan
 from dcrb_ros.sweep.schema import CARD, DESCRIPTION, write_about
 from dcrb_ros.sweep.store import Store, StoreFailed
 from dcrb_ros.sweep.sums import write_sums
+from dcrb_ros.sweep.sweep_file import EXTENDED
 from dcrb_ros.sweep.table import LABELS as LABELS_TABLE
 from dcrb_ros.sweep.table import Tally, write_table
 from dcrb_ros.sweep.verification import ERRORS, LABELS, flaws, label_name
@@ -67,7 +68,7 @@ class DataSetWriter:
         """Whether all labels have digests; a data set of an earlier version has none, so that a changed label is not found."""
         about[DIGESTS] = self.checked
         self.extended = False
-        """Whether the data set had fewer points or lives before."""
+        """Whether the data set had fewer points, lives or values before."""
         if known:
             _check_same(known, about, store, extended=self.plan is not plan)
             self.extended = known.get("name") != about["name"]
@@ -162,7 +163,7 @@ def _as_file(plan: Plan) -> str:
 
 
 def _check_same(known: dict[str, Any], about: dict[str, Any], store: Store, *, extended: bool) -> None:
-    """Refuse to continue a data set with other inputs; an extended one may have more points or lives."""
+    """Refuse to continue a data set with other inputs; an extended one may have more points, lives or values."""
     if known.get("name") == about["name"]:
         return
     if known.get("model") != about["model"] or known.get("dcrb_ros") != about["dcrb_ros"]:
@@ -172,11 +173,13 @@ def _check_same(known: dict[str, Any], about: dict[str, Any], store: Store, *, e
         )
     before, after = ({part: inputs.get(part, {}) for part in PARTS} for inputs in (known, about))
     if extended:
-        before, after = ({**inputs, "sweep": without_count(inputs["sweep"])} for inputs in (before, after))
+        history = after["sweep"].get(EXTENDED)
+        first = history[-1] if history else None
+        before, after = ({**inputs, "sweep": without_extension(inputs["sweep"], first)} for inputs in (before, after))
         if before == after:
             return
     keys = [key for part in PARTS for key in sorted({*before[part], *after[part]}) if before[part].get(key) != after[part].get(key)]
     raise Refusal(
         f"{store.address} was made with another sweep ({', '.join(keys[:5])} differ{'s' if len(keys) == 1 else ''}): give another folder, "
-        f"or continue this one with its own {COPY}, in which a larger number of points or lives adds runs"
+        f"or continue this one with its own {COPY}; more points or lives, or more values at the end of an axis of a grid, add runs"
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,6 +66,20 @@ Point = dict[str, Value]
 def size(design: str, axes: Axes, count: int) -> int:
     """Return the number of points of a design [-]; ``count`` gives it for all designs except a grid."""
     return math.prod(len(axis.grid()) for axis in axes.values()) if design == GRID else count
+
+
+def grid_parts(axes: Axes, extents: Sequence[Mapping[str, int]]) -> Iterator[Iterator[Point]]:
+    """Yield the points of a grid that were added together: those of the first values of each axis, then those that more values add.
+
+    Args:
+        axes: the axes of the whole grid.
+        extents: numbers of the first values of each axis, from the smallest grid to the whole one [-].
+    """
+    values = {key: axis.grid() for key, axis in axes.items()}
+    for inner, outer in itertools.pairwise([dict.fromkeys(axes, 0), *extents]):
+        numbers = itertools.product(*(range(outer[key]) for key in axes))
+        added = (chosen for chosen in numbers if not axes or any(k >= inner[key] for key, k in zip(axes, chosen, strict=True)))
+        yield ({key: values[key][k] for key, k in zip(axes, chosen, strict=True)} for chosen in added)
 
 
 def points(design: str, axes: Axes, count: int, seed: int, first: int = 0) -> Iterator[Point]:

@@ -8,8 +8,9 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.sweep.design import Axes, Span
 from dcrb_ros.sweep.identity import BEARING_ID, IDENTITIES, MACHINE, Groups
-from dcrb_ros.sweep.sweep_file import EXTENDED, Shares
+from dcrb_ros.sweep.sweep_file import EXTENDED, Extent, Shares
 
 TOLERANCE = 0.25
 """Largest change of the share of a split by machines that are kept apart by default [-]: three sensors do not make three splits."""
@@ -37,19 +38,36 @@ class Division(NamedTuple):
     """Number of bearings and machines in more than one split, by the name of the identity; without those that are 0 [-]."""
 
 
-def batches(counts: Sequence[int], last: int) -> list[tuple[int, int]]:
+def batches(counts: Sequence[Extent], last: int) -> list[tuple[int, int]]:
     """Return first number and number after the last of each part of a sweep that was extended at ``counts`` to ``last``.
 
     Raises:
         Refusal: the counts do not rise.
     """
-    ends = [0, *counts, last]
+    ends = [0, *(count if isinstance(count, int) else 0 for count in counts), last]
     if counts and any(end <= begin for begin, end in itertools.pairwise(ends)):
-        raise Refusal(
-            f"{EXTENDED} = {list(counts)} is not a list of earlier, smaller numbers of points or lives below {last}: remove it, or use a "
-            "random or latin_hypercube design"
-        )
+        raise Refusal(f"{EXTENDED} = {list(counts)} is not a list of earlier, smaller numbers of points or lives below {last}: remove it")
     return list(itertools.pairwise(ends))
+
+
+def checked_extents(earlier: Sequence[Extent], axes: Axes) -> list[Mapping[str, int]]:
+    """Return the numbers of the first values of each axis of a grid, from the smallest grid to the whole one.
+
+    Raises:
+        Refusal: the numbers do not rise to those of the axes, or a range has another one.
+    """
+    whole = {key: 1 if isinstance(axis, Span) else len(axis.values) for key, axis in axes.items()}
+    steps = [*(entry if isinstance(entry, dict) else {} for entry in earlier), whole]
+    rises = all(
+        first.keys() == second.keys() and first != second and all(0 < first[key] <= second[key] for key in first)
+        for first, second in itertools.pairwise(steps)
+    )
+    if not rises:
+        raise Refusal(
+            f"{EXTENDED} = {list(earlier)} is not a list of earlier, smaller numbers of values of each axis of the grid: remove it"
+        )
+    # A range is written as one value.
+    return [{key: len(axis.grid()) if isinstance(axis, Span) else step[key] for key, axis in axes.items()} for step in steps]
 
 
 def divided(parts: Sequence[Collection[Unit]], shares: Shares) -> Division:

@@ -11,7 +11,7 @@ from typing import Any, cast
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from dcrb_ros.schema.parameter_field import ParameterField
+from dcrb_ros.schema.parameter_field import ParameterField, flaw_of
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.files import fields_by_key, flatten, load_configuration, overlaid, unknown_parameter
 from dcrb_ros.settings.shipped import find_configuration, find_shipped
@@ -119,17 +119,9 @@ def _known(key: str, fields: Mapping[str, ParameterField], source: str) -> Param
 def _value(key: str, given: Any, field: ParameterField, source: str) -> Value:
     """Return a value converted to the type of its parameter and checked against its range."""
     value: Any = float(given) if field.kind is float and type(given) is int else given
-    if type(value) is not field.kind:
-        raise Refusal(f"{source}: {key} = {value!r} is not {_KINDS[field.kind]}; {field.description.lower()}")
-    if field.choices and value not in field.choices:
-        raise Refusal(f"{source}: {key} = {value!r} is not one of {', '.join(field.choices)}{nearest(str(value), field.choices)}")
-    if field.low is not None and field.high is not None and not field.low <= given <= field.high:
-        remedy = field.remedy or f"give a value within it for the {field.description.lower()}"
-        raise Refusal(f"{source}: {key} = {value!r} is outside {' .. '.join(field.limits)} {field.unit}: {remedy}")
+    if flaw := flaw_of(replace(field, key=key), value):
+        raise Refusal(f"{source}: {flaw}")
     return cast(Value, value)
-
-
-_KINDS = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}
 
 
 def _axes(tree: Mapping[str, Any], design: str, fields: Mapping[str, ParameterField], source: str) -> Axes:

@@ -14,8 +14,8 @@ from dcrb_ros.recordings.manifest import model_fingerprint
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten
-from dcrb_ros.sweep.design import GRID, Point, Value, points
-from dcrb_ros.sweep.division import Unit, batches, divided, separation
+from dcrb_ros.sweep.design import GRID, Point, Value, grid_parts, points
+from dcrb_ros.sweep.division import Unit, batches, checked_extents, divided, separation
 from dcrb_ros.sweep.identity import BEARING_ID, TRUTH, drawn_by_noise, identities
 from dcrb_ros.sweep.sweep_file import NO_FAULTS, SCENARIO, Sweep
 
@@ -69,8 +69,8 @@ class Plan:
         self._common = digest([base, __version__, model_fingerprint(), file.duration, file.settle, file.branch_at])
         self._defaults = flatten(Configuration().model_dump())
         self._own = identities(base, self._defaults)
-        self.batches = batches(file.extended, file.points)
-        """First number and number after the last of the points that were added together."""
+        self.batches = [] if file.design == GRID else batches(file.extended, file.points)
+        """First number and number after the last of the points that were added together; empty for a grid."""
         parts = [{self._unit(point) for point in points} for points in self._point_batches()]
         self._splits, self.shared = divided(parts, file.split)
         self.conditions = len(self._splits)
@@ -141,6 +141,8 @@ class Plan:
     def _point_batches(self) -> Iterator[Iterator[Point]]:
         """Yield the points that were added together; the first ones are those of the sweep before it was extended."""
         file = self.sweep.file
+        if file.design == GRID:
+            yield from grid_parts(self.sweep.vary, checked_extents(file.extended, self.sweep.vary))
         for first, last in self.batches:
             yield points(file.design, self.sweep.vary, last - first, file.seed, first)
 

@@ -12,12 +12,16 @@ import itertools
 import json
 import tarfile
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
+
+from pydantic import Field, ValidationError
 
 from dcrb_ros.recordings.manifest import model_fingerprint, software
 from dcrb_ros.runtime.version import __version__
+from dcrb_ros.schema.fields import Group
+from dcrb_ros.schema.parameter_field import first_problem
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.sweep.data_set import DIGESTS, known_inputs
 from dcrb_ros.sweep.execution import common_settings, run_task
@@ -28,7 +32,8 @@ from dcrb_ros.sweep.plan import Plan, Task
 from dcrb_ros.sweep.schema import SPLITS
 from dcrb_ros.sweep.store import Store, file_record
 from dcrb_ros.sweep.verification import flaw, read_label
-from dcrb_ros.text.json import parsed_json
+from dcrb_ros.text.files import read_text
+from dcrb_ros.text.json import LARGEST, parsed_json
 from dcrb_ros.text.writing import write_whole
 from dcrb_ros.text.yaml import read_yaml
 
@@ -44,6 +49,29 @@ class Shard(NamedTuple):
     """Such as ``train-000003.tar``."""
     tasks: tuple[Task, ...]
     """Groups of runs that share a start; a group is in one shard."""
+
+
+class ShardRecord(Group):
+    """What the index says of a shard."""
+
+    size: int = Field(ge=0)
+    """[bytes]"""
+    sha256: str
+    runs: list[str]
+
+
+class Index(Group):
+    """The index of the shards of a data set."""
+
+    dcrb_ros: str
+    model: str
+    software: dict[str, str]
+    plan: str
+    """Hash of the plan."""
+    runs_per_shard: int = Field(ge=1)
+    recipe: dict[str, str]
+    """Texts of `RECIPE`."""
+    shards: dict[str, ShardRecord]
 
 
 def shards(plan: Plan, runs: int) -> Iterator[Shard]:
@@ -86,28 +114,30 @@ def remake_shard(index: Path, name: str, target: Path) -> str:
         Refusal: the index is damaged or of another version or model, it has no such shard, or the bytes differ from those in the index.
     """
     about = _read_index(index)
-    known = about["shards"]
+    known = about.shards
     if name not in known:
         raise Refusal(f"{index} has no shard '{name}': it has {len(known)}, such as {next(iter(known), 'none')}")
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch)
-        for file, text in about["recipe"].items():
-            (folder / Path(file).name).write_text(text, encoding="utf-8")
+        for file in RECIPE:
+            (folder / file).write_text(about.recipe[file], encoding="utf-8")
         plan, store = _plan(folder), Store(str(folder / "runs_of_shard"))
-        if plan.name != about["plan"]:
+        if plan.name != about.plan:
             raise Refusal(
-                f"{index} was made with dcrb_ros {about['dcrb_ros']} and model {about['model']}, but this is {__version__} with model "
+                f"{index} was made with dcrb_ros {about.dcrb_ros} and model {about.model}, but this is {__version__} with model "
                 f"{model_fingerprint()}: install that version"
             )
-        shard = next(shard for shard in shards(plan, int(about["runs_per_shard"])) if shard.name == name)
+        shard = next((shard for shard in shards(plan, about.runs_per_shard) if shard.name == name), None)
+        if shard is None or [run.name for task in shard.tasks for run in task] != known[name].runs:
+            raise Refusal(f"{index} was changed: the runs of {name} are not those of its recipe; get the index again")
         for task in shard.tasks:
             run_task(common_settings(plan.sweep, store), task)
         data = packed(store, shard)
     sha256 = hashlib.sha256(data).hexdigest()
-    if sha256 != known[name]["sha256"]:
+    if sha256 != known[name].sha256:
         raise Refusal(
-            f"{name} has the SHA-256 {sha256[:12]}..., not {str(known[name]['sha256'])[:12]}... as in the index: the last bits depend on "
-            f"processor and libraries, which were {about['software']}"
+            f"{name} has the SHA-256 {sha256[:12]}..., not {known[name].sha256[:12]}... as in the index: the last bits depend on "
+            f"processor and libraries, which were {about.software}"
         )
     write_whole(target, data)
     return sha256
@@ -155,8 +185,15 @@ def _plan(folder: Path) -> Plan:
     return plan_of(sweep_of({**tree, "base": base}, str(folder / file), folder))
 
 
-def _read_index(index: Path) -> Mapping[str, Any]:
-    about = parsed_json(index.read_bytes(), str(index)) if index.is_file() else None
-    if not isinstance(about, dict) or not {"recipe", "shards", "plan", "runs_per_shard"} <= about.keys():
+def _read_index(index: Path) -> Index:
+    tree = parsed_json(read_text(index, LARGEST), str(index)) if index.is_file() else None
+    if not isinstance(tree, dict) or "shards" not in tree:
         raise Refusal(f"{index} is not an index of shards: dcrb shards writes one as {INDEX}")
+    try:
+        about = Index.model_validate(tree)
+    except ValidationError as error:
+        problem = first_problem(error)
+        raise Refusal(f"{index} is damaged ({problem.key or 'the file'}: {problem.reason}): get the index again") from None
+    if set(about.recipe) != set(RECIPE):
+        raise Refusal(f"{index} is damaged: its recipe must have {' and '.join(RECIPE)}; get the index again")
     return about

@@ -13,8 +13,10 @@ from dcrb_ros.schema.fields import Group
 from dcrb_ros.settings.files import flatten
 from dcrb_ros.sweep.design import Axes, Value, size
 
+Extent = int | dict[str, int]
+"""Number of points or lives, or the number of values of each axis of a grid [-]."""
 EXTENDED = "extended"
-"""Key with the numbers of points or lives before each extension."""
+"""Key with the extents of the sweep before each extension."""
 SCENARIO = "scenario"
 """The only key of an axis that is not a parameter: the name or the file of a scenario."""
 NO_FAULTS: Mapping[str, Value] = {f"faults.{key}": value for key, value in flatten(Faults().model_dump()).items()}
@@ -82,8 +84,8 @@ class SweepFile(Group):
     output: Literal["npz", "parquet", "bag"] = "npz"
     windows: Windows | None = None
     split: Shares = Shares()
-    extended: list[int] = Field(default_factory=list, max_length=1000)
-    """Numbers of points or lives that the data set had before it was extended; `dcrb sweep` writes it."""
+    extended: list[Extent] = Field(default_factory=list, max_length=1000)
+    """Numbers of points, lives or values that the data set had before it was extended; `dcrb sweep` writes it."""
     licence: str = "CC-BY-4.0"
     """Licence of the data, for the data card."""
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from dcrb_ros.validation.report_row import ReportRow
+from dcrb_ros.validation.report_row import PAPER, ReportRow, between
 from dcrb_ros.validation.runs import PaperRun
 
 RMS = 8.9, 10.2
@@ -27,17 +27,11 @@ FRICTION = 42.0, 44.6
 def dry_bench_rows(run: PaperRun) -> Iterator[ReportRow]:
     """Yield the comparisons of the healthy bearing with free rollers."""
     bars = run.bar_force[run.settled]
-    power = run.energy.friction / float(run.time[-1])
-    yield _pinned(run, "Acceleration of the outer ring, vertical: RMS", float(run.steady_acceleration.std()), RMS, "m/s^2")
-    yield _pinned(run, "Share of time in which a roller presses a bar", float((bars != 0.0).mean()), PRESSING, "")
-    yield _pinned(run, "Force at the bars: RMS", float(np.sqrt((bars.astype(np.float64) ** 2).mean())), BAR_FORCE, "N")
-    yield _pinned(run, "Distance of a cage's centre from the outer ring's", float(run.cage_offset[run.settled].mean()), OFFSET, "m")
-    yield _pinned(run, "Power lost in friction", power, FRICTION, "W")
-
-
-def _pinned(run: PaperRun, quantity: str, value: float, accepted: tuple[float, float], unit: str) -> ReportRow:
-    """Return the comparison of a value with the range that this model has."""
-    low, high = accepted
-    return ReportRow(
-        f"{quantity}, healthy", run.spec.joint, "-", f"{value:.3g} {unit}".strip(), f"{low:g}-{high:g} {unit}".strip(), low <= value <= high
-    )
+    for quantity, value, accepted, unit in (
+        ("Acceleration of the outer ring, vertical: RMS", float(run.steady_acceleration.std()), RMS, "m/s^2"),
+        ("Share of time in which a roller presses a bar", float((bars != 0.0).mean()), PRESSING, ""),
+        ("Force at the bars: RMS", float(np.sqrt((bars.astype(np.float64) ** 2).mean())), BAR_FORCE, "N"),
+        ("Distance of a cage's centre from the outer ring's", float(run.cage_offset[run.settled].mean()), OFFSET, "m"),
+        ("Power lost in friction", run.energy.friction / float(run.time[-1]), FRICTION, "W"),
+    ):
+        yield between(PAPER, f"{quantity}, healthy", value, *accepted, unit)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
 
 from dcrb_ros.schema.arrays import Floats
-from dcrb_ros.validation.healthy import ROLLING_FORCE, energy_residual
+from dcrb_ros.validation.healthy import ROLLING_FORCE, energy_row
 from dcrb_ros.validation.measures import Spectrum, decibels, envelope_spectrum, kurtosis, load_zone, profile
-from dcrb_ros.validation.report_row import PaperRuns, ReportRow, within
+from dcrb_ros.validation.report_row import PAPER, PaperRuns, ReportRow, between, within
 from dcrb_ros.validation.runs import BROKEN_BAR, JOINTS, WIDTHS, PaperRun
 
 SINK_POWER = {"revolute": (43.0, 47.0), "pocket": (36.0, 41.0)}
@@ -32,7 +33,7 @@ def fault_rows(runs: PaperRuns) -> Iterator[ReportRow]:
         yield _force_scatter(outer, healthy)
         yield _severity([runs[f"outer ring defect {width:g} mm", joint] for width in WIDTHS])
         yield _healthy_line(healthy, outer)
-        yield _energy(outer)
+        yield energy_row(outer, " with an outer ring defect", 0.03)
         yield power_of_sink(outer)
     yield from _independent_engine(runs["power law, healthy", "revolute"], runs["power law, outer ring defect", "revolute"])
 
@@ -162,14 +163,8 @@ def _roller_line(run: PaperRun) -> ReportRow:
 def _staggered(run: PaperRun) -> ReportRow:
     envelope, passing = spectrum(run), run.rollers_per_row * run.cage_frequency
     ratio = decibels(envelope.line(2.0 * passing, 3.0).amplitude / envelope.line(passing, 3.0).amplitude)
-    return ReportRow(
-        "Outer ring defect across rows staggered by half a pitch: line at 2 f_O over line at f_O",
-        run.spec.joint,
-        "-",
-        f"{ratio:.0f} dB",
-        "more than 20 dB",
-        ratio > 20.0,
-    )
+    quantity = "Outer ring defect across rows staggered by half a pitch: line at 2 f_O over line at f_O"
+    return between(PAPER, quantity, ratio, 20.0, math.inf, "dB", joint=run.spec.joint)
 
 
 EDGES = np.radians(np.arange(-35.0, 35.01, 0.5))
@@ -241,30 +236,11 @@ def _healthy_line(healthy: PaperRun, outer: PaperRun) -> ReportRow:
     )
 
 
-def _energy(outer: PaperRun) -> ReportRow:
-    share = energy_residual(outer)
-    return ReportRow(
-        "Energy account with an outer ring defect: residual over energy input",
-        outer.spec.joint,
-        "-",
-        f"{share:.1e}",
-        "below 3 %",
-        abs(share) < 0.03,
-    )
-
-
 def power_of_sink(outer: PaperRun) -> ReportRow:
     """Compare the power that the law of the defect, Eq. 14, adds without a tangential force, with this model's own value."""
     power = -outer.energy.notch / float(outer.time[-1])
-    low, high = SINK_POWER[outer.spec.joint]
-    return ReportRow(
-        "Power that the law of the outer ring defect, Eq. 14, adds",
-        outer.spec.joint,
-        "-",
-        f"{power:.1f} W",
-        f"{low:g}-{high:g} W",
-        low <= power <= high,
-    )
+    quantity = "Power that the law of the outer ring defect, Eq. 14, adds"
+    return between(PAPER, quantity, power, *SINK_POWER[outer.spec.joint], "W", joint=outer.spec.joint)
 
 
 def _independent_engine(healthy: PaperRun, outer: PaperRun) -> Iterator[ReportRow]:
@@ -278,11 +254,5 @@ def _independent_engine(healthy: PaperRun, outer: PaperRun) -> Iterator[ReportRo
         ("RMS, healthy", float(healthy.steady_acceleration.std()), 10.0, 10.0, "m/s^2"),
     ):
         stated = f"{low:g}" if low == high else f"{low:g}-{high:g}"
-        yield ReportRow(
-            f"Power-law contact, outer ring defect, against an independent engine: {quantity}",
-            "revolute",
-            "-",
-            f"{value:.4g} {unit}",
-            f"{stated} {unit}, 10 %",
-            0.9 * low <= value <= 1.1 * high,
-        )
+        name = f"Power-law contact, outer ring defect: {quantity}, by an independent engine {stated} {unit}, within 10 %"
+        yield between(PAPER, name, value, 0.9 * low, 1.1 * high, unit, joint="revolute")

@@ -1,4 +1,4 @@
-"""Comparisons of the lubricated bench: balances, films, friction by source, and the friction formulas of SKF and Palmgren.
+"""Comparisons of the lubricated bench: balances, friction by source, a starved layer, and the friction formulas of SKF and Palmgren.
 
 Ranges without a formula are this model's own, from the shipped configuration; the mutation table in `docs/results/accuracy.md` shows
 which changes of the bench they notice.
@@ -15,11 +15,10 @@ from dcrb_ros.core.laws.lubricants import lubricant_of
 from dcrb_ros.core.laws.viscosity import kinematic_viscosity
 from dcrb_ros.stream.states import FRICTION_SOURCES
 from dcrb_ros.validation.friction_moment import friction_moment, palmgren_moment
-from dcrb_ros.validation.oil_laws import film_of
 from dcrb_ros.validation.oiled_runs import OiledRun, OiledRuns
 from dcrb_ros.validation.report_row import ReportRow, about, between
 
-CHAPTER, FRICTION_CHAPTER = "Oil film: the bench", "Friction"
+CHAPTER, FRICTION_CHAPTER = "Oil film", "Friction"
 BORE, OUTSIDE = 0.130, 0.250
 """Diameters of the default bearing, NJ(P)3226X1 [m]."""
 MODEL_TOLERANCE = 0.4
@@ -45,7 +44,6 @@ def oiled_bench_rows(runs: OiledRuns) -> Iterator[ReportRow]:
     """Yield the comparisons of the runs of lubricated bearings."""
     healthy, steady = runs["healthy"], runs["steady"]
     yield from balance_rows(steady)
-    yield from film_rows(steady)
     for source, limits in POWERS.items():
         yield between(CHAPTER, f"Power lost, {source}", float(healthy.power[FRICTION_SOURCES.index(source)]), *limits, "W")
     pressing = float((healthy.bar_force != 0.0).mean())
@@ -64,27 +62,6 @@ def balance_rows(steady: OiledRun) -> Iterator[ReportRow]:
     yield between(CHAPTER, "Energy account at constant speed: residual over the work of the shaft", share, -math.inf, 1e-4)
     balance = float(steady.power.sum()) / steady.drive_power
     yield about(CHAPTER, "Power of all sources over that of the shaft at constant speed", balance, 1.0, 0.01)
-    yield between(
-        CHAPTER, "Least energy that a row loses by any source between two states, over the largest", steady.least_loss, -1e-9, 1.0
-    )
-
-
-def film_rows(run: OiledRun) -> Iterator[ReportRow]:
-    """Compare the published films with the formula at the largest forces and the nominal speed of rolling."""
-    oil = run.configuration.lubrication
-    published = np.mean([state.least_film[0] for state in run.states], axis=0)
-    force = run.inner_force.max(axis=1).mean()
-    films = [film_of(inner, run.configuration.operating.speed, **dict(oil)) for inner in (True, False)]
-    flooded = [film.thickness * force**-0.10 for film in films]
-    expected = [value / math.sqrt(1.0 + (value / film.layer) ** 2) for value, film in zip(flooded, films, strict=True)]
-    yield about(
-        CHAPTER, "Smallest film of row 1, inner and outer raceway, by the formula", 1e6 * published, 1e6 * np.array(expected), 0.02, "um"
-    )
-    ratios = np.mean([state.least_film_ratio[0] for state in run.states], axis=0)
-    yield about(CHAPTER, "Its Lambda", ratios, np.array(expected) / oil.roughness, 0.02)
-    power = np.array([float(np.abs(state.friction_power).sum()) for state in run.states])
-    torque = np.array([float(np.abs(state.friction_torque).sum()) for state in run.states])
-    yield about(CHAPTER, "Power over friction torque: the speed of the shaft", float((power / torque).mean()), 125.664, 1e-3, "rad/s")
 
 
 def _slip(runs: OiledRuns) -> Iterator[ReportRow]:
@@ -123,12 +100,3 @@ def friction_rows(run: OiledRun) -> Iterator[ReportRow]:
     least, most = (2.0 * (factors[0] * viscous + factors[1] * by_load) for factors in PALMGREN_ENDS)
     limits = (1.0 - MODEL_TOLERANCE) * least, (1.0 + MODEL_TOLERANCE) * most
     yield between(FRICTION_CHAPTER, "The same by Palmgren, the ends of his factors and 40 % beyond", torque, *limits, "N m")
-    hand = 1e-3 * (1e-7 * 0.8 * (39.5 * 1200.0) ** (2.0 / 3.0) * 190.0**3 + 0.0003 * 50e3 * 190.0)
-    yield about(
-        FRICTION_CHAPTER,
-        "Palmgren's moment of one row at 39.5 mm^2/s, 1200 rpm, 50 kN",
-        palmgren_moment(BORE, OUTSIDE, 50e3, 40.0 * math.pi, 39.5),
-        hand,
-        1e-6,
-        "N m",
-    )

@@ -11,6 +11,9 @@ import numpy.typing as npt
 
 from dcrb_ros.validation.runs import PaperRun
 
+PAPER = "The paper"
+"""Chapter of the comparisons with Fan et al. 2025."""
+
 PaperRuns = Mapping[tuple[str, str], PaperRun]
 """Runs by name and joint."""
 
@@ -30,7 +33,7 @@ class ReportRow:
     """Expected value with its tolerance."""
     holds: bool
     """Whether the value is accepted."""
-    chapter: str = "The paper"
+    chapter: str = PAPER
     """Chapter of the report."""
 
     @property
@@ -47,10 +50,12 @@ def about(chapter: str, quantity: str, values: npt.ArrayLike, expected: npt.Arra
     return ReportRow(quantity, "pocket", "-", listed[0], f"{listed[1]}, {100.0 * relative:.3g} %", holds, chapter)
 
 
-def between(chapter: str, quantity: str, value: float, low: float, high: float, unit: str = "") -> ReportRow:
+def between(
+    chapter: str, quantity: str, value: float, low: float, high: float, unit: str = "", *, joint: str = "pocket", paper: str = "-"
+) -> ReportRow:
     """Return the comparison of a number with a range."""
     accepted = f"at most {high:g}" if low == -math.inf else f"at least {low:g}" if high == math.inf else f"{low:g} to {high:g}"
-    return ReportRow(quantity, "pocket", "-", f"{value:.3g} {unit}".strip(), f"{accepted} {unit}".strip(), low <= value <= high, chapter)
+    return ReportRow(quantity, joint, paper, f"{value:.3g} {unit}".strip(), f"{accepted} {unit}".strip(), low <= value <= high, chapter)
 
 
 def within(value: float, expected: float, relative: float) -> bool:

@@ -18,7 +18,7 @@ from dcrb_ros.core.payload import Payload
 from dcrb_ros.core.solver.step import advance
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.parameters import SimulationParameters
+from dcrb_ros.settings.simulation import SimulationParameters
 from dcrb_ros.validation.report_row import ReportRow
 
 CHAPTER = "Time integration"

@@ -17,8 +17,7 @@ from dcrb_ros.validation.faults import fault_rows
 from dcrb_ros.validation.figures import write_figures
 from dcrb_ros.validation.formulation import WINDOWS, Agreement, compare_solvers, formulation_rows
 from dcrb_ros.validation.healthy import healthy_rows
-from dcrb_ros.validation.height_rows import height_rows
-from dcrb_ros.validation.oil_laws import oil_law_rows
+from dcrb_ros.validation.kinematics import freedom_rows, frequency_row
 from dcrb_ros.validation.oiled_bench import oiled_bench_rows
 from dcrb_ros.validation.oiled_runs import OiledRun, OiledRuns, oiled_specs, simulate_oiled
 from dcrb_ros.validation.realism_rows import realism_rows
@@ -26,9 +25,7 @@ from dcrb_ros.validation.report import markdown
 from dcrb_ros.validation.report_row import PaperRuns, ReportRow
 from dcrb_ros.validation.runs import PaperRun, run_specs, simulate
 from dcrb_ros.validation.shorter_steps import shorter_step_rows
-from dcrb_ros.validation.statics import freedom_rows, frequency_row, static_rows
 from dcrb_ros.validation.surface_rows import surface_rows
-from dcrb_ros.validation.thermal_rows import thermal_rows
 from dcrb_ros.validation.time_integration import energy_rows, order_row
 
 REPORT = "report.md"
@@ -73,7 +70,6 @@ def all_rows(results: Results) -> list[ReportRow]:
     """Return all comparisons in the order of the report."""
     runs, agreements, oiled = results
     return [
-        *static_rows(),
         frequency_row(),
         *freedom_rows(),
         *formulation_rows(agreements),
@@ -84,10 +80,7 @@ def all_rows(results: Results) -> list[ReportRow]:
         order_row(),
         *shorter_step_rows(runs),
         *ball_rows(),
-        *oil_law_rows(),
         *oiled_bench_rows(oiled),
-        *thermal_rows(),
-        *height_rows(),
         *surface_rows(oiled),
         *realism_rows(oiled),
     ]

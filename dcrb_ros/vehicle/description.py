@@ -13,9 +13,11 @@ from typing import Literal
 
 from pydantic import Field
 
+from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.schema.fields import Group, choice, length, quantity
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.stream.vehicle_description import AxleDescription, BoxDescription, VehicleDescription
 
 GRAVITY = 9.81
 """[m/s^2]"""
@@ -72,15 +74,16 @@ class Suspension(Group):
 class Track(Group):
     """The track under all wheels."""
 
-    spectrum: Literal["none", "erri_low", "erri_high"] = Field(
+    spectrum: Literal["none", "erri_low", "erri_high", "fra_1", "fra_2", "fra_3", "fra_4", "fra_5", "fra_6"] = Field(
         "erri_low",
-        description="Irregularity: the spectrum of ERRI B176, or none",
+        description="Irregularity: the spectrum of ERRI B176, of a class of the FRA (6 is the smoothest), or none",
         json_schema_extra={"unit": "-", "symbol": "", "remedy": "", "run_time": False},
     )
     roughness: float = quantity(8.0, "dB", "Roughness of rails and wheels at 0.1 m, re 1 um; -40 for smooth ones", -40.0, 30.0)
-    joint_spacing: float = length(0.0, "Distance of the joints of both rails; 0 for welded rails", 0.0, 1000.0)
+    joint_spacing: float = length(0.0, "Distance of the joints of a rail; 0 for welded rails", 0.0, 1000.0)
+    joint_rail: Literal["both", "left", "right"] = choice("both", "Rails with joints")
     joint_angle: float = quantity(0.004, "rad", "Half the kink of a joint or crossing", 0.0, 0.03)
-    crossings: str = choice("", "Places of single kinks and their rail, such as '350 left, 900 right' [m]")
+    crossings: str = choice("", "Places of single kinks, from the start of the run, and their rail, such as '350 left, 900 right' [m]")
     corrugation: str = choice("", "Wavelength and amplitude of a corrugated rail, such as '0.05 10e-6 left' [m]")
     seed: int = quantity(7, "-", "Seed of irregularity and roughness", 0, 2**31 - 1)
 
@@ -102,14 +105,26 @@ class Gear(Group):
 
     teeth: int = quantity(0, "-", "Teeth of the wheel on the axle; 0 for a wheelset that is not driven", 0, 200)
     level: float = quantity(3.0, "m/s^2", "Acceleration of a rigid wheelset by the force at the mesh frequency, rms", 0.0, 100.0)
+    modulation: float = quantity(0.2, "-", "Modulation of the mesh once per revolution of the axle, by run-out of the gear", 0.0, 1.0)
+    position: float = length(0.35, "Place of gear and motor on the axle, left of its middle", -0.7, 0.7)
+
+
+class Motor(Group):
+    """The motor of a driven wheelset, which hangs on its axle at the place of the gear."""
+
+    level: float = quantity(0.0, "m/s^2", "Acceleration of a rigid wheelset by the force at twice the supply frequency, rms", 0.0, 100.0)
+    ratio: float = quantity(4.14, "-", "Revolutions of the motor per revolution of the axle", 0.1, 20.0)
+    pole_pairs: int = quantity(2, "-", "Pairs of poles of the motor", 1, 12)
+    slip: float = quantity(0.01, "-", "Slip of the rotor behind the field of the supply; below zero while it brakes", -0.1, 0.1)
 
 
 class Wheel(Group):
     """The defects of a wheel."""
 
+    unbalance: float = quantity(0.0, "kg m", "Unbalance; wheels are accepted up to some 0.075", 0.0, 1.0, remedy="75 g m are 0.075")
     flat: float = length(0.0, "Length of a flat", 0.0, 0.1)
     flat_worn: float = quantity(0.5, "-", "Share of the jump of a fresh flat that a worn one has", 0.1, 1.0)
-    polygon: str = choice("", "Order and amplitude of an out-of-round wheel, such as '3 20e-6' [m]")
+    polygon: str = choice("", "Orders and amplitudes of an out-of-round wheel, such as '3 20e-6' or '1 1e-4, 3 20e-6' [m]")
 
 
 @dataclass(frozen=True)
@@ -123,7 +138,10 @@ class Axle:
     """Radius of its wheels [m]."""
     creep: float
     """Share by which the wheels turn faster than they roll [-]."""
+    slide: float
+    """Share by which the wheels slide at the start, turning slower than they roll [-]."""
     gear: Gear
+    motor: Motor
 
 
 @dataclass(frozen=True)
@@ -138,6 +156,8 @@ class Box:
     """1 on the left, -1 on the right [-]."""
     configuration: Configuration
     wheel: Wheel
+    swapped_with: str = ""
+    """The box whose accelerometer is connected to this box's channel; empty for its own."""
 
 
 @dataclass(frozen=True)
@@ -174,6 +194,21 @@ def numbers(text: str, count: int, where: str) -> tuple[float, ...]:
     return values
 
 
+def orders(text: str, where: str) -> list[tuple[int, float]]:
+    """Return the orders and amplitudes [m] in a text such as ``1 1e-4, 3 20e-6``.
+
+    Raises:
+        Refusal: an item is not a whole order of 1 .. 40 with an amplitude up to 1 mm.
+    """
+    listed = []
+    for part in filter(None, (part.strip() for part in text.split(","))):
+        order, height = numbers(part, 2, where)
+        if order != round(order) or not (1 <= order <= 40 and 0.0 < height <= 1e-3):
+            raise Refusal(f"{where} = '{text}': give whole orders of 1 .. 40, each with an amplitude up to 0.001 m, such as '3 20e-6'")
+        listed.append((round(order), height))
+    return listed
+
+
 def places(text: str, where: str) -> list[tuple[float, str]]:
     """Return the numbers and rails in a text such as ``350 left, 900 right``.
 
@@ -204,3 +239,20 @@ def levels(text: str, count: int, where: str) -> Sequence[float]:
     if loud is not None:
         raise Refusal(f"{where}: {loud:g} dB is outside -120 .. -6 dB: a path takes energy from its source")
     return values
+
+
+def described(vehicle: Vehicle) -> VehicleDescription:
+    """Return the description of a vehicle for a detector: geometry, bearings and sampling, and nothing about faults."""
+    axles = tuple(AxleDescription(axle.name, axle.x, axle.radius, axle.gear.teeth) for axle in vehicle.axles)
+    boxes = tuple(
+        BoxDescription(
+            box.name.replace(".", "/"),
+            vehicle.axles[box.axle].name,
+            "left" if box.side > 0 else "right",
+            characteristic_orders(box.configuration.bearing).as_dict(),
+            box.configuration.bearing.model_dump(),
+            box.configuration.sensor.range,
+        )
+        for box in vehicle.boxes
+    )
+    return VehicleDescription(vehicle.boxes[0].configuration.sensor.sampling_rate, axles, boxes)

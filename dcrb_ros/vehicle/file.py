@@ -18,7 +18,7 @@ from dcrb_ros.settings.files import flatten, load_configuration, nest, validated
 from dcrb_ros.settings.sections import KEY
 from dcrb_ros.settings.shipped import find_shipped
 from dcrb_ros.text.yaml import read_yaml
-from dcrb_ros.vehicle.description import SIDES, Axle, Body, Box, Frame, Gear, Journey, Paths, Suspension, Track, Vehicle, Wheel
+from dcrb_ros.vehicle.description import SIDES, Axle, Body, Box, Frame, Gear, Journey, Motor, Paths, Suspension, Track, Vehicle, Wheel
 from dcrb_ros.vehicle.loads import quasi_static
 from dcrb_ros.vehicle.track import is_smooth
 
@@ -30,16 +30,26 @@ GROUPS: dict[str, type[Group]] = {
     "track": Track,
     "paths": Paths,
 }
-PLACES = {"x": (-3.0, 3.0, "m"), "radius": (0.3, 0.6, "m"), "creep": (-0.01, 0.01, "-")}
+MOST_SLIDING = 0.2
+"""Largest slide of a wheelset [-]."""
+PLACES = {"x": (-3.0, 3.0, "m"), "radius": (0.3, 0.6, "m"), "creep": (-0.01, 0.01, "-"), "slide": (0.0, MOST_SLIDING, "-")}
 """Numbers of a wheelset, their ranges and units."""
+DRIVE: dict[str, type[Group]] = {"gear": Gear, "motor": Motor}
+"""Groups of a wheelset."""
 DEFAULT_X = {"axle_1": 1.28, "axle_2": -1.28}
 """Places of the wheelsets [m]."""
 DEFAULT_RADIUS = 0.46
 """[m]"""
 OF_VEHICLE = {"operating": "the vehicle's speed, weight and track", "background": "the vehicle's wheels, track and gear"}
 """Groups of a box's configuration that the vehicle replaces, and by what."""
+COMMON = ("publishing", "recording", "time_scale")
+"""Groups and parameters that a vehicle gives all its boxes."""
+RUN = ("recording.", "time_scale", "publishing.clock", "publishing.listeners", "publishing.wait")
+"""Those of them that a box cannot have of its own."""
 OWN_BACKGROUND = ("impact_rate", "impact_level", "hum_level", "hum_frequency")
 """Background that a box may have of its own."""
+SWAPPED = "sensor.swapped_with"
+"""Key of the box whose accelerometer is connected to the channel of this one."""
 SEEDS = 2**31 - 1
 
 
@@ -94,8 +104,11 @@ def vehicle_of(flat: Mapping[str, Any], source: str) -> Vehicle:
     Raises:
         Refusal: a name is unknown, or a value is out of range or does not fit the others.
     """
-    tree = nest({key: value for key, value in flat.items() if value != {} or key not in GROUPS})
-    names = [*GROUPS, *DEFAULT_X]
+    common = {key: value for key, value in flat.items() if key.partition(".")[0] in COMMON}
+    # Empty groups are copied, because other keys may be put into them.
+    own = {key: {} if value == {} else value for key, value in flat.items() if key not in common and (value != {} or key not in GROUPS)}
+    tree = nest(own)
+    names = [*GROUPS, *COMMON, *DEFAULT_X]
     unknown = next((name for name in tree if name not in names), None)
     if unknown is not None:
         raise Refusal(f"{source}: unknown group '{unknown}'{nearest(str(unknown), names)} (known: {', '.join(names)})")
@@ -104,7 +117,7 @@ def vehicle_of(flat: Mapping[str, Any], source: str) -> Vehicle:
         given = tree.get(name, {})
         if not isinstance(given, Mapping):
             raise Refusal(f"{source}: {name} = {given} is not a group of parameters")
-        groups[name] = validated(_as_floats(flatten(given), model), model, f"{source}, {name}")
+        groups[name] = validated(as_floats(flatten(given), model), model, f"{source}, {name}")
     axles: list[Axle] = []
     parts: list[tuple[str, int, str, Mapping[str, Any]]] = []
     for number, name in enumerate(name for name in DEFAULT_X if name in tree):
@@ -113,8 +126,11 @@ def vehicle_of(flat: Mapping[str, Any], source: str) -> Vehicle:
         parts += [(f"{name}.{side}", number, side, given) for side, given in sides.items()]
     if not parts:
         raise Refusal(f"{source}: there is no box: give axle_1 with left, right or both")
-    if len({axle.x for axle in axles}) < len(axles):
-        raise Refusal(f"{source}: both wheelsets are at x = {axles[0].x:g} m: give them places of their own")
+    if len(axles) == 2 and abs(axles[0].x - axles[1].x) < axles[0].radius + axles[1].radius:
+        raise Refusal(
+            f"{source}: the wheels of {axles[0].name} at x = {axles[0].x:g} m and of {axles[1].name} at x = {axles[1].x:g} m overlap: "
+            f"place the wheelsets at least {axles[0].radius + axles[1].radius:g} m apart"
+        )
     bare_axle = next((axle.name for number, axle in enumerate(axles) if all(part[1] != number for part in parts)), None)
     if bare_axle is not None:
         raise Refusal(f"{source}: {bare_axle} has no box: give left and right ({{}} for the bench without changes), or leave it out")
@@ -124,63 +140,94 @@ def vehicle_of(flat: Mapping[str, Any], source: str) -> Vehicle:
     journey: Journey = groups["vehicle"]
     bench = load_configuration(journey.bench)
     bare = tuple(Box(name, axle, 1 if side == SIDES[0] else -1, bench, Wheel()) for name, axle, side, _ in parts)
-    vehicle = Vehicle(
-        journey, groups["body"], groups["frame"], groups["suspension"], groups["track"], groups["paths"], tuple(axles), bare
-    )
+    vehicle = Vehicle(journey, groups["body"], groups["frame"], groups["suspension"], groups["track"], groups["paths"], tuple(axles), bare)
     speed = journey.speed_kmh / 3.6
     loads = quasi_static(vehicle, speed, journey.curvature, journey.cant, journey.wind, journey.brake)
     boxes = []
     for box, (name, _, _, given), (x, y) in zip(bare, parts, loads, strict=True):
         axle = axles[box.axle]
-        configuration, wheel = _box(source, name, given, journey, speed * (1.0 + axle.creep) / axle.radius, x, -y)
-        boxes.append(Box(name, box.axle, box.side, configuration, wheel))
+        turning = speed * (1.0 + axle.creep - axle.slide) / axle.radius
+        configuration, wheel, swapped = _box(source, name, {**common, **given}, journey, turning, x, -y)
+        boxes.append(Box(name, box.axle, box.side, configuration, wheel, swapped))
     first = boxes[0].configuration
     for box in boxes[1:]:
         for what, here, there in (
             ("simulation.step", first.step_rate, box.configuration.step_rate),
             ("sensor.sampling_rate", first.sensor.sampling_rate, box.configuration.sensor.sampling_rate),
+            ("thermal.acceleration", first.thermal.acceleration, box.configuration.thermal.acceleration),
             ("publishing.block_size", first.publishing.block_size, box.configuration.publishing.block_size),
         ):
             if here != there:
                 raise Refusal(f"{source}: {boxes[0].name} and {box.name} differ in {what} ({here} and {there}): boxes share one clock")
-    return replace(vehicle, boxes=tuple(boxes))
+    return replace(vehicle, boxes=_connected(source, boxes))
+
+
+def _connected(source: str, boxes: Sequence[Box]) -> tuple[Box, ...]:
+    """Return the boxes, each with the box whose accelerometer is connected to its channel.
+
+    Raises:
+        Refusal: a swap names no other box, or a box is in two swaps.
+    """
+    partner: dict[str, str] = {}
+    for box in boxes:
+        other = box.swapped_with
+        if not other:
+            continue
+        others = [each.name for each in boxes if each is not box]
+        if other not in others:
+            known = ", ".join(others) or "none"
+            raise Refusal(f"{source}: {box.name}.{SWAPPED} = '{other}' names no other box{nearest(other, others)} (known: {known})")
+        for one, two in ((box.name, other), (other, box.name)):
+            if partner.setdefault(one, two) != two:
+                raise Refusal(f"{source}: the sensor of {one} is swapped with those of {partner[one]} and {two}: give one of them")
+    return tuple(replace(box, swapped_with=partner.get(box.name, "")) for box in boxes)
 
 
 def _axle(source: str, name: str, given: Any) -> tuple[Axle, dict[str, Mapping[str, Any]]]:
     """Return a wheelset and what stands for its boxes."""
     if not isinstance(given, Mapping):
         raise Refusal(f"{source}: {name} = {given} is not a wheelset: give left and right")
-    known = (*PLACES, "gear", *SIDES)
+    known = (*PLACES, *DRIVE, *SIDES)
     unknown = next((key for key in given if key not in known), None)
     if unknown is not None:
         raise Refusal(f"{source}: unknown key '{name}.{unknown}'{nearest(str(unknown), known)} (known: {', '.join(known)})")
-    values = {"x": DEFAULT_X[name], "radius": DEFAULT_RADIUS, "creep": 0.0}
+    values = {"x": DEFAULT_X[name], "radius": DEFAULT_RADIUS, "creep": 0.0, "slide": 0.0}
     for key, (low, high, unit) in PLACES.items():
         value = given.get(key, values[key])
         if isinstance(value, bool) or not isinstance(value, (int, float)) or not low <= value <= high:
             raise Refusal(f"{source}: {name}.{key} = {value} is outside {low:g} .. {high:g} {unit}")
         values[key] = float(value)
-    gear = validated(_as_floats(flatten(given.get("gear", {})), Gear), Gear, f"{source}, {name}.gear")
+    drive: dict[str, Any] = {}
+    for part, model in DRIVE.items():
+        parameters = given.get(part, {})
+        if not isinstance(parameters, Mapping):
+            raise Refusal(f"{source}: {name}.{part} = {parameters} is not a group of parameters")
+        drive[part] = validated(as_floats(flatten(parameters), model), model, f"{source}, {name}.{part}")
     boxes = {side: given[side] or {} for side in SIDES if side in given}
-    wrong = next((side for side, box in boxes.items() if not isinstance(box, Mapping)), None)
-    if wrong is not None:
-        raise Refusal(f"{source}: {name}.{wrong} = {boxes[wrong]} is not a box: give {{}} for the bench without changes")
-    return Axle(name, values["x"], values["radius"], values["creep"], gear), boxes
+    for side, box in boxes.items():
+        if not isinstance(box, Mapping):
+            raise Refusal(f"{source}: {name}.{side} = {box} is not a box: give {{}} for the bench without changes")
+        shared = next((key for key in flatten(box) if key.startswith(RUN)), None)
+        if shared is not None:
+            raise Refusal(f"{source}: {name}.{side}.{shared} belongs to the whole vehicle: give {shared} beside the group vehicle")
+    return Axle(name, values["x"], values["radius"], values["creep"], values["slide"], **drive), boxes
 
 
 def _box(
     source: str, name: str, given: Mapping[str, Any], journey: Journey, shaft_speed: float, x: float, load: float
-) -> tuple[Configuration, Wheel]:
-    """Return configuration and wheel of a box."""
+) -> tuple[Configuration, Wheel, str]:
+    """Return configuration and wheel of a box, and the box whose accelerometer is connected to its channel."""
     flat = flatten(given)
     bench = flat.pop("bench", journey.bench)
     if not isinstance(bench, str):
         raise Refusal(f"{source}: {name}.bench = {bench} is not the name of a configuration")
+    swapped = flat.pop(SWAPPED, "")
+    if not isinstance(swapped, str):
+        raise Refusal(f"{source}: {name}.{SWAPPED} = {swapped} is not the name of a box, such as axle_2.left")
     wheel = {key.removeprefix("wheel."): flat.pop(key) for key in list(flat) if key.startswith("wheel.")}
     for key in flat:
-        group = key.partition(".")[0]
-        if group in OF_VEHICLE and not key.endswith(OWN_BACKGROUND):
-            raise Refusal(f"{source}: {name}.{key} would count twice: it follows from {OF_VEHICLE[group]}")
+        if owner := made_by_vehicle(key):
+            raise Refusal(f"{source}: {name}.{key} would count twice: it follows from {owner}")
     own = load_configuration(bench)
     twice = [key for key in own.background.described() if key not in OWN_BACKGROUND]
     if twice:
@@ -189,6 +236,7 @@ def _box(
         "simulation.seed": seed_of(journey.seed, name, "run"),
         "surfaces.seed": seed_of(journey.seed, name, "individual"),
         "structure.seed": seed_of(journey.seed, name, "housing"),
+        "publishing.frame": f"{name.replace('.', '/')}/outer_ring",
         **flat,
         "operating.speed": shaft_speed,
         "operating.load": load,
@@ -197,9 +245,15 @@ def _box(
         "operating.speed_ripple": 0.0,
     }
     try:
-        return load_configuration(own, settings), validated(_as_floats(wheel, Wheel), Wheel, "wheel")
+        return load_configuration(own, settings), validated(as_floats(wheel, Wheel), Wheel, "wheel"), swapped
     except Refusal as refusal:
         raise Refusal(f"{source}: {name}: {refusal}") from None
+
+
+def made_by_vehicle(key: str) -> str:
+    """Return what of the vehicle replaces a parameter of a box; empty for one that a box may have of its own."""
+    group = key.partition(".")[0]
+    return OF_VEHICLE[group] if group in OF_VEHICLE and not key.endswith(OWN_BACKGROUND) else ""
 
 
 def seed_of(seed: int, *names: str) -> int:
@@ -208,7 +262,7 @@ def seed_of(seed: int, *names: str) -> int:
     return int.from_bytes(digest[:4], "little") % SEEDS
 
 
-def _as_floats(flat: Mapping[str, Any], model: type[Group]) -> dict[str, Any]:
+def as_floats(flat: Mapping[str, Any], model: type[Group]) -> dict[str, Any]:
     """Return values with whole numbers as floats where the model has floats, as ROS writes them."""
     floats = {key for key, field in model.model_fields.items() if field.annotation is float}
     whole = {key for key, value in flat.items() if key in floats and isinstance(value, int) and not isinstance(value, bool)}

@@ -44,9 +44,35 @@ def add_path(sections: Floats, delays: Floats, memory: Floats, known: Floats, le
     """Add a source after the resonances of a path to ``target``, shape (steps,).
 
     Each of ``sections``, shape (resonances, 3), is a resonance gain (u[n] - u[n-2]) / (1 - a1 z^-1 - a2 z^-2) of the source some ``delays``
-    ago [steps]. ``known`` is the source with its last ``lead`` samples before; ``memory``, shape (resonances, 2), is updated.
+    ago [steps]. ``known`` is the source with its last ``lead`` samples before; ``memory``, shape (resonances, 2), is updated. Four
+    resonances are computed at once to use the pipelines of the processor; they are added in their order.
     """
-    for k in range(sections.shape[0]):
+    whole = sections.shape[0] - sections.shape[0] % 4
+    for k in range(0, whole, 4):
+        ga, a1, a2 = sections[k]
+        gb, b1, b2 = sections[k + 1]
+        gc, c1, c2 = sections[k + 2]
+        gd, d1, d2 = sections[k + 3]
+        fa, sa = memory[k]
+        fb, sb = memory[k + 1]
+        fc, sc = memory[k + 2]
+        fd, sd = memory[k + 3]
+        a, b, c, d = lead - int(delays[k]), lead - int(delays[k + 1]), lead - int(delays[k + 2]), lead - int(delays[k + 3])
+        for n in range(target.shape[0]):
+            va = ga * (known[a + n] - known[a + n - 2]) + a1 * fa + a2 * sa
+            vb = gb * (known[b + n] - known[b + n - 2]) + b1 * fb + b2 * sb
+            vc = gc * (known[c + n] - known[c + n - 2]) + c1 * fc + c2 * sc
+            vd = gd * (known[d + n] - known[d + n - 2]) + d1 * fd + d2 * sd
+            sa, fa = fa, va
+            sb, fb = fb, vb
+            sc, fc = fc, vc
+            sd, fd = fd, vd
+            target[n] = target[n] + va + vb + vc + vd
+        memory[k, 0], memory[k, 1] = fa, sa
+        memory[k + 1, 0], memory[k + 1, 1] = fb, sb
+        memory[k + 2, 0], memory[k + 2, 1] = fc, sc
+        memory[k + 3, 0], memory[k + 3, 1] = fd, sd
+    for k in range(whole, sections.shape[0]):
         gain, a1, a2 = sections[k]
         first, second = memory[k]
         start = lead - int(delays[k])

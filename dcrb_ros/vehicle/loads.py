@@ -14,7 +14,11 @@ BETWEEN_AXLES = 1800.0
 def unbalanced(speed: float, curvature: float, cant: float) -> float:
     """Return the unbalanced acceleration of a curve, v^2 / R - g h / 1.5 m, positive to the right [m/s^2]."""
     outwards = speed**2 * curvature
-    return outwards - float(np.sign(curvature)) * GRAVITY * cant / WHEEL_DISTANCE
+    return outwards - _sign(curvature) * GRAVITY * cant / WHEEL_DISTANCE
+
+
+def _sign(value: float) -> float:
+    return float((value > 0.0) - (value < 0.0))
 
 
 def quasi_static(vehicle: Vehicle, speed: float, curvature: float, cant: float, wind: float, brake: float) -> Floats:
@@ -27,10 +31,10 @@ def quasi_static(vehicle: Vehicle, speed: float, curvature: float, cant: float, 
     curve = (0.5 * body.mass * body.height + frame.mass * frame.height) * unbalanced(speed, curvature, cant) / (4.0 * half)
     gust = wind * body.wind_height / (8.0 * half)
     nod = body.mass * body.height / (4.0 * body.bogies) * brake
-    middle = float(np.mean([axle.x for axle in vehicle.axles]))
+    middle = sum(axle.x for axle in vehicle.axles) / len(vehicle.axles)
     loads = np.empty((len(vehicle.boxes), 2))
     for j, box in enumerate(vehicle.boxes):
-        lead = float(np.sign(vehicle.axles[box.axle].x - middle))
+        lead = _sign(vehicle.axles[box.axle].x - middle)
         downwards = vehicle.static_load + box.side * (gust - curve) + nod + lead * BETWEEN_AXLES * brake
         # The bearing's X points backwards: inertia presses the body forward, against -X.
         loads[j] = -(0.5 * body.mass + frame.mass) * brake / 4.0, -downwards

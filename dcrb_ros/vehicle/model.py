@@ -15,13 +15,13 @@ import numpy as np
 
 from dcrb_ros.measurement.kernels import filtered
 from dcrb_ros.schema.arrays import Complexes, Floats
-from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.vehicle.description import Vehicle
+from dcrb_ros.vehicle.description import Vehicle, Wheel
 from dcrb_ros.vehicle.kernels import add_path, modal_outputs
 from dcrb_ros.vehicle.loads import quasi_static
 from dcrb_ros.vehicle.paths import BANDS, bearing_paths, contact_paths
 from dcrb_ros.vehicle.structure import BOX_MASS, Structure
 from dcrb_ros.vehicle.track import Rails, Random, roughness
+from dcrb_ros.vehicle.traction import TractionForce
 from dcrb_ros.vehicle.wheels import WheelSurface
 
 TICK = 8
@@ -36,25 +36,25 @@ FORCE_CUTOFF = 200.0
 """Frequency above which the vibration of other bearings takes the drawn paths instead of the structure [Hz]."""
 SETTLING = 2.0
 """Time for which the vehicle rolls before the start [s]."""
-WHEELSET_MASS = 1813.0
-"""[kg]"""
-START = 1000.0
-"""Place of the bogie at time zero [m]; the track behind it is as long."""
+SLIDING = 10.0
+"""Rate at which the speed of the circumference of a sliding wheel changes [m/s^2] (an assumption): half of a braking force of 9 kN, which
+the rail no longer takes, on the 470 kg by which a wheelset resists turning."""
 
 
 @dataclass(frozen=True)
 class TrackEvent:
-    """A kink that a wheel met."""
+    """A kink that a wheel met, or the beginning or end of a slide."""
 
     time: float
     """[s]"""
     place: float
-    """Place on the track [m]."""
+    """Place on the track, from the start of the run [m]."""
     box: str
+    """The box over the wheel, such as ``axle_1.left``; of a slide, the wheelset."""
     cause: str
-    """joint or flat."""
+    """joint, crossing, flat, slide or slide_end."""
     jump: float
-    """Jump of velocity [m/s]."""
+    """Jump of velocity at a kink, or speed at which the wheels are to slide [m/s]."""
 
 
 @dataclass(frozen=True)
@@ -70,15 +70,23 @@ class Plan:
     speed: float
     """Speed of the vehicle at the start of the frame [m/s]."""
     place: float
-    """Place of the middle of the bogie at the start of the frame [m]."""
+    """Place of the middle of the bogie at the start of the frame, from the start of the run [m]."""
+    creep: Floats
+    """Share by which each wheelset turns faster than it rolls at the start of the frame; below zero in a slide, shape (axles,) [-]."""
     events: tuple[TrackEvent, ...]
 
 
 class _Rolling:
     """The frame in which wheels roll: ticks of speed, place and angles, and the motion that they cause."""
 
-    def __init__(self, speed: Floats, place: Floats, angle: Floats, outputs: Floats, loads: Floats) -> None:
+    def __init__(
+        self, speed: Floats, place: Floats, creep: Floats, angle: Floats, outputs: Floats, loads: Floats, slides: list[TrackEvent]
+    ) -> None:
         self.speed, self.place, self.angle = speed, place, angle
+        self.creep = creep
+        """Of each wheelset at the ticks, shape (axles, TICKS + 1) [-]."""
+        self.slides = slides
+        """Slides that begin or end with the frame."""
         self.outputs = outputs
         """Accelerations of the boxes at the ticks, shape (TICKS, boxes)."""
         self.loads = loads
@@ -98,6 +106,7 @@ class VehicleModel:
         self.rate = vehicle.boxes[0].configuration.step_rate
         self._interval = TICK / self.rate
         self._rails = Rails(vehicle.track)
+        self._sides = [[box.side for box in vehicle.boxes if box.axle == p] for p in range(len(vehicle.axles))]
         self._wheels = [WheelSurface(vehicle, box) for box in vehicle.boxes]
         self._curvature = [
             Random(f"{vehicle.track.seed}/rail/{side}", 0.005, lambda w: roughness(vehicle.track.roughness)(w) * w**4)
@@ -106,8 +115,9 @@ class VehicleModel:
         structure = Structure(vehicle)
         self._growth, before, after, read, direct = structure.modal(self._interval)
         count = len(vehicle.boxes)
-        outer = [*range(count), *range(2 * count, 2 * count + len(vehicle.axles))]
-        self._track_system = _columns(before, after, direct, outer)
+        self._system = before, after, direct
+        self._connect()
+        self._traction = [TractionForce(axle, vehicle.journey.seed) for axle in vehicle.axles]
         self._read = np.ascontiguousarray(read)
         self._box_read = np.ascontiguousarray(read[:count])
         self._bearing_systems = [_columns(before, after, np.ascontiguousarray(direct[:count]), [count + i]) for i in range(count)]
@@ -132,25 +142,48 @@ class VehicleModel:
         journey = vehicle.journey
         self.targets = {
             "speed": journey.speed_kmh / 3.6,
+            "ramp": journey.ramp,
             "curvature": journey.curvature,
             "cant": journey.cant,
             "wind": journey.wind,
             "brake": journey.brake,
         }
-        """What was commanded: speed [m/s], curvature [1/m], cant [m], wind [N], brake [m/s^2]."""
+        """What was commanded: speed [m/s] and its ramp [m/s^2], curvature [1/m], cant [m], wind [N], brake [m/s^2]."""
+        self.slides = np.array([axle.slide for axle in vehicle.axles])
+        """Share by which each wheelset is to slide, shape (axles,) [-]."""
+        self._slide, self._slid = self.slides.copy(), np.zeros(len(vehicle.axles))
         settled = int(SETTLING / (self._interval * TICKS)) + 1
         behind = settled * TICKS * self._interval * self.targets["speed"]
-        self._speed, self._place = self.targets["speed"], START - behind
-        self._angle = np.array([-behind * (1.0 + axle.creep) / axle.radius for axle in vehicle.axles])
+        self._speed, self._place = self.targets["speed"], -behind
+        self._angle = np.array([-behind * (1.0 + axle.creep - axle.slide) / axle.radius for axle in vehicle.axles])
         self._frames = -settled
+        self._rolled = -settled
+        """Frame that the next call of `_roll` gives."""
         self._next = self._roll()
         for _ in range(settled):
             self._next = self._roll()
         self._frames = 0
 
+    def _connect(self) -> None:
+        """Choose the inputs of the structure: contacts and gears, and the wheels if one has an unbalance."""
+        count, axles = len(self.vehicle.boxes), len(self.vehicle.axles)
+        self._unbalanced = any(wheel.unbalanced for wheel in self._wheels)
+        on_wheels = range(2 * count + axles, 3 * count + axles) if self._unbalanced else ()
+        self._track_system = _columns(*self._system, [*range(count), *range(2 * count, 2 * count + axles), *on_wheels])
+
+    def wear(self, box: int, wheel: Wheel) -> None:
+        """Give the wheel under a box other defects, from the frame after the planned one on.
+
+        Raises:
+            Refusal: the orders of the polygon cannot be read; nothing is changed.
+        """
+        self._wheels[box].wear(wheel)
+        self._connect()
+
     def shaft_speed(self) -> Floats:
         """Return the speed of each wheelset at the end of the last planned frame, shape (axles,) [rad/s]."""
-        return np.array([self._next.speed[0] * (1.0 + axle.creep) / axle.radius for axle in self.vehicle.axles])
+        speed, creep = self._next.speed[0], self._next.creep[:, 0]
+        return np.array([speed * (1.0 + creep[p]) / axle.radius for p, axle in enumerate(self.vehicle.axles)])
 
     def load(self) -> Floats:
         """Return the force on each inner ring at the end of the last planned frame, shape (boxes, 2) [N]."""
@@ -166,9 +199,10 @@ class VehicleModel:
         ticks = np.vstack([now.outputs, self._next.outputs[:1]])
         fine = np.arange(FRAME) / TICK
         motion = np.array([np.interp(fine, np.arange(TICKS + 1), ticks[:, j]) for j in range(len(self.vehicle.boxes))])
-        events = self._add_contacts(now, motion, first)
+        events = sorted([*now.slides, *self._add_contacts(now, motion, first)], key=lambda event: (event.time, event.box))
         self._frames += 1
-        return Plan(self.shaft_speed(), self.load(), motion, float(now.speed[0]), float(now.place[0]), tuple(events))
+        speed, place = float(now.speed[0]), float(now.place[0])
+        return Plan(self.shaft_speed(), self.load(), motion, speed, place, now.creep[:, 0].copy(), tuple(events))
 
     def mix(self, ring: Floats, plan: Plan) -> tuple[Floats, Floats]:
         """Return what the boxes do in a frame, and the parts of it.
@@ -222,33 +256,57 @@ class VehicleModel:
         vehicle, dt = self.vehicle, self._interval
         speed = np.empty(TICKS + 1)
         speed[0] = self._speed
-        target, step = self.targets["speed"], vehicle.journey.ramp * dt
+        target, step = self.targets["speed"], self.targets["ramp"] * dt
         for n in range(TICKS):
             speed[n + 1] = speed[n] + max(-step, min(step, target - speed[n]))
         forward = 0.5 * (speed[:-1] + speed[1:]) * dt
         place = np.cumsum(np.concatenate([[self._place], forward]))
+        slides, creep = self._slip(speed, float(place[0]))
         angle = np.array(
             [
-                np.cumsum(np.concatenate([[self._angle[p]], forward * ((1.0 + axle.creep) / axle.radius)]))
+                np.cumsum(np.concatenate([[self._angle[p]], forward * (0.5 * (2.0 + creep[p, :-1] + creep[p, 1:]) / axle.radius)]))
                 for p, axle in enumerate(vehicle.axles)
             ]
         )
         self._speed, self._place, self._angle = float(speed[-1]), float(place[-1]), angle[:, -1].copy()
-        if place[-1] > 1e6:
-            raise Refusal(f"the vehicle has run {place[-1] / 1e3:.0f} km, and the track ends at 1000 km: start again")
-        inputs = np.zeros((TICKS + 1, len(vehicle.boxes) + len(vehicle.axles)))
+        self._rolled += 1
+        inputs = np.zeros((TICKS + 1, self._track_system[0].shape[1]))
+        rails = {
+            (p, side): rail
+            for p, axle in enumerate(vehicle.axles)
+            for side, rail in zip(self._sides[p], self._rails.displacements(place + axle.x, self._sides[p]), strict=True)
+        }
         for j, box in enumerate(vehicle.boxes):
-            rail = self._rails.displacement(place + vehicle.axles[box.axle].x, box.side)
-            inputs[:, j] = rail + self._wheels[j].displacement(angle[box.axle], float(speed[0]))
-        for p, axle in enumerate(vehicle.axles):
-            if axle.gear.teeth:
-                amplitude = math.sqrt(2.0) * axle.gear.level * WHEELSET_MASS
-                inputs[:, len(vehicle.boxes) + p] = amplitude * np.cos(axle.gear.teeth * angle[p])
+            axle, rail = vehicle.axles[box.axle], rails[box.axle, box.side]
+            turning = speed * (1.0 + creep[box.axle])
+            inputs[:, j] = rail + self._wheels[j].displacement(angle[box.axle], float(turning[0]))
+            if self._unbalanced:
+                force = self._wheels[j].unbalance(angle[box.axle], turning / axle.radius)
+                inputs[:, len(vehicle.boxes) + len(vehicle.axles) + j] = force
+        for p, traction in enumerate(self._traction):
+            if traction.active:
+                inputs[:, len(vehicle.boxes) + p] = traction.at(angle[p])
         before, after, direct = self._track_system
         outputs = modal_outputs(self._growth, before, after, self._read, direct, self._track_state, inputs)
         count = len(vehicle.boxes)
         loads = filtered(self._load_sections, self._load_memory, np.ascontiguousarray(outputs[:, count:]))
-        return _Rolling(speed, place, angle, np.ascontiguousarray(outputs[:, :count]), loads[0].copy())
+        return _Rolling(speed, place, creep, angle, np.ascontiguousarray(outputs[:, :count]), loads[0].copy(), slides)
+
+    def _slip(self, speed: Floats, place: float) -> tuple[list[TrackEvent], Floats]:
+        """Return the slides that begin or end with the frame to be rolled, and the creep of each wheelset at its ticks."""
+        events, shares, time = [], np.arange(TICKS + 1) / TICKS, self._rolled * FRAME / self.rate
+        creep = np.empty((len(self.vehicle.axles), TICKS + 1))
+        step = SLIDING / speed[0] * self._interval * TICKS
+        for p, axle in enumerate(self.vehicle.axles):
+            wanted, present = float(self.slides[p]), float(self._slide[p])
+            if self._rolled >= 0 and wanted != self._slid[p]:
+                cause = "slide" if wanted > 0.0 else "slide_end"
+                events.append(TrackEvent(time, place + axle.x, axle.name, cause, wanted * float(speed[0])))
+                self._slid[p] = wanted
+            change = max(-step, min(step, wanted - present))
+            self._slide[p] = present + change
+            creep[p] = axle.creep - (present + (self._slide[p] - present) * shares) if change else axle.creep - present
+        return events, creep
 
     def _add_contacts(self, now: _Rolling, motion: Floats, first: int) -> list[TrackEvent]:
         """Add to ``motion`` what the paths make of roughness and kinks beyond the structure's modes; return the kinks."""
@@ -260,15 +318,17 @@ class VehicleModel:
             at = place + vehicle.axles[box.axle].x
             angle = np.interp(fine, ticks, now.angle[box.axle])
             rail = -self._curvature[0 if box.side > 0 else 1].at(at)
-            jerked[j] = speed**2 * (rail + self._wheels[j].curvature(angle))
+            turning = speed * (1.0 + np.interp(fine, ticks, now.creep[box.axle]))
+            jerked[j] = speed**2 * rail + turning**2 * self._wheels[j].curvature(angle)
             x = vehicle.axles[box.axle].x
             kinks = [
-                (float(np.interp(kink - x, now.place, ticks)), "joint", 2.0 * vehicle.track.joint_angle * float(now.speed[0]), kink)
-                for kink in self._rails.kinks(float(now.place[0]) + x, float(now.place[-1]) + x, box.side)
+                (float(np.interp(kink - x, now.place, ticks)), cause, 2.0 * vehicle.track.joint_angle * float(now.speed[0]), kink)
+                for kink, cause in self._rails.kinks(float(now.place[0]) + x, float(now.place[-1]) + x, box.side)
             ]
+            rolling = float(now.speed[0] * (1.0 + now.creep[box.axle, 0]))
             for strike in self._wheels[j].strikes(float(now.angle[box.axle][0]), float(now.angle[box.axle][-1])):
                 tick = float(np.interp(strike, now.angle[box.axle], ticks))
-                kinks.append((tick, "flat", self._wheels[j].jump(float(now.speed[0])), float(np.interp(tick, ticks, now.place)) + x))
+                kinks.append((tick, "flat", self._wheels[j].jump(rolling), float(np.interp(tick, ticks, now.place)) + x))
             for tick, cause, height, where in kinks:
                 step = min(int(tick * TICK), FRAME - 1)
                 share = tick * TICK - step
@@ -279,7 +339,7 @@ class VehicleModel:
         for (source, target), path in self._contact_paths.items():
             add_path(path.sections, path.delays, self._contact_memory[source, target], known[source], self._lead, motion[target])
         self._jerked_before = known[:, -self._lead :].copy()
-        return sorted(events, key=lambda event: (event.time, event.box))
+        return events
 
 
 def _columns(before: Complexes, after: Complexes, direct: Floats, inputs: list[int]) -> tuple[Complexes, Complexes, Floats]:

@@ -6,6 +6,7 @@ band is the level that the vehicle's file gives.
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 from collections.abc import Sequence
@@ -60,10 +61,11 @@ def group_velocity(frequency: Floats) -> Floats:
     return np.asarray(np.minimum(2.0 * np.sqrt(2.0 * np.pi * frequency) * ratio**0.25, FASTEST), np.float64)
 
 
-def drawn_path(seed: int, name: str, bands: Sequence[float], decibels: Sequence[float], distance: float, rate: float) -> Path:
+@functools.lru_cache(maxsize=256)
+def drawn_path(seed: int, name: str, bands: tuple[float, ...], decibels: tuple[float, ...], distance: float, rate: float) -> Path:
     """Return a path whose mean square in each band has a level [dB], over a distance [m], at a rate [Hz].
 
-    ``bands`` are the limits of the bands [Hz], one more than ``decibels``.
+    ``bands`` are the limits of the bands [Hz], one more than ``decibels``. Vehicles of one seed share the path.
     """
     random = random_stream(seed, f"path/{name}")
     edges = np.minimum(bands, 0.4 * rate)
@@ -110,7 +112,7 @@ def bearing_paths(vehicle: Vehicle, rate: float) -> dict[tuple[int, int], Path]:
     for first in range(len(vehicle.boxes)):
         for second in range(first + 1, len(vehicle.boxes)):
             kind = kind_of(vehicle, first, second)
-            decibels = levels(getattr(vehicle.paths, kind), len(BANDS) - 1, f"paths.{kind}")
+            decibels = tuple(levels(getattr(vehicle.paths, kind), len(BANDS) - 1, f"paths.{kind}"))
             name = f"bearing/{vehicle.boxes[first].name}/{vehicle.boxes[second].name}"
             path = drawn_path(vehicle.paths.seed, name, BANDS, decibels, distance_of(vehicle, first, second), rate)
             chosen[first, second] = chosen[second, first] = path
@@ -133,7 +135,7 @@ def contact_paths(vehicle: Vehicle, rate: float, gains: Sequence[float]) -> dict
         for box in range(len(vehicle.boxes)):
             relative = (0.0, 0.0, 0.0) if source == box else CONTACT_LEVELS[kind_of(vehicle, source, box)]
             count = len(relative)
-            decibels = [level + part for level, part in zip(above[-count:], relative, strict=True)]
+            decibels = tuple(level + part for level, part in zip(above[-count:], relative, strict=True))
             names = sorted((vehicle.boxes[source].name, vehicle.boxes[box].name))
             distance = distance_of(vehicle, source, box)
             chosen[source, box] = drawn_path(

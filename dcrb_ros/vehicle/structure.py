@@ -42,8 +42,6 @@ RAIL_EFFECTIVE_MASS = 1.0
 """Mass of the rail point over that of the rail in 1/beta [-]; levels up to 1 kHz are within 3 dB of those on an endless rail."""
 HIGHEST = 1500.0
 """Highest bending mode that is kept [Hz]."""
-GEAR_PLACE = 0.35
-"""Place of the gear on the axle, left of its middle [m]."""
 ELEMENTS = 40
 """Elements of an axle [-]."""
 DIGITS = 10
@@ -62,8 +60,14 @@ class Wheelset:
     """Motion of both boxes in each mode, left first, shape (2, modes)."""
     journal: Floats
     contact: Floats
-    gear: Floats
-    """Motion at the gear, shape (modes,)."""
+    places: Floats
+    """Places along the axle, left of its middle, shape (places,) [m]."""
+    axle: Floats
+    """Motion of the axle at these places, shape (places, modes)."""
+
+    def at(self, place: float) -> Floats:
+        """Return the motion of the axle at a place, left of its middle [m], shape (modes,)."""
+        return np.array([np.interp(place, self.places, shape) for shape in self.axle.T])
 
 
 def wheelset() -> Wheelset:
@@ -128,7 +132,8 @@ def wheelset() -> Wheelset:
         shapes[[size - 2, size - 1]],
         shapes[[at(half_journals), at(-half_journals)]],
         shapes[[at(half_wheels), at(-half_wheels)]],
-        shapes[at(GEAR_PLACE)],
+        nodes,
+        shapes[0 : 2 * len(nodes) : 2],
     )
 
 
@@ -148,7 +153,8 @@ class Structure:
     """Mass, damping and stiffness of bogie and track, and its modes.
 
     The coordinates are the modes of each wheelset, bounce, roll and pitch of the frame, and a point of the rail under each wheel. Inputs
-    are the roughness under each wheel [m], the force pairs in the bearings, box against journal, and a force at the gear of each axle [N].
+    are the roughness under each wheel [m], the force pairs in the bearings, box against journal, a force at the gear of each axle, and one
+    on each wheel [N].
     """
 
     def __init__(self, vehicle: Vehicle) -> None:
@@ -174,7 +180,7 @@ class Structure:
         """Motion of each box, shape (boxes, coordinates)."""
         journal = np.array([of_axle(box.axle, modes.journal[lateral[j]]) for j, box in enumerate(boxes)])
         contact = np.array([of_axle(box.axle, modes.contact[lateral[j]]) for j, box in enumerate(boxes)])
-        gear = np.array([of_axle(axle, modes.gear) for axle in range(len(vehicle.axles))])
+        gear = np.array([of_axle(number, modes.at(axle.gear.position)) for number, axle in enumerate(vehicle.axles)])
         frame, suspension = vehicle.frame, vehicle.suspension
         mass[first_frame, first_frame] = frame.mass
         mass[first_frame + 1, first_frame + 1] = frame.roll
@@ -210,7 +216,7 @@ class Structure:
             squeezed[j, rail + j] = -1.0
             stiffness += CONTACT_STIFFNESS * np.outer(squeezed[j], squeezed[j])
         self.mass, self.damping, self.stiffness = mass, damping, stiffness
-        self.inputs = np.vstack([CONTACT_STIFFNESS * squeezed, self.box - journal, gear]).T
+        self.inputs = np.vstack([CONTACT_STIFFNESS * squeezed, self.box - journal, gear, contact]).T
         """Forces of the inputs on the coordinates, shape (coordinates, inputs)."""
 
     def response(self, frequency: float) -> Complexes:
@@ -248,8 +254,8 @@ class Structure:
         scale = read[np.argmax(abs(read), axis=0), np.arange(read.shape[1])]
         return (
             growth,
-            _rounded(before * scale[:, None]),
-            _rounded(after * scale[:, None]),
+            _rounded_inputs(before * scale[:, None]),
+            _rounded_inputs(after * scale[:, None]),
             _rounded(read / scale),
             np.vstack([direct, BOX_MASS * direct]),
         )
@@ -262,6 +268,12 @@ def _held(z: Complexes) -> tuple[Complexes, Complexes]:
     whole = np.where(small, 1.0 + z / 2.0 + z * z / 6.0 + z**3 / 24.0, (np.exp(safe) - 1.0) / safe)
     ramp = np.where(small, 0.5 + z / 6.0 + z * z / 24.0 + z**3 / 120.0, (np.exp(safe) - 1.0 - safe) / safe**2)
     return whole, ramp
+
+
+def _rounded_inputs(values: Complexes) -> Complexes:
+    """Return the effect of inputs on modes, rounded; inputs in metres have effects 1e9 times those of forces."""
+    unit = 10.0 ** np.floor(np.log10(np.maximum(abs(values).max(axis=0), 1e-300)))
+    return np.asarray(_rounded(np.asarray(values / unit, np.complex128)) * unit, np.complex128)
 
 
 def _rounded(values: Complexes) -> Complexes:

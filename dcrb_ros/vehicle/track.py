@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -22,10 +22,25 @@ PAGE = 256.0
 """Length of a page [m]."""
 COARSE, FINE = 0.05, 0.005
 """Grids of irregularity and of roughness [m]."""
-CUTOFFS = 0.8246, 0.0206, 0.438
+ERRI_CUTOFFS = 0.8246, 0.0206, 0.438
 """Omega_c, Omega_r, Omega_s of ERRI B176 [rad/m]."""
-IRREGULARITY = {"erri_low": 4.032e-7, "erri_high": 1.08e-6}
-"""A of ERRI B176 [m rad]."""
+FRA_CUTOFF, FRA_SHARE = 0.8245, 0.25e-4
+"""Omega_c of the classes of the FRA [rad/m], and k over their A_v [m^2/cm^2]."""
+FRA = {
+    "fra_1": (1.2107, 0.6046),
+    "fra_2": (1.0181, 0.9308),
+    "fra_3": (0.6816, 0.8520),
+    "fra_4": (0.5376, 1.1312),
+    "fra_5": (0.2095, 0.8209),
+    "fra_6": (0.0339, 0.4380),
+}
+"""A_v [cm^2 rad/m] and Omega_s [rad/m] of the classes of the FRA (Hamid and Yang 1981, from memory)."""
+IRREGULARITY = {
+    "erri_low": (4.032e-7, ERRI_CUTOFFS),
+    "erri_high": (1.08e-6, ERRI_CUTOFFS),
+    **{name: (FRA_SHARE * scale, (FRA_CUTOFF, 0.0, cross)) for name, (scale, cross) in FRA.items()},
+}
+"""A [m rad], and Omega_c, Omega_r, Omega_s [rad/m], of every spectrum."""
 SHORTEST = 0.3
 """Shortest wavelength of the irregularity, longest one of the roughness [m]."""
 ROUGHNESS_SLOPE = 3.0
@@ -81,11 +96,12 @@ class Random:
 def irregularity(track: Track) -> tuple[Random, Random] | None:
     """Return vertical irregularity and cross level times half the distance of the rails, or None for a smooth track.
 
-    S_v = A Wc^2 / ((W^2 + Wr^2) (W^2 + Wc^2)) and S_v W^2 / (W^2 + Ws^2) (ERRI B176), one-sided in the wavenumber W.
+    S_v = A Wc^2 / ((W^2 + Wr^2) (W^2 + Wc^2)) and S_v W^2 / (W^2 + Ws^2), one-sided in the wavenumber W (ERRI B176). The classes of the
+    FRA have the same form with Wr = 0 and A = k A_v; wavelengths above two pages are left out.
     """
     if track.spectrum == "none":
         return None
-    scale, (c, r, s) = IRREGULARITY[track.spectrum], CUTOFFS
+    scale, (c, r, s) = IRREGULARITY[track.spectrum]
 
     def vertical(w: Floats) -> Floats:
         density = scale * c**2 / ((w**2 + r**2) * (w**2 + c**2))
@@ -140,33 +156,39 @@ class Rails:
 
     def displacement(self, place: Floats, side: int) -> Floats:
         """Return the height of the left (1) or right (-1) rail at places [m]."""
+        return self.displacements(place, (side,))[0]
+
+    def displacements(self, place: Floats, sides: Sequence[int]) -> list[Floats]:
+        """Return the heights of rails at places [m]; both rails share the irregularity."""
+        both = tuple(part.at(place) for part in self._irregularity) if self._irregularity is not None else None
+        return [self._displacement(place, side, both) for side in sides]
+
+    def _displacement(self, place: Floats, side: int, both: tuple[Floats, ...] | None) -> Floats:
         height = self._rough[0 if side > 0 else 1].at(place)
-        if self._irregularity is not None:
-            vertical, cross = self._irregularity
-            height += vertical.at(place) + side * cross.at(place)
+        if both is not None:
+            vertical, cross = both
+            height += vertical + side * cross
         if self._corrugation is not None and self._corrugation[2] == SIDES[0 if side > 0 else 1]:
             wavelength, amplitude, _ = self._corrugation
             height += amplitude * np.sin(2.0 * math.pi / wavelength * place)
-        for kink in self.kinks(float(place.min()) - REACH, float(place.max()) + REACH, side):
+        for kink, _ in self.kinks(float(place.min()) - REACH, float(place.max()) + REACH, side):
             away = abs(place - kink)
             sunk = self._track.joint_angle * DIP * (np.exp(-away / DIP) - math.exp(-REACH / DIP))
             height -= np.where(away < REACH, sunk, 0.0)
         return height
 
-    def kinks(self, first: float, last: float, side: int) -> list[float]:
-        """Return the places of joints and crossings of a rail from ``first`` up to ``last`` [m], in order."""
-        listed = [place for place, rail in self._crossings if first <= place < last and rail == SIDES[0 if side > 0 else 1]]
+    def kinks(self, first: float, last: float, side: int) -> list[tuple[float, str]]:
+        """Return the places of kinks of a rail from ``first`` up to ``last`` [m], in order, and whether each is a joint or a crossing."""
+        listed = [(place, "crossing") for place, rail in self._crossings if first <= place < last and rail == SIDES[0 if side > 0 else 1]]
         spacing = self._track.joint_spacing
-        if spacing > 0.0:
-            listed += [k * spacing for k in range(math.ceil(first / spacing), math.ceil(last / spacing))]
+        if spacing > 0.0 and self._track.joint_rail in ("both", SIDES[0 if side > 0 else 1]):
+            listed += [(k * spacing, "joint") for k in range(math.ceil(first / spacing), math.ceil(last / spacing))]
         return sorted(listed)
 
 
 def coherence(wavelength: float, spectrum: str = "erri_low") -> float:
     """Return the coherence of left and right irregularity at a wavelength [m], ((S_v - S_x) / (S_v + S_x))^2."""
-    w, (c, r, s) = 2.0 * math.pi / wavelength, CUTOFFS
-    vertical = IRREGULARITY[spectrum] * c**2 / ((w**2 + r**2) * (w**2 + c**2))
+    w, (scale, (c, r, s)) = 2.0 * math.pi / wavelength, IRREGULARITY[spectrum]
+    vertical = scale * c**2 / ((w**2 + r**2) * (w**2 + c**2))
     cross = vertical * w**2 / (w**2 + s**2)
     return ((vertical - cross) / (vertical + cross)) ** 2
-
-

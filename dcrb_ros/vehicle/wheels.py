@@ -8,8 +8,7 @@ import numpy as np
 
 from dcrb_ros.measurement.random_streams import random_stream
 from dcrb_ros.schema.arrays import Complexes, Floats
-from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.vehicle.description import GRAVITY, Box, Vehicle, numbers
+from dcrb_ros.vehicle.description import GRAVITY, Box, Vehicle, Wheel, orders
 from dcrb_ros.vehicle.kernels import cubic
 from dcrb_ros.vehicle.track import roughness
 
@@ -31,7 +30,7 @@ class WheelSurface:
     """The surface of a wheel as its angle passes the rail."""
 
     def __init__(self, vehicle: Vehicle, box: Box) -> None:
-        self._radius, self._wheel, self._load = vehicle.axles[box.axle].radius, box.wheel, vehicle.static_load
+        self._radius, self._load = vehicle.axles[box.axle].radius, vehicle.static_load
         random = random_stream(vehicle.track.seed, f"wheel/{box.name}")
         order = np.arange(1, POINTS // 2 + 1)
         wavenumber = order / self._radius
@@ -41,14 +40,18 @@ class WheelSurface:
         self._rough = self._table(np.asarray(spectrum, np.complex128))
         self._curvature = self._table(np.asarray(spectrum * np.concatenate([[0.0], -(wavenumber**2)]), np.complex128))
         self._flat_angle = float(random.uniform(0.0, 2.0 * math.pi))
-        self._polygon: tuple[float, float] | None = None
-        if box.wheel.polygon:
-            n, height = numbers(box.wheel.polygon, 2, f"{box.name}.wheel.polygon")
-            if n != round(n) or not (1 <= n <= 40 and 0.0 < height <= 1e-3):
-                raise Refusal(
-                    f"{box.name}.wheel.polygon = '{box.wheel.polygon}': give a whole order of 1 .. 40 and an amplitude up to 0.001 m"
-                )
-            self._polygon = n, height
+        self._unbalance_angle = float(random.uniform(0.0, 2.0 * math.pi))
+        self._name = box.name
+        self.wear(box.wheel)
+
+    def wear(self, wheel: Wheel) -> None:
+        """Take other defects.
+
+        Raises:
+            Refusal: the orders of the polygon cannot be read.
+        """
+        self._polygon = orders(wheel.polygon, f"{self._name}.wheel.polygon")
+        self._wheel = wheel
 
     @staticmethod
     def _table(spectrum: Complexes) -> Floats:
@@ -65,8 +68,7 @@ class WheelSurface:
     def displacement(self, angle: Floats, speed: float) -> Floats:
         """Return the displacement at angles of the wheelset [m]."""
         height = self._around(self._rough, angle)
-        if self._polygon is not None:
-            order, amplitude = self._polygon
+        for order, amplitude in self._polygon:
             height += amplitude * np.cos(order * angle)
         if self._wheel.flat > 0.0:
             # Where the wheel clears the rail, it falls for the time that makes the jump.
@@ -76,6 +78,15 @@ class WheelSurface:
             away = np.mod(angle - self._flat_angle + np.pi, 2.0 * np.pi) - np.pi
             height -= depth * np.exp(-abs(away) * self._radius / reach)
         return height
+
+    @property
+    def unbalanced(self) -> bool:
+        """Whether the wheel has an unbalance."""
+        return self._wheel.unbalance > 0.0
+
+    def unbalance(self, angle: Floats, speed: Floats) -> Floats:
+        """Return the vertical force of the unbalance U on the axle, U w^2 sin(angle), at angles and speeds w [rad/s] of a wheelset [N]."""
+        return np.asarray(self._wheel.unbalance * speed**2 * np.sin(angle + self._unbalance_angle), np.float64)
 
     def curvature(self, angle: Floats) -> Floats:
         """Return the second derivative of the roughness along the circumference at angles of the wheelset [1/m]."""

@@ -46,7 +46,7 @@ class LiveRun:
 
     def log(self, content: Content) -> None:
         """Log new content."""
-        with _current(self._stream):
+        with as_current(self._stream):
             self._log_plots(content)
             if content.motion is not None and self._drawing is not None:
                 self._log_motion(content, content.motion)
@@ -146,7 +146,7 @@ class LiveRun:
 
 
 @contextmanager
-def _current(stream: rr.RecordingStream) -> Iterator[None]:
+def as_current(stream: rr.RecordingStream) -> Iterator[None]:
     """Make a stream the current recording; Rerun's own context manager would close the file each time."""
     previous = rr.set_thread_local_data_recording(stream)
     try:

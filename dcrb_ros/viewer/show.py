@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import tempfile
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recovery import plain_files
+from dcrb_ros.recordings.vehicle_folder import vehicle_boxes
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.files import checked_path
 from dcrb_ros.text.writing import whole_file
 from dcrb_ros.viewer.content import Content
 from dcrb_ros.viewer.reader import read_content
+
+if TYPE_CHECKING:
+    from dcrb_ros.viewer.vehicle_content import VehicleContent
 
 
 def checked_output(path: Path, *, suffix: str, option: str) -> Path:
@@ -83,7 +88,37 @@ def screenshot_time(content: Content) -> int:
     return int(content.motion.time_ns[late[np.argmax(content.motion.force[late, :rollers].max(axis=1))]])
 
 
-def view_recording(bag: Path, *, save: Path | None, screenshot: Path | None, web: bool) -> tuple[Content, bool, int]:
+def _view_vehicle(bag: Path, *, save: Path | None, screenshot: Path | None, web: bool) -> tuple[VehicleContent, bool, int]:
+    """Write the requested files of a vehicle or open the viewer, as `view_recording` does."""
+    from dcrb_ros.recordings.vehicle import VehicleRecording
+    from dcrb_ros.viewer.vehicle_content import read_vehicle_content
+    from dcrb_ros.viewer.vehicle_document import picture_time, write_vehicle_document
+    from dcrb_ros.viewer.window import open_window, save_screenshot
+
+    recording = VehicleRecording(bag)
+    content, first = read_vehicle_content(recording), next(iter(recording.boxes.values()))
+
+    def write(path: Path) -> None:
+        with tempfile.TemporaryDirectory(dir=path.absolute().parent, prefix=".dcrb-view-") as folder:
+            write_vehicle_document(content, path, native=plain_files(first, Path(folder)))
+
+    status = 0
+    if save is not None:
+        with whole_file(save) as part:
+            write(part)
+    with tempfile.TemporaryDirectory(prefix="dcrb-view-") as folder:
+        if screenshot is not None:
+            document = Path(folder, "picture.rrd")
+            write_vehicle_document(content, document, picture_only=True)
+            save_screenshot(document, screenshot, at_ns=picture_time(content))
+        if save is None and screenshot is None:
+            document = Path(folder, f"{content.title}.rrd")
+            write(document)
+            status = open_window(document, web=web)
+    return content, not recording.damage, status
+
+
+def view_recording(bag: Path, *, save: Path | None, screenshot: Path | None, web: bool) -> tuple[Content | VehicleContent, bool, int]:
     """Write the requested files or open the viewer.
 
     Returns the content, whether the recording is complete, and the exit status of the viewer.
@@ -95,6 +130,8 @@ def view_recording(bag: Path, *, save: Path | None, screenshot: Path | None, web
     for path, suffix, option in outputs:
         if path is not None:
             checked_output(path, suffix=suffix, option=option)
+    if vehicle_boxes(bag):
+        return _view_vehicle(bag, save=save, screenshot=screenshot, web=web)
     recording = Recording(bag)
     content = read_content(recording)
     if save is not None:

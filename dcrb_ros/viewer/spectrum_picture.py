@@ -49,17 +49,17 @@ class Axes:
         return np.stack(np.broadcast_arrays(x, y), axis=-1)
 
 
-def log_spectra(spectra: Spectra, combs: Sequence[Comb], start_ns: int) -> None:
-    """Log the spectrum of every window, the axes and the fault lines under `ROOT`.
+def log_spectra(spectra: Spectra, combs: Sequence[Comb], start_ns: int, *, root: str = ROOT) -> None:
+    """Log the spectrum of every window, the axes and the fault lines under ``root``.
 
     The spectrum of a window is shown from the window's end on, the first one from ``start_ns``, where the viewer opens.
     """
     times = spectra.time_ns.copy()
     times[0] = start_ns
     axes = axes_of(spectra)
-    log_axes(axes)
-    log_combs(axes, combs)
-    log_levels(axes, combs, replace(spectra, time_ns=times))
+    log_axes(axes, root=root)
+    log_combs(axes, combs, root=root)
+    log_levels(axes, combs, replace(spectra, time_ns=times), root=root)
 
 
 def axes_of(spectra: Spectra) -> Axes:
@@ -73,42 +73,42 @@ def track(row: int, count: int) -> float:
     return -TRACK * (count - row + 0.3)
 
 
-def log_combs(axes: Axes, combs: Sequence[Comb]) -> None:
+def log_combs(axes: Axes, combs: Sequence[Comb], *, root: str = ROOT) -> None:
     """Log the fault lines and the style of curve, area and peaks."""
     for row, comb in enumerate(combs):
-        log_comb(axes.highest_order, comb, track(row, len(combs)))
+        log_comb(axes.highest_order, comb, track(row, len(combs)), root=root)
         fixed = rr.Points2D.from_fields(radii=rr.Radius.ui_points(3.5), colors=[palette.FAULT_LINES[comb.name]], draw_order=5.0)
-        rr.log(f"{ROOT}/{comb.name}/peaks", fixed, static=True)
+        rr.log(f"{root}/{comb.name}/peaks", fixed, static=True)
     half = 0.55 * WIDTH * ORDER_STEP / axes.highest_order
-    rr.log(f"{ROOT}/area", rr.LineStrips2D.from_fields(radii=[half], colors=[palette.AREA], draw_order=2.0), static=True)
+    rr.log(f"{root}/area", rr.LineStrips2D.from_fields(radii=[half], colors=[palette.AREA], draw_order=2.0), static=True)
     thin = rr.Radius.ui_points(0.7)
-    rr.log(f"{ROOT}/curve", rr.LineStrips2D.from_fields(radii=thin, colors=[palette.CURVE], draw_order=3.0), static=True)
+    rr.log(f"{root}/curve", rr.LineStrips2D.from_fields(radii=thin, colors=[palette.CURVE], draw_order=3.0), static=True)
 
 
-def log_levels(axes: Axes, combs: Sequence[Comb], spectra: Spectra) -> None:
+def log_levels(axes: Axes, combs: Sequence[Comb], spectra: Spectra, *, root: str = ROOT) -> None:
     """Log the curve, the area below it, the peaks and the shaft frequency of every spectrum over time."""
     for comb in combs:
-        log_peaks(axes, comb, spectra.time_ns, spectra.orders, spectra.level)
-    log_curve(axes, spectra.time_ns, spectra.orders, spectra.level)
+        log_peaks(axes, comb, spectra.time_ns, spectra.orders, spectra.level, root=root)
+    log_curve(axes, spectra.time_ns, spectra.orders, spectra.level, root=root)
     labels = [f"multiples of the shaft frequency ({frequency:.2f} Hz)" for frequency in spectra.shaft_frequency]
-    rr.send_columns(f"{ROOT}/meaning", [time_column(spectra.time_ns)], rr.Points2D.columns(labels=labels))
+    rr.send_columns(f"{root}/meaning", [time_column(spectra.time_ns)], rr.Points2D.columns(labels=labels))
 
 
-def log_axes(axes: Axes) -> None:
+def log_axes(axes: Axes, *, root: str = ROOT) -> None:
     """Log grid, ticks and the position of the axis label."""
     orders = order_ticks(axes.highest_order)
     levels = np.arange(0.0, axes.highest_level + 1e-9, LEVEL_TICK)
     upright = [axes.points(np.array([o, o]), np.array([axes.lowest_level, axes.highest_level])) for o in orders]
     level = [axes.points(np.array([0.0, axes.highest_order]), np.array([v, v])) for v in levels]
     grid = rr.LineStrips2D([*upright, *level], radii=rr.Radius.ui_points(0.5), colors=[palette.FAINT], draw_order=0.0)
-    rr.log(f"{ROOT}/grid", grid, static=True)
+    rr.log(f"{root}/grid", grid, static=True)
     below = axes.points(orders, np.full_like(orders, axes.lowest_level)) + np.array([0.0, 30.0])
     beside = axes.points(np.zeros_like(levels), levels) + np.array([VALUES, 0.0])
     texts = [*(f"{order:g}" for order in orders), *(f"{value:g}" for value in levels[:-1]), f"{levels[-1]:g} dB"]
-    log_texts(f"{ROOT}/ticks", np.concatenate([below, beside]), texts, palette.MUTED)
+    log_texts(f"{root}/ticks", np.concatenate([below, beside]), texts, palette.MUTED)
     middle = [[0.5 * WIDTH, HEIGHT + 74.0 - LABEL_DROP]]
     label = rr.Points2D.from_fields(positions=middle, radii=[0.01], show_labels=True, colors=[palette.MUTED])
-    rr.log(f"{ROOT}/meaning", label, static=True)
+    rr.log(f"{root}/meaning", label, static=True)
 
 
 def order_ticks(highest: float) -> Floats:
@@ -138,7 +138,7 @@ def log_comb(highest_order: float, comb: Comb, y: float, *, root: str = ROOT) ->
     log_texts(f"{path}/name", np.array([[NAMES, y]]), [comb.name], colour)
 
 
-def log_peaks(axes: Axes, comb: Comb, time_ns: Times, orders: Floats, level: Floats) -> None:
+def log_peaks(axes: Axes, comb: Comb, time_ns: Times, orders: Floats, level: Floats, *, root: str = ROOT) -> None:
     """Log a dot at the peak of the spectrum near every harmonic."""
     if not comb.orders:
         return
@@ -148,15 +148,15 @@ def log_peaks(axes: Axes, comb: Comb, time_ns: Times, orders: Floats, level: Flo
         near = np.flatnonzero(np.abs(orders - harmonic) <= max(SEARCH * harmonic, 1.5 * resolution))
         best = near[np.argmax(level[:, near], axis=1)]
         positions[:, k] = axes.points(orders[best], level[np.arange(len(level)), best])
-    path = f"{ROOT}/{comb.name}/peaks"
+    path = f"{root}/{comb.name}/peaks"
     columns.send(path, time_ns, columns.vectors(rr.Points2D.descriptor_positions(), positions))
 
 
-def log_curve(axes: Axes, time_ns: Times, orders: Floats, level: Floats) -> None:
+def log_curve(axes: Axes, time_ns: Times, orders: Floats, level: Floats, *, root: str = ROOT) -> None:
     """Log the curve of the spectrum and the area below it."""
     curve = axes.points(orders, level)
     foot = curve.copy()
     foot[..., 1] = HEIGHT
     area = np.stack([foot, curve], axis=2)
-    columns.send(f"{ROOT}/area", time_ns, columns.strips(area))
-    columns.send(f"{ROOT}/curve", time_ns, columns.strips(curve[:, None]))
+    columns.send(f"{root}/area", time_ns, columns.strips(area))
+    columns.send(f"{root}/curve", time_ns, columns.strips(curve[:, None]))

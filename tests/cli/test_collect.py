@@ -133,7 +133,7 @@ def test_the_head_of_the_card_and_the_description_name_files_that_exist(kind: st
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        ("file,faults\n105.npz,healthy\n", "has no column fault"),
+        ("file,faults\n105.npz,healthy\n", "lacks the columns fault: it needs file, fault; unknown is 'faults'; did you mean"),
         ("file,fault,sped\n105.npz,healthy,3\n", "unknown column 'sped'"),
         ("file,fault\n105.npz,inner\n", "fault = 'inner' is unknown"),
         ("file,fault\n106.npz,healthy\n", "line 2: there is no file"),

@@ -1,83 +1,77 @@
-"""Axles by day and night: tables that repeat the bearing, and hot boxes that the detector finds before a wayside detector."""
+"""Rules for the boxes of a train: each at its limit, blind where the sun would trip it, and read by a line of wayside detectors."""
 
 from __future__ import annotations
 
-import math
-import sys
-from pathlib import Path
-
-import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
+from dcrb_ros.diagnosis.hot_boxes import HotBoxParameters, hot_boxes, opposite_of
+from dcrb_ros.diagnosis.wayside import Box, Wayside, WaysideParameters
 
-from hot_box_fleet import STEP, Fleet, Growth, Temperatures
-from hot_box_heat import HeatTable, heat_table
-from hot_boxes import Outcome, faulty_days, healthy_days
-
-import dcrb_ros
-from dcrb_ros.bearing.quasi_steady import QuasiSteady
-from dcrb_ros.diagnosis.parameters import DetectorParameters
-
-pytestmark = pytest.mark.slow
+BOXES = ("axle_1.left", "axle_1.right", "axle_2.left", "axle_2.right")
+BOTH = HotBoxParameters(rules="both")
 
 
-@pytest.fixture(scope="module")
-def configuration() -> dcrb_ros.Configuration:
-    return dcrb_ros.load_configuration("healthy", {"thermal.law": "network"})
+def rules(hot: str, above: float, *, ambient: float = 20.0, others: float = 35.0, speed: float = 20.0) -> list[str]:
+    readings = {box: others + (above if box == hot else 0.0) for box in BOXES}
+    broken = hot_boxes(readings, ambient, speed, BOTH)
+    assert {each.box for each in broken} <= {hot}
+    return [each.rule for each in broken]
 
 
-@pytest.fixture(scope="module")
-def table(configuration: dcrb_ros.Configuration) -> HeatTable:
-    return heat_table(configuration, "loss")
+@pytest.mark.parametrize(
+    ("above", "expected"),
+    [
+        (14.9, []),
+        (15.1, ["others"]),
+        (35.1, ["absolute", "others"]),  # 70 deg C
+        (52.9, ["opposite", "absolute", "others"]),  # 95 F
+        (79.5, ["ambient", "opposite", "absolute", "others"]),  # 170 F over 20 deg C
+    ],
+)
+def test_each_rule_has_its_limit(above: float, expected: list[str]) -> None:
+    assert rules("axle_2.right", above) == expected
 
 
-@pytest.mark.parametrize("loss", [0.0, 0.75, 1.0])
-def test_tables_repeat_the_bearing_between_their_points(configuration: dcrb_ros.Configuration, table: HeatTable, loss: float) -> None:
-    bearing, one = QuasiSteady(configuration), np.ones(1)
-    running, exact, found = bearing.running(100.0, 110e3), [20.0] * 7, np.full((4, 1), 20.0)
-    for _ in range(90):
-        exact = bearing.after(running, exact, 20.0, loss)
-        found = table.after(found, 100.0 * one, 110e3 * one, loss * one, 20.0 * one, one, one, 0.0 * one, 20.0)
-    nodes = [bearing.network.inner(0), bearing.network.rollers(0), bearing.network.outer(0), bearing.network.box]
-    assert found[:, 0] == pytest.approx([exact[node] for node in nodes], rel=0.02)
+def test_the_sun_of_a_station_alarms_no_one_below_30_km_per_hour() -> None:
+    # 108 W warm a box by 20 K at rest.
+    assert rules("axle_1.left", 20.0, speed=0.0) == rules("axle_1.left", 20.0, speed=29.0 / 3.6) == []
+    assert rules("axle_1.left", 20.0, speed=31.0 / 3.6) == ["others"]
 
 
-def test_a_fleet_is_the_same_for_the_same_seed_and_runs_by_day() -> None:
-    one, same, other = Fleet(3, 1, 7), Fleet(3, 1, 7), Fleet(3, 1, 8)
-    assert np.array_equal(one.duty.speed, same.duty.speed)
-    assert np.array_equal(one.duty.ambient, same.duty.ambient)
-    assert not np.array_equal(one.duty.speed, other.duty.speed)
-    assert not one.duty.speed[: round(4.9 * 3600.0 / STEP)].any()
-    kmh = 3.6 * 0.46 * one.duty.speed[one.duty.speed > 0.0]
-    assert 0.6 * 120.0 <= kmh.min() <= kmh.max() <= 200.0
+def test_the_sun_on_a_side_breaks_no_rule_of_the_us() -> None:
+    readings = {"axle_1.left": 38.2, "axle_1.right": 35.0, "axle_2.left": 38.2, "axle_2.right": 35.0}
+    assert hot_boxes(readings, 20.0, 20.0, HotBoxParameters()) == []
 
 
-@pytest.fixture(scope="module")
-def outcomes(table: HeatTable) -> list[Outcome]:
-    """Two axles that lose their lubricant within two hours of their first day."""
-    fleet = Fleet(2, 1, 3)
-    return faulty_days(fleet, table, Growth(np.full(2, 9.0 * 3600.0), np.full(2, 7200.0), 1.0), DetectorParameters())
+def test_the_sets_have_rules_of_their_own() -> None:
+    readings = dict.fromkeys(BOXES, 35.0) | {"axle_1.left": 150.0}
+    assert [hot.rule for hot in hot_boxes(readings, 20.0, 20.0, HotBoxParameters(rules="us"))] == ["ambient", "opposite"]
+    assert [hot.rule for hot in hot_boxes(readings, 20.0, 20.0, HotBoxParameters(rules="workshop"))] == ["absolute", "others"]
 
 
-def test_the_detector_finds_a_hot_box_before_the_wayside_rule(outcomes: list[Outcome]) -> None:
-    assert all(one.wayside < math.inf for one in outcomes)
-    assert all(one.lead > 0.0 for one in outcomes)
-    assert all(one.hottest > 94.4 for one in outcomes)
-    assert not any(one.early for one in outcomes)
+@given(st.floats(-20.0, 40.0), st.floats(0.0, 60.0), st.floats(-30.0, 30.0))
+def test_rules_across_axle_and_train_do_not_depend_on_the_weather(ambient: float, above: float, warmer: float) -> None:
+    across = []
+    for base in (ambient + 15.0, ambient + 15.0 + warmer):
+        readings = {box: base + (above if box == BOXES[2] else 0.0) for box in BOXES}
+        across.append([each.rule for each in hot_boxes(readings, ambient, 20.0, BOTH) if each.rule in ("opposite", "others")])
+    if min(abs(above - 15.0), abs(above - 52.8)) > 1e-6:
+        assert across[0] == across[1]
 
 
-def test_healthy_days_raise_no_alarm(table: HeatTable) -> None:
-    boxes, hot = healthy_days(Fleet(1, 1, 5), table, DetectorParameters())
-    assert len(boxes) == 2
-    assert not any(box.alarms for box in boxes)
-    assert hot == 0
+def test_a_missing_neighbour_leaves_the_rules_that_need_none() -> None:
+    assert opposite_of("axle_2.right") == "axle_2.left"
+    assert [hot.rule for hot in hot_boxes({"axle_1.left": 150.0}, 20.0, 20.0, BOTH)] == ["ambient", "absolute"]
 
 
-def test_thermometers_have_noise_steps_and_a_bias() -> None:
-    fleet = Fleet(2, 1, 1)
-    exact = np.full((fleet.steps, 2, 2), 40.2, np.float32)
-    ring, air = fleet.readings(Temperatures(exact, exact))
-    assert set(np.unique(ring * 2.0 % 1.0)) == {0.0}
-    assert ring.mean() == pytest.approx(40.2, abs=0.02)
-    assert (air - fleet.duty.ambient).mean(axis=0) == pytest.approx(fleet.bias, abs=0.02)
+def test_a_line_of_detectors_reads_every_box_of_a_train_once_per_passage() -> None:
+    line, passages = Wayside(WaysideParameters(spacing=30.0, noise=0.0)), []
+    boxes = {name: Box(35.0, 40.0) for name in BOXES} | {"axle_2.left": Box(100.0, 140.0)}
+    for second in range(3601):
+        passages.append(line.follow_train(second * 1_000_000_000, 20.0, boxes, 20.0, HotBoxParameters()))
+    read = [passage for passage in passages if passage is not None]
+    assert [round(passage.distance) for passage in read] == [30, 60]  # 72 km
+    assert read[0].readings["axle_1.left"] == pytest.approx(35.0 + 0.15 * 5.0)
+    assert [(hot.box, hot.rule) for hot in read[0].hot] == [("axle_2.left", "opposite")]

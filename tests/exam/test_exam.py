@@ -25,7 +25,7 @@ from dcrb_ros.cli.score import _is_recording
 from dcrb_ros.diagnosis.detector import Diagnosis
 from dcrb_ros.exam.case import Case, scenarios_hash
 from dcrb_ros.exam.criteria import Criteria
-from dcrb_ros.exam.exam_file import Exam, exam_of, read_exam, shipped_exams
+from dcrb_ros.exam.exam_file import Exam, exam_of, read_exam
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.figure import write_figure
 from dcrb_ros.exam.recorded_case import read_recorded_case
@@ -41,6 +41,7 @@ from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.shipped import shipped
 from dcrb_ros.stream.block import Truth
 
 SPALL = Expectation("outer", "outer_ring", 10.0, 4.0, {"width": 0.002}, twin="twin")
@@ -330,7 +331,7 @@ def test_shipped_exams_are_valid(name: str) -> None:
 
 
 def test_shipped_exams_are_found() -> None:
-    assert set(shipped_exams()) == {"smoke", "standard", "blind", "full", "graded", "hours", "lubrication"}
+    assert set(shipped("exam")) == {"smoke", "standard", "blind", "full", "graded", "hours", "lubrication", "bogie"}
 
 
 def test_the_exam_hours_has_four_healthy_hours_of_varied_operation() -> None:

@@ -101,6 +101,9 @@ def test_a_wrong_answer_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, c
         ({"BPFO": "x"}, "line 2: could not convert"),
         ({"name": "calm"}, "lists calm twice"),
         ({"name": "lost"}, "twice"),
+        ({"name": "../recordings"}, "line 2: name = '../recordings' is not the name of a file"),
+        ({"name": ""}, "line 2: name = '' is not the name of a file"),
+        ({"machin": "m"}, "has the unknown column 'machin'; did you mean 'machine'"),
     ],
 )
 def test_an_invalid_table_is_refused(changes: dict[str, str], sentence: str, tmp_path: Path) -> None:
@@ -112,6 +115,8 @@ def test_a_folder_without_table_or_column_is_refused(tmp_path: Path) -> None:
     with pytest.raises(Refusal, match=r"recordings.csv cannot be read"):
         read_measured(tmp_path)
     (tmp_path / "recordings.csv").write_text(",".join(COLUMNS[1:]) + "\n" + "1," * 9 + "1\n")
+    with pytest.raises(Refusal, match="the column of speeds 'none' is unknown"):
+        read_measured(tmp_path, "none")
     with pytest.raises(Refusal, match="lacks the columns name"):
         read_measured(tmp_path, "documented")
 

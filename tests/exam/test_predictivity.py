@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -205,13 +206,56 @@ def test_answers_are_kept_and_a_detector_that_fails_is_left_out(tmp_path: Path) 
     assert len(runs.read_text()) == 6
 
 
-def test_damaged_answers_are_made_again(tmp_path: Path) -> None:
+def edited_answer(file: Path) -> None:
+    kept = json.loads(file.read_text())
+    kept["answers"] = dict.fromkeys(kept["answers"], "cage")
+    file.write_text(json.dumps(kept))
+
+
+def flipped_bit(file: Path) -> None:
+    data = bytearray(file.read_bytes())
+    data[len(data) // 2] ^= 1
+    file.write_bytes(bytes(data))
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda file: file.write_text(file.read_text()[:20]),
+        flipped_bit,
+        edited_answer,
+        lambda file: file.write_text('{"answers": [], "sha256": {}}'),
+        lambda file: (file.unlink(), file.mkdir()),
+    ],
+    ids=["cut", "flipped", "edited", "another form", "a folder"],
+)
+def test_answers_that_are_not_as_they_were_written_are_made_again(
+    damage: Callable[[Path], object], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     members = families_of(folder_of_detectors(tmp_path / "detectors"))[0][:1]
     tasks = measured_tasks(read_measured(measured_folder(tmp_path / "measured")), 1.0)
     first = answers_of(members, tasks, tmp_path, Limits(), 1, no_progress("judged", 1)).answers
     (kept,) = (tmp_path / "answers").glob("*.json")
-    kept.write_text(kept.read_text()[:20])
-    assert answers_of(members, tasks, tmp_path, Limits(), 1, no_progress("judged", 1)).answers == first
+    damage(kept)
+    if kept.is_dir():
+        with pytest.raises(Refusal, match="cannot be written"):
+            answers_of(members, tasks, tmp_path, Limits(), 1, no_progress("judged", 1))
+    else:
+        assert answers_of(members, tasks, tmp_path, Limits(), 1, no_progress("judged", 1)).answers == first
+    assert "is not as it was written" in capsys.readouterr().err
+
+
+def test_the_answers_of_another_detector_are_not_taken(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    members = families_of(folder_of_detectors(tmp_path / "detectors"))[0][:2]
+    tasks = measured_tasks(read_measured(measured_folder(tmp_path / "measured")), 1.0)
+    first = answers_of(members, tasks, tmp_path, Limits(), 1, no_progress("judged", 2)).answers
+    one, other = (tmp_path / "answers").glob("*.json")
+    contents = one.read_bytes(), other.read_bytes()
+    assert contents[0] != contents[1]
+    other.write_bytes(contents[0])
+    one.write_bytes(contents[1])
+    assert answers_of(members, tasks, tmp_path, Limits(), 1, no_progress("judged", 2)).answers == first
+    assert capsys.readouterr().err.count("is not as it was written") == 2
 
 
 def test_a_recording_that_is_not_there_is_refused(tmp_path: Path) -> None:

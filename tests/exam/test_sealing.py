@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime
 import json
 from pathlib import Path
 from typing import Any
@@ -43,6 +44,26 @@ TEMPLATE: dict[str, Any] = {
         {"name": "well", "verdict": "healthy"},
     ],
 }
+
+
+@pytest.mark.parametrize(
+    ("entry", "sentence"),
+    [
+        ({"name": {"a": 1}}, "name = {'a': 1} is not a text"),
+        ({"name": None}, "name = None is not a text"),
+        ({"set": [1]}, r"set = \[1\] must name parameters"),
+    ],
+)
+def test_a_drawn_scenario_has_a_name_and_groups_of_parameters(entry: dict[str, Any], sentence: str) -> None:
+    template = {**TEMPLATE, "scenarios": [{**TEMPLATE["scenarios"][0], **entry}]}
+    with pytest.raises(Refusal, match=sentence):
+        drawn_exam(template, SECRET, "t")
+
+
+@pytest.mark.parametrize("value", [float("nan"), {1: 2, "a": 3}, {"day": datetime.date(2026, 1, 1)}])
+def test_a_template_that_json_cannot_represent_is_refused(value: Any) -> None:
+    with pytest.raises(Refusal, match="the template cannot be sealed"):
+        commitment({**TEMPLATE, "note": value}, SECRET)
 
 
 def test_the_same_secret_draws_the_same_exam_and_another_secret_another_one() -> None:

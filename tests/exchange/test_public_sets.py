@@ -12,8 +12,9 @@ from separate_process import dcrb
 
 from dcrb_ros.bearing.order_check import order_mistake
 from dcrb_ros.exchange.importing import WaveformImport
-from dcrb_ros.exchange.public_sets import find_description, listed, public_sets
+from dcrb_ros.exchange.public_sets import listed
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.settings.shipped import find_shipped, shipped
 from dcrb_ros.text.yaml import read_yaml
 
 TO_ADD = {"hit": "channels", "saarland": "channels", "uestc": "orders", "ottawa-constant-speed": "orders"}
@@ -21,9 +22,9 @@ TO_ADD = {"hit": "channels", "saarland": "channels", "uestc": "orders", "ottawa-
 NOISE = np.random.default_rng(2).normal(size=20_000)
 
 
-@pytest.mark.parametrize("name", list(public_sets()))
+@pytest.mark.parametrize("name", list(shipped("description")))
 def test_a_description_names_its_origin(name: str) -> None:
-    source = read_yaml(find_description(name))["source"]
+    source = read_yaml(find_shipped("description", name))["source"]
     assert {"title", "bearing", "labels", "licence", "where"} <= set(source)
 
 
@@ -72,20 +73,20 @@ def made_up(folder: Path, name: str) -> Path:
     return text
 
 
-@pytest.mark.parametrize("name", list(public_sets()))
+@pytest.mark.parametrize("name", list(shipped("description")))
 def test_a_file_of_its_form_is_imported(name: str, tmp_path: Path) -> None:
     file, settings = made_up(tmp_path, name), FILES[name][1]
-    found = WaveformImport(file, find_description(name), settings)
+    found = WaveformImport(file, find_shipped("description", name), settings)
     assert order_mistake(found.orders) == ""
     unknown = name in ("hit", "saarland")  # whose speed is left open here
     assert np.isfinite(found.angle).all() != unknown
     if name in TO_ADD:
         with pytest.raises(Refusal, match=TO_ADD[name]):
-            WaveformImport(file, find_description(name))
+            WaveformImport(file, find_shipped("description", name))
 
 
 def test_the_speed_of_an_encoder_is_followed(tmp_path: Path) -> None:
-    found = WaveformImport(made_up(tmp_path, "ottawa-variable-speed"), find_description("ottawa-variable-speed"))
+    found = WaveformImport(made_up(tmp_path, "ottawa-variable-speed"), find_shipped("description", "ottawa-variable-speed"))
     turns = np.unwrap(found.angle.astype(float)) / (2.0 * np.pi)
     time = np.arange(len(turns)) / 200_000
     assert np.ptp(turns - 12.0 * time - 40.0 * time**2) < 1.0 / 1024
@@ -93,16 +94,16 @@ def test_the_speed_of_an_encoder_is_followed(tmp_path: Path) -> None:
 
 
 def test_the_speed_of_a_slower_channel_is_followed(tmp_path: Path) -> None:
-    found = WaveformImport(made_up(tmp_path, "paderborn"), find_description("paderborn"))
+    found = WaveformImport(made_up(tmp_path, "paderborn"), find_shipped("description", "paderborn"))
     turns = np.unwrap(found.angle.astype(float)) / (2.0 * np.pi)
     assert turns[-1] - turns[0] == pytest.approx(15.0 * 19_999 / 64_000, rel=1e-5)
 
 
 def test_names_are_listed_shown_and_corrected() -> None:
-    assert len(listed()) == len(public_sets()) == len(FILES)
+    assert len(listed()) == len(shipped("description")) == len(FILES)
     done = dcrb("import", "--list")
     assert done.stdout.splitlines() == listed()
-    assert dcrb("import", "--show", "cwru-48k").stdout == find_description("cwru-48k").read_text(encoding="utf-8")
+    assert dcrb("import", "--show", "cwru-48k").stdout == find_shipped("description", "cwru-48k").read_text(encoding="utf-8")
     wrong = dcrb("import", "--show", "cwru48")
     assert (wrong.returncode, wrong.stderr.count("\n")) == (2, 1)
     assert "did you mean 'cwru-48k'?" in wrong.stderr

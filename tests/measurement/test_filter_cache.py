@@ -54,6 +54,17 @@ def test_another_version_is_designed_again(made: list[float], monkeypatch: pytes
     assert len(made) == 2
 
 
+def test_the_file_of_another_design_is_not_taken(made: list[float], tmp_path: Path) -> None:
+    thirds = design(made)
+    expected = [thirds(0.1)[0, 0], thirds(0.2)[0, 0]]
+    one, other = (tmp_path / "filters").iterdir()
+    contents = one.read_bytes(), other.read_bytes()
+    one.write_bytes(contents[1])
+    other.write_bytes(contents[0])
+    assert [thirds(0.1)[0, 0], thirds(0.2)[0, 0]] == expected
+    assert made == [0.1, 0.2, 0.1, 0.2]
+
+
 def flipped(held: bytes) -> bytes:
     """Flip the last bit of the last number."""
     return held[:-1] + bytes([held[-1] ^ 1])

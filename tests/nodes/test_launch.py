@@ -16,10 +16,12 @@ import yaml
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.messages.topics import TRANSFORMS
 from dcrb_ros.messages.topics.transforms import encode_transforms
+from dcrb_ros.nodes.vehicle_detector_input import VehicleDetectorSettings
 from dcrb_ros.recordings.replay import ReplayParameters
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import validated
+from dcrb_ros.vehicle.file import read_vehicle
 
 pytestmark = pytest.mark.slow
 
@@ -190,6 +192,38 @@ def test_parameters_of_every_node_are_kept(monkeypatch: pytest.MonkeyPatch, tmp_
 def test_frames_do_not_begin_with_a_slash(monkeypatch: pytest.MonkeyPatch) -> None:
     boxes = [node for node in started("axle_boxes", monkeypatch, namespace="/wagon") if node.executable == "simulator"]
     assert [configuration(box).publishing.frame for box in boxes] == [f"wagon/box{box}/outer_ring" for box in (1, 2, 3, 4)]
+
+
+def test_a_vehicle_is_started_with_the_detector_that_compares_its_boxes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    given = {"vehicle": "bogie", "time_scale": "0.5", "record": str(tmp_path / "run"), "duration": "2.0", "namespace": "wagon"}
+    simulator, detector = started("vehicle", monkeypatch, **given)
+    assert [(node.executable, node.namespace) for node in (simulator, detector)] == [
+        ("vehicle_simulator", "wagon"),
+        ("vehicle_detector", "wagon"),
+    ]
+    assert simulator.arguments == ["--vehicle", "bogie", "--duration", "2.0"]
+    found = read_vehicle("bogie", given_to(simulator)).boxes[0].configuration
+    assert (found.time_scale, found.publishing.listeners, found.recording.path) == (0.5, 1, str(tmp_path / "run"))
+    settings = validated(given_to(detector), VehicleDetectorSettings, "vehicle_detector")
+    assert settings.boxes == DetectorParameters()
+    viewer, *_ = started("vehicle", monkeypatch, rerun="true")
+    assert (viewer.executable, viewer.arguments) == ("viewer", ["--vehicle"])
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        ({"vehicle": "no_such"}, "vehicle:=no_such: there is no vehicle 'no_such'"),
+        ({"time_scale": "-1.0"}, "time_scale:=-1.0: "),
+        ({"record": "/proc/run"}, "record:=/proc/run: no folder can be created"),
+    ],
+)
+def test_a_vehicle_that_cannot_be_started_is_refused_by_its_argument(
+    given: dict[str, str], sentence: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(Refusal) as refused:
+        started("vehicle", monkeypatch, **given)
+    assert str(refused.value).startswith(sentence)
 
 
 def test_the_viewer_is_started_on_request(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -23,6 +23,7 @@ from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.recordings.recorder_thread import CLOSE_TIMEOUT, RecorderThread
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.simulation.ground_truth import commands_in
 from dcrb_ros.stream.events import Event, SpeedCommand, TimedCommand
 
 PATIENCE = 20.0
@@ -62,7 +63,7 @@ def fast(path: Path, *, commands: Sequence[TimedCommand], start_ns: int) -> Reco
 
 def bundles(count: int, events: dict[int, Event] | None = None) -> list[Bundle]:
     encoder = BlockEncoder(Configuration(), BODIES)
-    return [Bundle(b.stamp_ns, b.end_ns, tuple(encoder.encode(b)), b) for b in blocks(count, events=events)]
+    return [Bundle(b.stamp_ns, b.end_ns, tuple(encoder.encode(b)), b, tuple(commands_in(b.truths))) for b in blocks(count, events=events)]
 
 
 def slow_recording(path: Path) -> tuple[RecordingSwitch, SlowDisk, Log]:

@@ -179,14 +179,65 @@ def test_the_listed_features_are_those_that_are_offered(bench: Bench) -> None:
     assert "block" in found.custom_info
 
 
-def test_states_follow_the_requests(bench: Bench) -> None:
-    assert bench.state == PLAYING
+TRANSITIONS = {
+    (STOPPED, STOPPED): ALREADY,
+    (STOPPED, PLAYING): OK,  # "Stopped simulation can be played"
+    (STOPPED, PAUSED): OK,  # "It can also be paused, which means starting simulation in a paused state immediately"
+    (STOPPED, QUITTING): OK,
+    (PLAYING, STOPPED): OK,  # "Simulation is playing, can be either paused or stopped"
+    (PLAYING, PLAYING): ALREADY,
+    (PLAYING, PAUSED): OK,
+    (PLAYING, QUITTING): OK,
+    (PAUSED, STOPPED): OK,  # "Simulation is paused, can be either stopped (which will reset it) or played"
+    (PAUSED, PLAYING): OK,
+    (PAUSED, PAUSED): ALREADY,
+    (PAUSED, QUITTING): OK,
+    (QUITTING, STOPPED): INCORRECT,  # "Simulation interfaces will become unavailable after quitting"
+    (QUITTING, PLAYING): INCORRECT,
+    (QUITTING, PAUSED): INCORRECT,
+    (QUITTING, QUITTING): ALREADY,
+}
+"""Result of each transition, by the state before and the requested one; the quotes are comments of SimulationState.msg."""
+
+
+@pytest.mark.parametrize("before", [STOPPED, PLAYING, PAUSED, QUITTING])
+@pytest.mark.parametrize("target", [STOPPED, PLAYING, PAUSED, QUITTING])
+def test_every_transition_is_made_or_refused_as_the_definitions_say(bench: Bench, before: int, target: int) -> None:
     wait_for(lambda: bench.progress.bundles > 0)
-    for target in (PAUSED, PLAYING, STOPPED, PAUSED, STOPPED, PLAYING):
-        assert bench.set(target) == Result(OK, "")
-        assert bench.state == target
-        assert bench.set(target) == Result(ALREADY, f"the simulation is in state {target} already")
-    assert bench.refusals.count("set_simulation_state") == 0
+    if before != PLAYING:
+        assert bench.set(before) == Result(OK, "")
+    assert bench.state == before
+    answer, code = bench.set(target), TRANSITIONS[before, target]
+    assert answer.result == code
+    assert bool(answer.error_message) == (code != OK)
+    assert bench.state == (before if code == INCORRECT else target)
+    assert bench.refusals.count("set_simulation_state") == (code == INCORRECT)
+
+
+def test_pausing_a_stopped_simulation_takes_no_step(bench: Bench) -> None:
+    bench.set(STOPPED)
+    assert bench.set(PAUSED) == Result(OK, "")
+    assert (bench.progress.bundles, bench.progress.time_ns) == (0, 0)
+
+
+def test_no_block_follows_a_request_to_quit(bench: Bench) -> None:
+    wait_for(lambda: bench.progress.bundles > 0)
+    assert bench.set(QUITTING) == Result(OK, "")
+    sent = bench.progress.bundles
+    wait_for(lambda: bench.engine.ended)
+    assert bench.progress.bundles == sent
+
+
+def test_a_simulation_that_has_ended_is_quitting_and_takes_no_requests(monkeypatch: pytest.MonkeyPatch) -> None:
+    definitions.install(monkeypatch)
+    bench = Bench(count=1)
+    wait_for(lambda: bench.engine.ended)
+    assert bench.state == QUITTING
+    answers = {"set_simulation_state": bench.set(STOPPED), "step_simulation": bench.step(1), "reset_simulation": bench.reset(0)}
+    codes = {"set_simulation_state": INCORRECT, "step_simulation": FAILED, "reset_simulation": Result.RESULT_INCORRECT_STATE}
+    for name, answer in answers.items():
+        assert answer == Result(codes[name], f"{name}: the simulation has ended or is quitting: start the node again")
+        assert bench.refusals.count(name) == 1
 
 
 def test_stopping_returns_to_the_start_and_holds_there(bench: Bench) -> None:

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-NODES = {"simulator", "replayer", "fault_detector", "hot_box_detector", "viewer"}
+NODES = {"simulator", "vehicle_simulator", "replayer", "fault_detector", "vehicle_detector", "hot_box_detector", "viewer"}
 OF_GIT = {".gitattributes", ".gitignore", ".dockerignore"}
 """Files that only the repository needs."""
 

@@ -8,7 +8,7 @@ import json
 import pickle
 import sys
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
@@ -277,6 +277,72 @@ def test_more_points_add_runs_and_keep_the_others(design: str, tmp_path: Path) -
         data_set.make(worker, lambda _: None)  # type: ignore[arg-type]
     assert len(worker.runs) == 28
     assert contents(tmp_path / "again") == after
+
+
+GRID: dict[str, Any] = {key: value for key, value in TREE.items() if key not in ("points", "design", "vary")} | {
+    "cases": {"healthy": {}, "outer": {"faults.outer_1.width": [0.001]}}
+}
+
+
+def grid(*speeds: float, loads: Sequence[float] = (-1e5,), **changed: Any) -> dict[str, Any]:
+    return {**GRID, "vary": {"operating.speed": list(speeds), "operating.load": list(loads)}, **changed}
+
+
+def test_more_values_of_a_grid_add_runs_and_keep_the_others(tmp_path: Path) -> None:
+    first = made(grid(100.0, 110.0, 120.0), tmp_path / "set")
+    before, splits = contents(tmp_path / "set"), read(tmp_path / "set").labels().set_index("run")["split"]
+    added = made(grid(100.0, 110.0, 120.0, 130.0, loads=(-1e5, -8e4)), tmp_path / "set")
+    assert (len(first), len(added)) == (6, 10)
+    after, table = contents(tmp_path / "set"), read(tmp_path / "set").labels().set_index("run")
+    assert all(after[name] == value for name, value in before.items() if name.split("/")[0] in ("runs", "labels", "windows"))
+    assert table.loc[splits.index, "split"].equals(splits)
+    assert table["place"].tolist() == list(range(16))
+    # A third time with a history of two, then the kept sweep file at once.
+    more = made(grid(100.0, 110.0, 120.0, 130.0, 140.0, loads=(-1e5, -8e4)), tmp_path / "set")
+    assert len(more) == 4
+    kept = read_sweep(tmp_path / "set" / "sweep.yaml")
+    assert kept.file.extended == [{"operating.speed": 3, "operating.load": 1}, {"operating.speed": 4, "operating.load": 2}]
+    worker = Here()
+    with open_data_set(plan_of(kept), Store(str(tmp_path / "again"))) as data_set:
+        data_set.make(worker, lambda _: None)  # type: ignore[arg-type]
+    assert len(worker.runs) == 20
+    assert contents(tmp_path / "again") == contents(tmp_path / "set")
+    read(tmp_path / "again")
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        grid(90.0, 100.0, 110.0),
+        grid(100.0),
+        grid(110.0, 100.0, 120.0),
+        grid(100.0, 110.0, 120.0, seeds=2),
+        {**grid(100.0, 110.0), "vary": {"operating.speed": [100.0, 110.0]}},
+        {**grid(100.0, 110.0), "vary": {"operating.speed": {"low": 100.0, "high": 110.0, "count": 3}, "operating.load": [-1e5]}},
+        grid(100.0, 110.0, 120.0, extended=[{"operating.speed": 1, "operating.load": 1}]),
+    ],
+)
+def test_a_grid_without_the_earlier_values_at_their_places_is_another_one(other: dict[str, Any], tmp_path: Path) -> None:
+    made(grid(100.0, 110.0), tmp_path / "set")
+    before = contents(tmp_path / "set")
+    with pytest.raises(Refusal, match="was made with another sweep"):
+        made(other, tmp_path / "set")
+    assert contents(tmp_path / "set") == before
+
+
+def test_a_range_of_a_grid_keeps_its_count_while_another_axis_grows(tmp_path: Path) -> None:
+    span = {"low": 100.0, "high": 120.0, "count": 3}
+    made({**GRID, "vary": {"operating.speed": span, "operating.load": [-1e5]}}, tmp_path)
+    assert len(made({**GRID, "vary": {"operating.speed": span, "operating.load": [-1e5, -8e4]}}, tmp_path)) == 6
+
+
+@pytest.mark.parametrize(
+    "history",
+    [[2], [{}], [{"operating.speed": 2}], [{"operating.speed": 2, "operating.load": 1}], [{"operating.speed": 0, "operating.load": 1}]],
+)
+def test_a_history_of_a_grid_that_does_not_rise_is_refused(history: list[Any]) -> None:
+    with pytest.raises(Refusal, match="extended = "):
+        plan_of(sweep_of(grid(100.0, 110.0, extended=history), "sweep.yaml"))
 
 
 def test_a_set_is_extended_by_the_command_and_never_shrinks(tmp_path: Path) -> None:

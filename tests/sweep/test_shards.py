@@ -6,6 +6,7 @@ import io
 import json
 import shutil
 import tarfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -100,6 +101,29 @@ def test_other_bytes_and_other_versions_are_refused(data_set: Path, tmp_path: Pa
     index.write_text(json.dumps(about))
     with pytest.raises(Refusal, match="install that version"):
         remake_shard(index, name, tmp_path / "a.tar")
+    assert not (tmp_path / "a.tar").exists()
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (lambda index: index.update(zz_unknown=1), "zz_unknown: extra inputs are not permitted"),
+        (lambda index: index.update(shards=[]), "shards: input should be"),
+        (lambda index: index["software"].update(numpy=1), "software.numpy: input should be a valid string"),
+        (lambda index: index.update(runs_per_shard=0), "runs_per_shard: input should be greater than or equal to 1"),
+        (lambda index: index["recipe"].pop("base.yaml"), "its recipe must have sweep.yaml and base.yaml"),
+        (lambda index: index.update(runs_per_shard=5), "are not those of its recipe"),
+        (lambda index: next(iter(index["shards"].values()))["runs"].pop(), "are not those of its recipe"),
+    ],
+)
+def test_an_index_that_was_changed_is_refused(change: Callable[[Any], object], sentence: str, data_set: Path, tmp_path: Path) -> None:
+    name = write_shards(data_set, tmp_path / "shards", 3)[0]
+    file = tmp_path / "shards" / INDEX
+    index = json.loads(file.read_text())
+    change(index)
+    file.write_text(json.dumps(index))
+    with pytest.raises(Refusal, match=sentence):
+        remake_shard(file, name, tmp_path / "a.tar")
     assert not (tmp_path / "a.tar").exists()
 
 

@@ -535,7 +535,7 @@ def test_the_disk_space_is_estimated(tmp_path: Path) -> None:
         ({"base": "heathy"}, "did you mean 'healthy'?"),
         ({"set": {"operating.sped": 1.0}}, "did you mean 'operating.speed'?"),
         ({"vary": {"operating.speed": []}}, "operating.speed has an empty list, so there would be no run"),
-        ({"vary": {"operating.speed": [100.0, "fast"]}}, "operating.speed = 'fast' is not a number"),
+        ({"vary": {"operating.speed": [100.0, "fast"]}}, "operating.speed = 'fast' rad/s is not a number within -1000"),
         ({"vary": {"bearing.roller_radius": [15.0]}}, "is outside 0.0005 .. 0.2 m: lengths are in metres"),
         ({"vary": {"cage.joint": ["pockets"]}}, "did you mean 'pocket'?"),
         ({"vary": {"operating.load": {"low": 1.0, "high": 2.0}}}, "a grid needs the number of values of a range: give count"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import json
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -12,11 +12,21 @@ import pytest
 from same_process import dcrb
 
 from dcrb_ros.bearing.frequencies import characteristic_orders
+from dcrb_ros.messages.plain import decode_text
+from dcrb_ros.messages.topics import VIBRATION
+from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_TRUTH
+from dcrb_ros.recordings.digest import digest_mismatch
 from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.recordings.replay import Replay, ReplayParameters
+from dcrb_ros.recordings.reproduction import NotReproduced
+from dcrb_ros.recordings.vehicle import VehicleRecorder, VehicleRecording, VehicleReproduction
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.shipped import shipped
 from dcrb_ros.simulation.loop import ModelFailure, Simulation
-from dcrb_ros.vehicle.file import read_vehicle, vehicle_of
+from dcrb_ros.stream.events import ParameterChange
+from dcrb_ros.stream.vehicle_description import VehicleDescription
+from dcrb_ros.vehicle.description import described
+from dcrb_ros.vehicle.file import read_parameters, read_vehicle, vehicle_of
 from dcrb_ros.vehicle.simulation import VehicleBlock, VehicleSimulation
 
 pytestmark = pytest.mark.slow
@@ -77,6 +87,75 @@ def test_the_other_box_of_the_axle_hears_a_defect_and_the_truth_says_how_loud() 
     assert parts["axle_1.left"][0] > 3.0 * parts["axle_1.right"][0]
     assert parts["axle_1.right"][1] > 3.0 * parts["axle_2.right"][1] > 0.0
     assert parts["axle_1.right"][2] == 0.0
+
+
+def test_swapped_sensors_exchange_their_waveforms_and_nothing_else() -> None:
+    own = list(bogie(NOTCH, {"axle_2.radius": 0.459}).blocks(DURATION))
+    swapped = list(bogie(NOTCH, {"axle_2.radius": 0.459, "axle_1.left.sensor.swapped_with": "axle_2.right"}).blocks(DURATION))
+    partner = {"axle_1.left": "axle_2.right", "axle_2.right": "axle_1.left"}
+    for block, other in zip(own, swapped, strict=True):
+        for name, box in other.boxes.items():
+            assert np.array_equal(box.acceleration, block.boxes[partner.get(name, name)].acceleration)
+            assert np.array_equal(box.shaft_angle, block.boxes[name].shaft_angle)
+            assert [truth.faults for truth in box.truths] == [truth.faults for truth in block.boxes[name].truths]
+        assert other.truth == block.truth
+
+
+def test_a_sensor_that_is_dead_or_loose_from_the_start_changes_no_other() -> None:
+    healthy = waveforms(list(bogie().blocks(DURATION)))
+    faulty = waveforms(list(bogie({"axle_1.left.sensor.fault": "dead", "axle_2.right.sensor.fault": "loose"}).blocks(DURATION)))
+    assert faulty["axle_1.left"].std() < 0.05 * healthy["axle_1.left"].std()
+    assert not np.array_equal(faulty["axle_2.right"], healthy["axle_2.right"])
+    for name in ("axle_1.right", "axle_2.left"):
+        assert np.array_equal(faulty[name], healthy[name])
+
+
+def test_a_clock_that_is_late_shifts_its_own_samples_alone() -> None:
+    exact, late = list(bogie().blocks(DURATION)), list(bogie({"axle_1.left.sensor.clock_offset_ppm": 1000.0}).blocks(DURATION))
+    for name in ("axle_1.right", "axle_2.left", "axle_2.right"):
+        assert np.array_equal(waveforms(late)[name], waveforms(exact)[name])
+    angles = [np.unwrap(np.concatenate([block.boxes["axle_1.left"].shaft_angle for block in blocks])) for blocks in (exact, late)]
+    ahead = (angles[1] - angles[0])[-1] / (angles[0][-1] - angles[0][-2])
+    assert ahead == pytest.approx(1e-3 * len(angles[0]), rel=0.01)
+    for block in late:
+        assert len({box.stamp_ns for box in block.boxes.values()}) == 1
+
+
+def test_slides_and_wheels_change_while_the_vehicle_runs() -> None:
+    simulation = bogie(SMOOTH, {"vehicle.speed_kmh": 72.0})
+    run = simulation.blocks()
+    next(run)
+    simulation.change({"axle_2.slide": 0.1, "axle_1.right.wheel.flat": 0.04})
+    later = [next(run) for _ in range(20)]
+    events = [event for block in later for event in block.truth.events]
+    assert [event.box for event in events if event.cause == "slide"] == ["axle_2"]
+    assert {event.box for event in events if event.cause == "flat"} == {"axle_1.right"}
+    assert later[-1].truth.creep == pytest.approx({"axle_1": 0.0, "axle_2": -0.1})
+    for name, turning in (("axle_1.left", 1.0), ("axle_2.left", 0.9), ("axle_2.right", 0.9)):
+        steps = np.diff(np.unwrap(later[-1].boxes[name].shaft_angle)).mean() * 51200.0
+        assert steps == pytest.approx(20.0 / 0.46 * turning, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"axle_3.left.faults.outer_1.width": 0.002}, "names no box"),
+        ({"axle_1.left.operating.speed": 50.0}, "belongs to the vehicle"),
+        ({"axle_1.left.background.flat_level": 5.0}, "belongs to the vehicle"),
+        ({"axle_1.left.sensor.swapped_with": "axle_2.left"}, "cannot change during a run"),
+        ({"axle_1.slide": 0.5}, "outside 0 .. 0.2"),
+        ({"axle_1.slide": True}, "outside 0 .. 0.2"),
+        ({"axle_1.left.wheel.flat": 5.0}, "flat"),
+        ({"axle_1.left.wheel.polygon": "80 1e-5"}, "whole orders"),
+        ({"axle_2.slide": 0.1, "axle_1.left.bearing.rows": 1}, "rows"),
+        ({"axle_1.left": 1.0}, "names no box"),
+    ],
+)
+def test_a_change_that_cannot_be_is_refused_and_changes_nothing(changes: dict[str, Any], message: str) -> None:
+    simulation = bogie(SMOOTH)
+    with pytest.raises(Refusal, match=message):
+        simulation.change(changes)
+    assert not any(event for block in simulation.blocks(0.05) for event in block.truth.events)
 
 
 def test_loads_follow_a_commanded_curve() -> None:
@@ -141,12 +220,19 @@ def test_a_box_that_fails_ends_the_run_after_its_earlier_blocks(monkeypatch: pyt
             assert np.array_equal(block.boxes[name].acceleration, other.boxes[name].acceleration)
 
 
-def test_the_others_go_on_where_the_file_asks_for_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    simulation = bogie({"vehicle.on_failure": "continue"})
+@pytest.mark.parametrize(
+    ("swapped", "left"),
+    [
+        ({}, {"axle_1.left", "axle_1.right", "axle_2.right"}),
+        ({"axle_1.right.sensor.swapped_with": "axle_2.left"}, {"axle_1.left", "axle_2.right"}),
+    ],
+)
+def test_the_others_go_on_where_the_file_asks_for_it(swapped: dict[str, str], left: set[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    simulation = bogie({"vehicle.on_failure": "continue"}, swapped)
     monkeypatch.setattr(Simulation, "step_to", failing(Simulation.step_to, simulation.simulations["axle_2.left"], 6000))
     blocks = list(simulation.blocks(DURATION))
     assert set(blocks[0].boxes) == {"axle_1.left", "axle_1.right", "axle_2.left", "axle_2.right"}
-    assert set(blocks[-1].boxes) == {"axle_1.left", "axle_1.right", "axle_2.right"}
+    assert set(blocks[-1].boxes) == left
     assert blocks[-1].truth.silent == ("axle_2.left",)
 
 
@@ -156,13 +242,28 @@ def test_the_others_go_on_where_the_file_asks_for_it(monkeypatch: pytest.MonkeyP
         ({"vehicel.speed_kmh": 100.0}, "unknown group 'vehicel'.*'vehicle'"),
         ({"axle_1.radios": 0.46}, "unknown key 'axle_1.radios'"),
         ({"axle_1.radius": 4.6}, "outside 0.3 .. 0.6 m"),
-        ({"axle_2.x": 1.28}, "both wheelsets are at x = 1.28 m"),
+        ({"axle_2.x": 1.0}, "the wheels of axle_1 at x = 1.28 m and of axle_2 at x = 1 m overlap"),
+        ({"axle_2.slide": 0.5}, "axle_2.slide = 0.5 is outside 0 .. 0.2"),
+        ({"axle_1.gear": 5}, "axle_1.gear = 5 is not a group"),
+        ({"axle_1.motor.poles": 2}, "axle_1.motor: .*poles"),
+        ({"axle_1.left.wheel.unbalance": 75.0}, "75 g m are 0.075"),
+        ({"axle_1.left.sensor.swapped_with": "axle_3.left"}, "names no other box"),
+        ({"axle_1.left.sensor.swapped_with": "axle_1.left"}, "names no other box"),
+        ({"axle_1.left.sensor.swapped_with": 2}, "is not the name of a box"),
+        (
+            {"axle_1.left.sensor.swapped_with": "axle_1.right", "axle_2.left.sensor.swapped_with": "axle_1.right"},
+            "axle_1.right is swapped with those of axle_1.left and axle_2.left",
+        ),
         ({"axle_1.left.operating.load": 5e4}, "would count twice"),
         ({"axle_1.left.background.track_level": 5.0}, "would count twice"),
         ({"axle_1.left.bench": "nothing"}, "there is no configuration 'nothing'"),
         ({"axle_1.left.sensor.sampling_rate": 25600}, "differ in sensor.sampling_rate"),
+        ({"axle_1.left.thermal.acceleration": 100.0}, "differ in thermal.acceleration"),
         ({"vehicle.speed_kmh": 1.0}, "speed_kmh = 1"),
         ({"axle_1.left": 5}, "is not a box"),
+        ({"axle_1.gear": "spur"}, "axle_1.gear = spur is not a group"),
+        ({"axle_1.left.recording.path": "bag"}, "belongs to the whole vehicle"),
+        ({"publishing.block_sice": 512}, "block_sice"),
         ({"axle_1": {}}, "axle_1 has no box"),
         ({"track": 5}, "is not a group"),
         ({"axle_1.left.faults.outer_1.widht": 0.002}, "axle_1.left: .*widht"),
@@ -195,36 +296,119 @@ def test_shipped_vehicles_run(name: str) -> None:
     assert all(np.isfinite(values).all() and values.std() > 0.0 for values in waveforms(blocks).values())
 
 
-def test_a_recording_holds_every_box_and_is_simulated_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    bag = tmp_path / "bogie"
-    settings = [f"{key}={value}" for key, value in {**DRY, **NOTCH}.items()]
-    options = [part for setting in settings for part in ("--set", setting)]
-    assert dcrb("simulate", "--vehicle", "healthy_bogie", "-o", str(bag), "--duration", "0.2", "--quiet", *options) == 0
-    recordings = {name: Recording(bag / name) for name in ("axle_1.left", "axle_1.right", "axle_2.left", "axle_2.right")}
-    assert {recording.namespace for recording in recordings.values()} == {f"/dcrb/{name.replace('.', '/')}" for name in recordings}
+BOXES = ("axle_1.left", "axle_1.right", "axle_2.left", "axle_2.right")
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A recording of 0.2 s, with a command to the vehicle and a change of a box."""
+    bag, parameters = tmp_path_factory.mktemp("vehicle") / "bogie", read_parameters("healthy_bogie", {**DRY, **NOTCH})
+    simulation = VehicleSimulation(vehicle_of(parameters, "test"), threads=2)
+    with VehicleRecorder(bag, parameters, simulation) as recorder:
+        for number, block in enumerate(simulation.blocks(0.2)):
+            recorder.write(block)
+            if number == 3:
+                simulation.command(speed_kmh=90.0, curvature=0.001)
+                simulation.change({"axle_2.right.faults.inner_1.width": 0.002})
+    return bag
+
+
+def test_one_recording_holds_every_box_with_equal_stamps(run: Path) -> None:
+    recordings = {name: Recording(run / name) for name in BOXES}
+    assert {recording.namespace for recording in recordings.values()} == {f"/dcrb/{name.replace('.', '/')}" for name in BOXES}
     for recording in recordings.values():
         assert recording.acceleration.shape == (10240, 2)
         assert recording.complete
         assert recording.orders == characteristic_orders(recording.configuration.bearing)
-    lines = [json.loads(line) for line in (bag / "ground_truth.jsonl").read_text().splitlines()]
-    assert [line["time_ns"] for line in lines] == sorted(line["time_ns"] for line in lines)
-    assert dcrb("simulate", "--from", str(bag), "--quiet") == 0
+        assert not digest_mismatch(recording)
+    stamps = {name: [message.time_ns for message in recording.messages((VIBRATION,))] for name, recording in recordings.items()}
+    assert len(stamps["axle_1.left"]) == 10
+    assert all(times == stamps["axle_1.left"] for times in stamps.values())
+
+
+def test_a_recording_holds_the_vehicle_and_its_commands(run: Path) -> None:
+    recording = VehicleRecording(run)
+    assert [(command.time_ns, command.name, command.value) for command in recording.commands()] == [
+        (80_000_000, "speed_kmh", 90.0),
+        (80_000_000, "curvature", 0.001),
+    ]
+    assert [message.time_ns for message in recording.messages((VEHICLE_TRUTH,))] == [20_000_000 * k for k in range(10)]
+    (description,) = (VehicleDescription.from_json(decode_text(m.data)) for m in recording.messages((VEHICLE_DESCRIPTION,)))
+    assert description == described(vehicle_of(recording.parameters, "test"))
+    assert [command.command for command in recording.boxes["axle_2.right"].commands()] == [ParameterChange({"faults.inner_1.width": 0.002})]
+
+
+def test_a_recording_is_simulated_again_with_its_commands(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert dcrb("simulate", "--from", str(run), "--quiet") == 0
     assert "the same samples in 4 boxes" in capsys.readouterr().out
-    assert dcrb("simulate", "--from", str(bag / "axle_1.left"), "--quiet") == 2
+    assert dcrb("simulate", "--from", str(run / "axle_1.left"), "--quiet") == 2
     assert "is a box of the vehicle in" in capsys.readouterr().err
-    assert dcrb("detect", str(bag)) == 2
-    assert "is the recording of a vehicle" in capsys.readouterr().err
-    assert dcrb("simulate", "--vehicle", "healthy_bogie", "-o", str(bag), "--duration", "0.2", "--quiet", *options) == 2
-    about = (bag / "vehicle.json").read_text()
-    (bag / "vehicle.json").write_text(about.replace("100.0", "101.0"))
-    assert dcrb("simulate", "--from", str(bag), "--quiet") == 2
-    assert "its digest does not match" in capsys.readouterr().err
-    (bag / "vehicle.json").write_text(about)
-    (bag / "axle_1.left").rename(tmp_path / "aside")
-    (bag / "axle_2.left").rename(bag / "axle_1.left")
-    (tmp_path / "aside").rename(bag / "axle_2.left")
-    assert dcrb("simulate", "--from", str(bag), "--quiet") == 2
-    assert "is not the recording that vehicle.json names" in capsys.readouterr().err
+
+
+def test_a_box_of_another_run_is_found_out(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    reproduction = VehicleReproduction(VehicleRecording(run))
+    monkeypatch.setattr(VehicleRecording, "commands", lambda self: [])
+    for _ in reproduction.blocks(VehicleSimulation(vehicle_of(VehicleRecording(run).parameters, "test"))):
+        pass
+    with pytest.raises(NotReproduced, match=r"the samples of axle_1\.left, .* differ"):
+        reproduction.check()
+
+
+@pytest.mark.parametrize("command", ["plot", "export"])
+def test_commands_for_a_bearing_name_a_box(run: Path, tmp_path: Path, command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert dcrb(command, str(run), "-o", str(tmp_path / ("a.png" if command == "plot" else "a.npz"))) == 2
+    assert f"give one of its boxes, such as {run / 'axle_1.left'}" in capsys.readouterr().err
+
+
+def test_a_box_that_is_not_there_is_refused(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert dcrb("info", str(run / "axle_3.left")) == 2
+    assert "there is no box axle_3.left" in capsys.readouterr().err
+    assert dcrb("recover", str(run / "axle_1.left"), "-o", str(run.parent / "box")) == 2
+    assert "is recovered as a whole" in capsys.readouterr().err
+
+
+def test_changed_parameters_are_found_out(run: Path, tmp_path: Path) -> None:
+    changed = tmp_path / "changed"
+    shutil.copytree(run, changed)
+    (file,) = changed.glob("*.mcap")
+    data = file.read_bytes()
+    assert data.count(b'"vehicle.speed_kmh": 100.0') == 1
+    file.write_bytes(data.replace(b'"vehicle.speed_kmh": 100.0', b'"vehicle.speed_kmh": 101.0'))
+    with pytest.raises(Refusal, match="their digest does not match"):
+        VehicleRecording(changed)
+
+
+def test_a_recording_that_was_cut_off_is_recovered_with_all_boxes(run: Path, tmp_path: Path) -> None:
+    cut, whole = tmp_path / "cut", tmp_path / "whole"
+    shutil.copytree(run, cut)
+    (file,) = cut.glob("*.mcap")
+    data = file.read_bytes()
+    file.write_bytes(data[: int(0.7 * len(data))])
+    assert dcrb("recover", str(cut), "-o", str(whole)) == 0
+    recording = VehicleRecording(whole)
+    counts = {name: len(box.acceleration) for name, box in recording.boxes.items()}
+    assert min(counts.values()) >= 1024
+    for name, box in recording.boxes.items():
+        count = counts[name]
+        assert box.outcome is not None
+        assert box.outcome["samples"] == count
+        assert np.array_equal(box.acceleration, Recording(run / name).acceleration[:count])
+
+
+def test_a_replay_sends_the_blocks_of_all_boxes_together(run: Path) -> None:
+    replay = Replay(ReplayParameters(bag=str(run)))
+    assert {message.topic.name for message in replay.start()} == {
+        *(f"{name.replace('.', '/')}/outer_ring/sensor" for name in BOXES),
+        "/tf_static",
+        "vehicle/description",
+    }
+    blocks = [[m.time_ns for m in bundle.messages if m.topic in replay.waveforms] for bundle in replay.bundles()]
+    assert [times for times in blocks if times] == [[20_000_000 * k] * 4 for k in range(10)]
+
+
+def test_simulate_refuses_what_it_cannot_record(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert dcrb("simulate", "dry", "--vehicle", "bogie") == 2
     assert dcrb("simulate", "--vehicle", "no_such_vehicle") == 2
     assert "there is no vehicle 'no_such_vehicle'" in capsys.readouterr().err
+    (tmp_path / "there").mkdir()
+    assert dcrb("simulate", "--vehicle", "healthy_bogie", "-o", str(tmp_path / "there"), "--duration", "0.2", "--quiet") == 2

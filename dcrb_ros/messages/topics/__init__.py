@@ -5,6 +5,7 @@ The constants are the topics that other modules refer to.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pkgutil import resolve_name
 from typing import Any
 
@@ -63,6 +64,7 @@ __all__ = [
     "WAYSIDE_TEMPERATURE",
     "Message",
     "Topic",
+    "table_of",
     "topic_table",
 ]
 
@@ -125,9 +127,14 @@ COMMANDS: tuple[Topic, ...] = _topics(
 
 
 def topic_table() -> str:
-    """Return the topics as a Markdown table."""
+    """Return the topics of a bench as a Markdown table."""
+    return table_of((*SIMULATED, *DETECTED, *WAYSIDE, *BENCH))
+
+
+def table_of(topics: Iterable[Topic]) -> str:
+    """Return topics as a Markdown table."""
     lines = ["| topic | type | content |", "|---|---|---|"]
-    for topic in (*SIMULATED, *DETECTED, *WAYSIDE, *BENCH):
+    for topic in topics:
         kind = f"`{topic.type.replace('/msg/', '/')}`" + (", latched" if topic.latched else "")
         lines.append(f"| `{topic.name}` | {kind} | {topic.content} |")
     return "\n".join(lines)

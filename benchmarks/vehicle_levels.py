@@ -1,0 +1,104 @@
+"""Levels of the axle boxes of a healthy vehicle by the track, and the processor time of each part of a vehicle, as Markdown tables.
+
+Both are on the page docs/explanation/vehicle.md. Usage:
+
+    python benchmarks/vehicle_levels.py levels [SECONDS]
+    python benchmarks/vehicle_levels.py cost [SECONDS]
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections import defaultdict
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from scipy.signal import butter, sosfiltfilt
+
+from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.vehicle.file import read_vehicle
+from dcrb_ros.vehicle.model import FRAME, VehicleModel
+from dcrb_ros.vehicle.simulation import VehicleSimulation
+
+SPEEDS = (72.0, 144.0, 216.0)
+"""[km/h]"""
+SPECTRA = ("erri_low", "erri_high", "fra_6", "fra_5")
+CUTOFF = 200.0
+"""Frequency below which levels are compared [Hz]."""
+TESTED = 38.0
+"""Rms with which EN 61373 tests what is mounted on an axle [m/s^2] (from memory)."""
+LATER = 0.5
+"""Time before which the kernels are compiled and nothing is measured [s]."""
+
+
+def levels(seconds: float) -> None:
+    """Print the rms of the boxes below `CUTOFF` by track and wheels, and that of the dynamic loads."""
+    lowpass = butter(4, CUTOFF, fs=102400.0, output="sos")
+    print("| spectrum | " + " | ".join(f"{speed:g} km/h" for speed in SPEEDS) + " |")
+    print("|---" * (len(SPEEDS) + 1) + "|")
+    for spectrum in SPECTRA:
+        cells = []
+        for speed in SPEEDS:
+            model = VehicleModel(read_vehicle("healthy_bogie", {"track.spectrum": spectrum, "vehicle.speed_kmh": speed}))
+            plans = [model.plan() for _ in range(round(seconds * model.rate / FRAME))]
+            motion = np.concatenate([plan.motion for plan in plans], axis=1)
+            load = np.array([plan.load[:, 1] for plan in plans]).std(axis=0).mean()
+            rms = float(np.sqrt(np.mean(sosfiltfilt(lowpass, motion) ** 2)))
+            cells.append(f"{rms:.1f}{' *' if rms > TESTED else ''} ({load / 1e3:.1f} kN)")
+        print(f"| `{spectrum}` | " + " | ".join(cells) + " |")
+    print(f"\n\\* above the {TESTED:g} m/s^2 of EN 61373")
+
+
+def cost(seconds: float) -> None:
+    """Print the processor time of the parts of `bogie` for each 20 ms, stepped by one thread."""
+    spent: dict[str, float] = defaultdict(float)
+
+    def timed(owner: type, name: str, part: str) -> None:
+        original: Callable[..., Any] = getattr(owner, name)
+
+        def measured(*arguments: Any, **options: Any) -> Any:
+            began = time.thread_time()
+            try:
+                return original(*arguments, **options)
+            finally:
+                spent[part] += time.thread_time() - began
+
+        setattr(owner, name, measured)
+
+    timed(Simulation, "step_to", "kernels of four boxes")
+    timed(VehicleModel, "plan", "track, wheels and loads")
+    timed(VehicleModel, "mix", "mixing")
+    timed(Simulation, "sense", "sensing of four boxes")
+    timed(Simulation, "cut", "blocks")
+    simulation = VehicleSimulation(read_vehicle("bogie"), threads=1)
+    list(simulation.blocks(LATER))
+    spent.clear()
+    began = time.process_time()
+    list(simulation.blocks(seconds))
+    whole = time.process_time() - began
+    print("| part | ms per 20 ms | share |\n|---|---|---|")
+    for part, used in sorted(spent.items(), key=lambda item: -item[1]):
+        print(f"| {part} | {used / seconds * 20.0:.2f} | {used / whole:.0%} |")
+    print(f"| all | {whole / seconds * 20.0:.2f} | |")
+
+
+def main(arguments: list[str]) -> int:
+    """Print the tables that were asked for."""
+    if not 1 <= len(arguments) <= 2 or arguments[0] not in ("levels", "cost"):
+        print(__doc__, file=sys.stderr)
+        return 2
+    try:
+        seconds = float(arguments[1]) if len(arguments) == 2 else 10.0
+    except ValueError:
+        seconds = 0.0
+    if not 1.0 <= seconds <= 1000.0:
+        print(f"SECONDS = {arguments[1]} is not a duration of 1 .. 1000 s", file=sys.stderr)
+        return 2
+    (levels if arguments[0] == "levels" else cost)(seconds)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,1 @@
+"""The comparing detector of a vehicle: which axle box, and whether bearing, wheel, track, gear or sensor."""

@@ -1,0 +1,90 @@
+"""One axle box under watch: its fault detector, and what it hears of wheels and track, hop by hop."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from typing import Any
+
+import numpy.typing as npt
+
+from dcrb_ros.bearing.frequencies import Orders
+from dcrb_ros.diagnosis.demodulation import NYQUIST_SHARE, Band
+from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.diagnosis.rule import found_lines
+from dcrb_ros.diagnosis.thermal_detector import ThermalFaultDetector
+from dcrb_ros.diagnosis.vehicle.comparison import Judgement
+from dcrb_ros.diagnosis.vehicle.contact import Contact, ContactMonitor
+from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.stream.diagnosis import Diagnosis
+from dcrb_ros.stream.vehicle_description import BoxDescription
+
+
+@dataclass(frozen=True)
+class BoxHop:
+    """What one box concluded at the end of a hop."""
+
+    diagnosis: Diagnosis
+    """The diagnosis of the box by itself."""
+    judgement: Judgement | None
+    """The evidence to be compared; None without a judgement of the bearing."""
+    contact: Contact | None
+    """None while the window begins anew."""
+
+    @property
+    def index(self) -> int:
+        """Index of the last sample of the hop."""
+        return self.diagnosis.index
+
+
+class BoxWatch:
+    """Takes the blocks of one box, and keeps the hops that have not been compared yet."""
+
+    def __init__(self, box: BoxDescription, rate: int, parameters: VehicleDetectorParameters, box_parameters: DetectorParameters) -> None:
+        """Prepare for the bearing of a box, sampled at ``rate`` [Hz]."""
+        self.name, self.detector = box.name, ThermalFaultDetector(Orders.from_dict(box.orders), rate, box_parameters)
+        self.detector.take_bearing(box.bearing)
+        self.detector.sensor_range = box.sensor_range
+        p, q = box_parameters, parameters
+        self.hop = max(1, round(p.hop * rate))
+        hops = max(1, round(p.window / p.hop))
+        gap = round(min(p.longest_gap, 0.5 * p.hop) * rate)
+        usable = NYQUIST_SHARE * rate
+        wheel, kink = Band(q.wheel_low, min(q.wheel_high, usable)), Band(q.kink_low, min(q.kink_high, usable))
+        if wheel.low >= wheel.high or kink.low >= kink.high:
+            raise Refusal(
+                f"the bands of wheels and kinks, {q.wheel_low:g} to {q.wheel_high:g} Hz and {q.kink_low:g} to {q.kink_high:g} Hz, are "
+                f"empty below {usable:g} Hz, the usable part of the sampling rate: change them or sample faster"
+            )
+        self._monitor = ContactMonitor(rate, self.hop, hops, (wheel, kink), gap, q.event)
+        self._share = parameters.rare
+        self._contacts: deque[Contact] = deque(maxlen=4)
+        self.hops: deque[BoxHop] = deque()
+        """Hops that have not been compared yet."""
+        self.reached = -1
+        """Index of the last sample that arrived."""
+
+    def take(self, index: int, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any] | None) -> None:
+        """Take samples, at most as many as a hop has."""
+        diagnosis = self.detector.update(index, acceleration, shaft_angle)
+        self._contacts.extend(self._monitor.add(index, acceleration, shaft_angle))
+        self.reached = max(self.reached, index + len(acceleration) - 1)
+        if diagnosis is None:
+            return
+        self.hops.append(BoxHop(diagnosis, self._judged(diagnosis), self._latest(diagnosis.index)))
+
+    def _judged(self, diagnosis: Diagnosis) -> Judgement | None:
+        """Return the evidence on the bearing with rare impacts limited; None without a judgement."""
+        limited = self.detector.limited_evidence(self._share) if diagnosis.verdict != "sensor" else None
+        if limited is None:
+            return None
+        evidence, findings = limited
+        scores = {component: finding.excess for component, finding in findings.items()}
+        lines = {component: found for component, finding in findings.items() if (found := found_lines(finding)) is not None}
+        return Judgement(evidence, scores, lines, self.detector.rules)
+
+    def _latest(self, index: int) -> Contact | None:
+        """Return what was heard up to a sample, at most a hop earlier; later samples may have arrived or not."""
+        heard = [contact for contact in self._contacts if index - 2 * self.hop < contact.end <= index]
+        return heard[-1] if heard else None

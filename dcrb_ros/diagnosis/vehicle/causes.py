@@ -1,0 +1,200 @@
+"""What the impacts that the boxes heard tell about track, wheels and sensors."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from dcrb_ros.diagnosis.hysteresis import probability
+from dcrb_ros.diagnosis.vehicle.contact import Contact, Impact
+from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
+from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.stream.vehicle_description import SIDES, VehicleDescription
+from dcrb_ros.stream.vehicle_diagnosis import UNDECIDED, Status
+
+TOGETHER = 0.006
+"""Time within which a joint of both rails strikes both wheels of a wheelset [s]: bending waves take 1 ms across the axle."""
+WEAKER = 3.0
+"""By how much a flat must be weaker at every other box to be its wheel's [dB]; 7 to 8 dB were computed across an axle."""
+SLOWEST = 1.0
+"""Speed below which impacts of two wheelsets are not matched [m/s]."""
+LONG_WAVES = (20.0, 150.0)
+"""Frequencies in which waveforms of two wheelsets are compared [Hz]."""
+SAME_RAIL = 0.5
+"""Correlation from which two boxes follow the same rail [-]; 0.93 to 0.95 were computed, at most 0.11 at the wrong lag."""
+ONE_RAIL = 6.0
+"""Difference of the sides from which a kink is on one rail [dB]."""
+
+
+def silent_boxes(contacts: Mapping[str, Contact], parameters: VehicleDetectorParameters) -> dict[str, float]:
+    """Return how far below the quietest of the other boxes the level of a box is [dB], for those that do not hear the rail."""
+    quiet = {}
+    for name, contact in contacts.items():
+        others = [other.median for key, other in contacts.items() if key != name]
+        if len(others) < 2 or min(others) <= 0.0:
+            continue
+        below = 10.0 * math.log10(min(others) / max(contact.median, 1e-30))
+        if below >= parameters.silence:
+            quiet[name] = below
+    return quiet
+
+
+def flats(contacts: Mapping[str, Contact], parameters: VehicleDetectorParameters) -> dict[str, Status]:
+    """Return the status of each wheel.
+
+    The box above a flat hears it most. If another box hears it nearly as loud, the wheel is undecided between them.
+    """
+    statuses = {name: Status("healthy", f"no angle of the wheel is {parameters.flat:g} dB above the others") for name in contacts}
+    struck = {name: contact for name, contact in contacts.items() if contact.level >= parameters.flat}
+    if not struck:
+        return statuses
+    for name, contact in struck.items():
+        rivals = {other: contact.peak / max(heard.peak, 1e-30) for other, heard in struck.items() if other != name}
+        rival = min(rivals, key=lambda other: rivals[other], default="")
+        ahead = 10.0 * math.log10(max(rivals[rival], 1e-30)) if rival else math.inf
+        score = contact.level - parameters.flat
+        heard_at = f"one angle of the wheel is {contact.level:.1f} dB above the others"
+        if ahead >= WEAKER:
+            than = f", {ahead:.1f} dB more than at {rival}" if rival else ""
+            statuses[name] = Status("flat", f"{heard_at}{than}", probability(score), score)
+        elif ahead > -WEAKER:
+            statuses[name] = Status(UNDECIDED, f"{heard_at}, but {rival} hears it within {WEAKER:g} dB", 0.0, score)
+        else:
+            statuses[name] = Status("healthy", f"{heard_at}, {-ahead:.1f} dB less than at {rival}")
+    return statuses
+
+
+class Lag(NamedTuple):
+    """How the waveform of the trailing box of a side follows that of the leading one."""
+
+    expected: float
+    """Distance of the wheelsets over the speed [s]."""
+    found: float
+    """Lag of the largest correlation near the expected one [s]."""
+    forward: float
+    """Correlation there [-]."""
+    backward: float
+    """Largest correlation near the lag of the other sign [-]."""
+
+
+def lags(description: VehicleDescription, contacts: Mapping[str, Contact], tolerance: float) -> dict[str, Lag]:
+    """Return the lag of each side whose boxes hear the rail; ``tolerance`` is the departure that is searched [s]."""
+    ahead, behind = _wheelsets(description)
+    found = {}
+    for side in SIDES:
+        first, second = contacts.get(f"{ahead}/{side}"), contacts.get(f"{behind}/{side}")
+        expected = _expected_lag(description, contacts, side)
+        if first is None or second is None or expected is None or len(first.motion) != len(second.motion):
+            continue
+        lag = correlated_lag(first.motion, second.motion, first.motion_rate, expected, tolerance)
+        if lag is not None:
+            found[side] = lag
+    return found
+
+
+def correlated_lag(first: Floats, second: Floats, rate: float, expected: float, tolerance: float) -> Lag | None:
+    """Return the lag of the second waveform behind the first, both at a ``rate`` [Hz]; None if the signals are too short for it.
+
+    The correlation is that of `LONG_WAVES`, in which the irregularity of the rail is larger than the roughness of the wheels.
+    """
+    shift, reach = round(abs(expected) * rate), max(1, round(tolerance * rate))
+    if shift <= reach or len(first) < 4 * (shift + reach):
+        return None
+    length = 2 * len(first)
+    frequency = np.fft.rfftfreq(length, 1.0 / rate)
+    kept = (frequency >= LONG_WAVES[0]) & (frequency <= LONG_WAVES[1])
+    spectra = [np.where(kept, np.fft.rfft(values - values.mean(), length), 0.0) for values in (first, second)]
+    energies = [float(np.square(np.fft.irfft(spectrum, length)).sum()) for spectrum in spectra]
+    if min(energies) <= 0.0:
+        return None
+    correlation = np.fft.irfft(np.conj(spectra[0]) * spectra[1], length) / np.sqrt(energies[0] * energies[1])
+    steps = np.arange(shift - reach, shift + reach + 1) * (1 if expected > 0.0 else -1)
+    forward, backward = correlation[steps % length], correlation[-steps % length]
+    best = int(np.argmax(forward))
+    return Lag(expected, float(steps[best]) / rate, float(forward[best]), float(backward.max()))
+
+
+def swapped_sides(sides: Mapping[str, Lag]) -> tuple[str, ...]:
+    """Return the sides on which the trailing wheelset meets the rail first: its sensors are swapped."""
+    return tuple(side for side, lag in sides.items() if lag.backward >= SAME_RAIL and lag.forward < 0.5 * lag.backward)
+
+
+def track(
+    description: VehicleDescription, contacts: Mapping[str, Contact], wheels: Mapping[str, Status], parameters: VehicleDetectorParameters
+) -> Status:
+    """Return the status of the track from impacts that meet one wheelset after the other.
+
+    A kink is heard by boxes of both wheelsets each time. Which of them hears more depends on the structure, so that times count only. Boxes
+    above a flat are left out, because it strikes in every turn.
+    """
+    expected = next((lag for side in SIDES if (lag := _expected_lag(description, contacts, side)) is not None), None)
+    if expected is None:
+        return Status("waiting", "two wheelsets with a shaft angle are needed")
+    heard = {name: contact.impacts for name, contact in contacts.items() if name not in wheels or wheels[name].verdict == "healthy"}
+    times = _together([impact.time for impacts in heard.values() for impact in impacts])
+    kinks = [time for time in times if np.any(np.abs(times - time - abs(expected)) <= parameters.lag_tolerance)]
+    if not kinks:
+        return Status("healthy", "no impact meets one wheelset after the other")
+    louder = [_side_level(heard, time, SIDES[0]) - _side_level(heard, time, SIDES[1]) for time in kinks]
+    difference, score = float(np.median(louder)), 3.0 * len(kinks)
+    again = f"{len(kinks)} impacts that the other wheelset repeats {abs(expected) * 1e3:.1f} ms later"
+    if abs(difference) < ONE_RAIL:
+        return Status("joint", f"{again}, on both sides alike", probability(score), score)
+    side = SIDES[0] if difference > 0.0 else SIDES[1]
+    return Status("crossing", f"{again}, {abs(difference):.1f} dB more on the {side}", probability(score), score)
+
+
+def _wheelsets(description: VehicleDescription) -> tuple[str, str]:
+    """Return the names of the leading and the trailing wheelset; empty without two."""
+    ordered = sorted(description.axles, key=lambda axle: -axle.x)
+    return (ordered[0].name, ordered[-1].name) if len(ordered) > 1 else ("", "")
+
+
+def _expected_lag(description: VehicleDescription, contacts: Mapping[str, Contact], side: str) -> float | None:
+    """Return the distance of the wheelsets over the speed [s], negative backwards; None if the vehicle hardly moves."""
+    ahead, behind = _wheelsets(description)
+    contact = contacts.get(f"{ahead}/{side}")
+    if contact is None:
+        return None
+    speed = 2.0 * math.pi * contact.shaft_frequency * description.axle(ahead).wheel_radius
+    if not math.isfinite(speed) or abs(speed) < SLOWEST:
+        return None
+    return (description.axle(ahead).x - description.axle(behind).x) / speed
+
+
+def _together(times: Iterable[float]) -> Floats:
+    """Return times in order, those of impacts within `TOGETHER` as one."""
+    distinct: list[float] = []
+    for time in sorted(times):
+        if not distinct or time - distinct[-1] > TOGETHER:
+            distinct.append(time)
+    return np.asarray(distinct, np.float64)
+
+
+def _side_level(heard: Mapping[str, Sequence[Impact]], time: float, side: str) -> float:
+    """Return the largest level of the impacts at a time in the boxes of a side, 0 without one [dB]."""
+    near = (impact.level for name, impacts in heard.items() if name.endswith(side) for impact in impacts if _is_at(impact, time))
+    return max(near, default=0.0)
+
+
+def _is_at(impact: Impact, time: float) -> bool:
+    return abs(impact.time - time) <= TOGETHER
+
+
+def clock_differences(description: VehicleDescription, contacts: Mapping[str, Contact]) -> dict[str, float]:
+    """Return by how much faster the clock of the left box of each wheelset is than that of the right one [ppm].
+
+    Both count the turns of one shaft. A fast clock takes more samples in a turn, so the shaft seems to turn more slowly.
+    """
+    differences = {}
+    for axle in description.axles:
+        left, right = (contacts.get(f"{axle.name}/{side}") for side in SIDES)
+        if left is None or right is None or left.seconds != right.seconds or not abs(left.turns) > 1.0:
+            continue
+        difference = 1e6 * (right.shaft_frequency / left.shaft_frequency - 1.0)
+        if math.isfinite(difference):
+            differences[axle.name] = difference
+    return differences

@@ -1,0 +1,171 @@
+"""Which box the lines of a damaged bearing belong to: the same lines compared in all boxes of the vehicle.
+
+The bearings of a vehicle have equal orders, and the vibration of one reaches the sensors of all boxes. Lines that one box shows may
+therefore be those of another one. They are compared in each band by two quantities:
+
+* their **size**, which is that of the source over the path, but depends on the gain of the sensor;
+* their **modulation** d / (2 - d), with d the depth over the mean squared envelope. It is the power of the impacts over that of the noise
+  in the same band, so it does not depend on the gain, but on the noise.
+
+The contrast of two boxes is the mean of both ratios, in the median of the bands [dB]. In a band almost without noise, only the size
+distinguishes them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence
+from dcrb_ros.diagnosis.line_search import GUARD
+from dcrb_ros.diagnosis.rule import BearingRule, LineRule, modulation_excess
+from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
+from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.verdicts import COMPONENTS, Component
+from dcrb_ros.stream.diagnosis import FoundLines
+
+FAINTEST = 0.02
+"""Modulation depth of lines from which a band is compared [-]: a fifth of the least that a rule requires."""
+LIMIT = 30.0
+"""Largest contrast of a band [dB]."""
+SHARPEST = 2.0
+"""Modulation depth of sharp impacts without noise [-]."""
+SATURATED = 1.0
+"""Modulation depth from which the noise is too small to compare with [-]: impacts have more power than it."""
+LEAST_NOISE = 0.2
+"""Least noise that is assumed in that scale [-]: sidebands make lines deeper than 2."""
+LEAST_MODULATION = 1e-3
+"""Modulation at which a line is no larger than the noise of the spectrum [-]."""
+BESIDE = np.array([-2.0, -1.0, 1.0, 2.0])
+"""Harmonics of a wheel's rotation that are compared with the one on which a line lies [-]."""
+LEAST_BESIDE = 0.1
+"""Power of those harmonics over that of the line from which it is one of them [-]."""
+NOT_OWN = -60.0
+"""Excess of lines that belong to another box or to a wheel [dB]."""
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """The evidence on the bearing of one box at a hop, by itself."""
+
+    evidence: Evidence
+    scores: Mapping[Component, float]
+    """Evidence for a fault of each component relative to its threshold [dB]."""
+    lines: Mapping[Component, FoundLines]
+    """Lines found for each component."""
+    rules: Sequence[BearingRule[Any]]
+
+    @property
+    def shaft_frequency(self) -> float:
+        """Mean within the window [Hz]."""
+        return self.evidence.shaft_frequency
+
+
+class Compared(NamedTuple):
+    """The evidence for a fault of one component in one box, after a comparison with the other boxes."""
+
+    excess: float
+    """Evidence relative to the threshold [dB]."""
+    undecided: float
+    """Evidence that may as well belong to another box [dB]; `NOT_OWN` if it does not."""
+    contrast: float
+    """Contrast to the other box that has these lines most [dB]."""
+    rival: str
+    """Name of that box; empty without one."""
+
+
+def compare(judgements: Mapping[str, Judgement], parameters: VehicleDetectorParameters) -> dict[str, dict[Component, Compared]]:
+    """Return the evidence for every component of every box that was judged."""
+    return {
+        name: {component: _compared(name, component, judgements, parameters) for component in COMPONENTS if component in judgement.scores}
+        for name, judgement in judgements.items()
+    }
+
+
+def _compared(name: str, component: Component, judged: Mapping[str, Judgement], parameters: VehicleDetectorParameters) -> Compared:
+    own = judged[name]
+    lines, excess = own.lines.get(component), own.scores[component]
+    if lines is None or excess < -LIMIT:
+        return Compared(excess, NOT_OWN, 0.0, "")
+    if _of_wheel(lines, own, judged):
+        return Compared(NOT_OWN, NOT_OWN, 0.0, "")
+    contrasts = {other: contrast(lines, own, judged[other]) for other in judged if other != name}
+    if not contrasts:
+        return Compared(excess, NOT_OWN, LIMIT, "")
+    rival = min(contrasts, key=lambda other: contrasts[other])
+    least = contrasts[rival]
+    if least >= parameters.contrast:
+        return Compared(max(excess, _relieved(lines, component, own, parameters.relief)), NOT_OWN, least, rival)
+    return Compared(NOT_OWN, excess if least > -parameters.contrast else NOT_OWN, least, rival)
+
+
+def contrast(lines: FoundLines, own: Judgement, other: Judgement) -> float:
+    """Return by how much lines found in one box are larger there than in another one, in the median of bands [dB]."""
+    orders = np.asarray(lines.orders or (lines.order,), np.float64)
+    # The other wheelset may turn faster or more slowly; its spectrum is over its own orders.
+    elsewhere = orders * own.shaft_frequency / max(other.shaft_frequency, 1e-9)
+    ratios = []
+    for here, there in zip(own.evidence.bands, other.evidence.bands, strict=True):
+        if here.band.low < own.evidence.whole.low or here not in own.evidence.loud:
+            continue
+        depths = _depth(here, orders), _depth(there, elsewhere)
+        if max(depths) < FAINTEST:
+            continue
+        size = _decibels(depths[0] * here.spectrum.mean, depths[1] * there.spectrum.mean)
+        ratios.append(size if max(depths) > SATURATED else 0.5 * (size + _decibels(*(_modulation(depth) for depth in depths))))
+    return float(np.median(ratios)) if ratios else 0.0
+
+
+def _depth(band: BandEvidence, orders: Floats) -> float:
+    """Return the modulation depth of lines in a band, without the noise [-]."""
+    return float(np.sqrt(band.at(orders).sum()))
+
+
+def _modulation(depth: float) -> float:
+    return depth / max(SHARPEST - depth, LEAST_NOISE) + LEAST_MODULATION
+
+
+def _decibels(first: float, second: float) -> float:
+    """Return the ratio of two squared amplitudes [dB], limited."""
+    tiny = 1e-12
+    return float(np.clip(10.0 * np.log10((first + tiny) / (second + tiny)), -LIMIT, LIMIT))
+
+
+def _of_wheel(lines: FoundLines, own: Judgement, judged: Mapping[str, Judgement]) -> bool:
+    """Return whether the lines found for a bearing are harmonics of the rotation of a wheel.
+
+    A flat makes a line at every order of its wheelset. Lines of a bearing that lie on such orders have none of that size beside them.
+    """
+    band = next((band for band in own.evidence.bands if (band.band.low, band.band.high) == lines.band), None)
+    if band is None:
+        return False
+    orders = np.asarray(lines.orders or (lines.order,), np.float64)
+    for turn in {judgement.shaft_frequency / max(own.shaft_frequency, 1e-9) for judgement in judged.values()}:
+        harmonics = np.rint(orders / max(turn, 1e-9))
+        if np.abs(orders - harmonics * turn).max() > GUARD * band.step:
+            continue
+        beside = turn * np.maximum(harmonics[0] + BESIDE, 1.0)
+        if float(np.median(band.at(beside))) >= LEAST_BESIDE * float(band.at(orders[:1])[0]):
+            return True
+    return False
+
+
+def _relieved(lines: FoundLines, component: Component, own: Judgement, relief: float) -> float:
+    """Return the evidence of the deepest component with a lower threshold of its depth [dB]; `NOT_OWN` for another component.
+
+    The other boxes of the vehicle do not have the lines, as a healthy bearing of this kind would.
+    """
+    scores = own.scores
+    rule = next((rule for rule in own.rules if isinstance(rule, LineRule) and rule.component == component), None)
+    if rule is None or scores[component] < max(scores.values()):
+        return NOT_OWN
+    found = next((band for band in own.evidence.bands if (band.band.low, band.band.high) == lines.band), None)
+    if found is None:
+        return NOT_OWN
+    price = float(np.log10(max(1, len(rule.bands(own.evidence)) * rule.families(own.evidence.orders))))
+    families = [rule.family(found, comb) for comb in rule.combs(own.evidence.orders)]
+    lowered = rule.depth * 10.0 ** (-relief / 10.0)
+    return max(modulation_excess(family, lowered, rule.p.false_alarm, price) for family in families)

@@ -1,0 +1,110 @@
+"""The comparing detector over the whole signals of a vehicle in one call."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+from dcrb_ros.bearing.waveform import Piece, Signal
+from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.diagnosis.vehicle.detector import BoxBlock, VehicleDetector
+from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.stream.vehicle_description import VehicleDescription
+from dcrb_ros.stream.vehicle_diagnosis import Status, VehicleDiagnosis
+
+
+class VehicleSignals(Protocol):
+    """The signals of a vehicle, as a `VehicleRecording` has them."""
+
+    @property
+    def description(self) -> VehicleDescription:
+        """What is known about the vehicle."""
+
+    @property
+    def boxes(self) -> Mapping[str, Signal]:
+        """The signal of each box by name, such as ``axle_1.left``."""
+
+
+@dataclass(frozen=True, repr=False)
+class VehicleDetectionResult:
+    """Diagnoses of a vehicle by the comparing detector, one per hop."""
+
+    history: tuple[VehicleDiagnosis, ...]
+    """The diagnoses in the order of time."""
+
+    def __repr__(self) -> str:
+        damaged = ", ".join(f"{box} {verdict}" for box, verdict in self.damaged.items())
+        return f"<VehicleDetectionResult: {damaged or 'no bearing damaged'} after {self.last.time:.2f} s>"
+
+    @property
+    def last(self) -> VehicleDiagnosis:
+        """The last diagnosis."""
+        return self.history[-1]
+
+    @property
+    def statuses(self) -> dict[str, Status]:
+        """The last verdict on each part other than ``waiting``, or the last one if all are."""
+        chosen = {}
+        for name, status in self.last.statuses.items():
+            judged = (diagnosis.statuses[name] for diagnosis in reversed(self.history) if diagnosis.statuses[name].verdict != "waiting")
+            chosen[name] = next(judged, status)
+        return chosen
+
+    @property
+    def damaged(self) -> dict[str, str]:
+        """The verdicts on damaged bearings by box."""
+        return VehicleDiagnosis(self.last.index, self.last.time, self.statuses, {}).damaged()
+
+
+def detect_vehicle(
+    signals: VehicleSignals,
+    *,
+    parameters: VehicleDetectorParameters | None = None,
+    box_parameters: DetectorParameters | None = None,
+) -> VehicleDetectionResult:
+    """Run the comparing detector over the recording of a vehicle.
+
+    Parameters
+    ----------
+    signals
+        A `VehicleRecording`, or an object with a ``description`` and the signals of its ``boxes``.
+    parameters, box_parameters
+        Parameters of the comparison and of the fault detector of each box; the defaults otherwise.
+
+    Returns
+    -------
+    VehicleDetectionResult
+        The last verdict on each part, and the history.
+
+    Raises
+    ------
+    Refusal
+        The signals are too short, or are not those of the description.
+
+    Examples
+    --------
+    >>> import dcrb_ros
+    >>> result = dcrb_ros.detect_vehicle(dcrb_ros.VehicleRecording("bags/bogie"))  # doctest: +SKIP
+    >>> result.damaged  # doctest: +SKIP
+    {'axle_1/left': 'outer_ring'}
+    """
+    detector = VehicleDetector(signals.description, parameters or VehicleDetectorParameters(), box_parameters or DetectorParameters())
+    boxes = {name.replace(".", "/"): signal for name, signal in signals.boxes.items()}
+    history, seconds = [], 0.0
+    for pieces in itertools.zip_longest(*(signal.pieces() for signal in boxes.values())):
+        blocks = {name: _block(piece) for name, piece in zip(boxes, pieces, strict=True) if piece is not None}
+        diagnosis = detector.add(blocks)
+        seconds = max(seconds, *(block.index + len(block.acceleration) for block in blocks.values()), 0.0)
+        if diagnosis is not None:
+            history.append(diagnosis)
+    if not history:
+        held = seconds / signals.description.sampling_rate
+        raise Refusal(f"the signals end at {held:.2f} s, too early for a diagnosis of the vehicle: record some seconds")
+    return VehicleDetectionResult(tuple(history))
+
+
+def _block(piece: Piece) -> BoxBlock:
+    return BoxBlock(piece.first_index, piece.acceleration, piece.shaft_angle)

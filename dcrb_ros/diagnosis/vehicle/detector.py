@@ -1,0 +1,268 @@
+"""The comparing detector of a vehicle: blocks of all axle boxes in, one diagnosis of the vehicle for every hop out.
+
+Each box has a fault detector of its own. What they suspect is compared among the boxes before it becomes a verdict.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol, TypeAlias
+
+import numpy.typing as npt
+
+from dcrb_ros.diagnosis.hysteresis import Hysteresis, Suspicion, confidence, least_evidence
+from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.diagnosis.rule import LEAST_EXCESS
+from dcrb_ros.diagnosis.vehicle.box_watch import BoxHop, BoxWatch
+from dcrb_ros.diagnosis.vehicle.causes import clock_differences, flats, lags, silent_boxes, swapped_sides, track
+from dcrb_ros.diagnosis.vehicle.comparison import NOT_OWN, Compared, Judgement, compare
+from dcrb_ros.diagnosis.vehicle.contact import Contact
+from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
+from dcrb_ros.schema.refusal import Refusal, nearest
+from dcrb_ros.schema.verdicts import COMPONENTS, TROUBLES, Component, is_alarm
+from dcrb_ros.stream.vehicle_description import VehicleDescription
+from dcrb_ros.stream.vehicle_diagnosis import UNDECIDED, Status, VehicleDiagnosis
+
+Samples: TypeAlias = tuple[int, npt.NDArray[Any], npt.NDArray[Any] | None]
+"""Index of the first sample, accelerations and angles."""
+
+DEFAULTS = DetectorParameters()
+VEHICLE_DEFAULTS = VehicleDetectorParameters()
+
+
+@dataclass(frozen=True)
+class BoxBlock:
+    """Consecutive samples of one box; a `dcrb_ros.Block` serves as well."""
+
+    index: int
+    """Index of the first sample since the start."""
+    acceleration: npt.NDArray[Any]
+    """Shape (samples, axes) [m/s^2]."""
+    shaft_angle: npt.NDArray[Any] | None = None
+    """Rotation of the shaft, shape (samples,) [rad]; None without a tachometer."""
+
+
+class BlockLike(Protocol):
+    """What the detector reads of a block."""
+
+    @property
+    def index(self) -> int:
+        """Index of the first sample since the start."""
+
+    @property
+    def acceleration(self) -> npt.NDArray[Any]:
+        """Shape (samples, axes) [m/s^2]."""
+
+    @property
+    def shaft_angle(self) -> npt.NDArray[Any] | None:
+        """Shape (samples,) [rad]."""
+
+
+class VehicleDetector:
+    """Diagnoses the bearings, wheels and sensors of a vehicle from the blocks of its axle boxes, hop by hop.
+
+    The memory is bounded by one window of every box. The diagnoses do not depend on the length of the blocks, except that `add` returns
+    only the last one of blocks that are longer than a hop.
+
+    Examples
+    --------
+    >>> import dcrb_ros
+    >>> from dcrb_ros.vehicle.description import described
+    >>> from dcrb_ros.vehicle.file import read_vehicle
+    >>> vehicle = read_vehicle("bogie")
+    >>> detector = dcrb_ros.VehicleDetector(described(vehicle))
+    """
+
+    def __init__(
+        self,
+        description: VehicleDescription,
+        parameters: VehicleDetectorParameters = VEHICLE_DEFAULTS,
+        box_parameters: DetectorParameters = DEFAULTS,
+    ) -> None:
+        """Prepare for the boxes of a ``description``; ``box_parameters`` are those of the fault detector of each box.
+
+        Raises
+        ------
+        Refusal
+            The parameters do not fit each other or the sampling rate.
+        """
+        self.description, self.parameters, self.box_parameters = description, parameters, box_parameters
+        self._boxes = {box.name: BoxWatch(box, description.sampling_rate, parameters, box_parameters) for box in description.boxes}
+        p = box_parameters
+        hops = max(1, round(p.window / p.hop))
+
+        def hystereses() -> dict[str, Hysteresis]:
+            return {name: Hysteresis(p.confirm, p.release, p.release_margin, hops if p.confirm > 1 else 1) for name in self._boxes}
+
+        self._decided, self._undecided = hystereses(), hystereses()
+        self._hop = max(1, round(p.hop * description.sampling_rate))
+        self._patience = round(parameters.patience * description.sampling_rate)
+        self._confirmed = {name: Suspicion() for name in self._boxes}
+        """How long each wheel has had a flat."""
+
+    def add(self, blocks: Mapping[str, BlockLike]) -> VehicleDiagnosis | None:
+        """Take a block of some or all boxes, by name such as ``axle_1/left``; return a diagnosis if they complete a hop of all boxes.
+
+        A box whose signal is behind the others by more than `VehicleDetectorParameters.patience` is left out.
+
+        Raises
+        ------
+        Refusal
+            A box is unknown, or a block has arrays of another shape or type; the detector continues with the next blocks.
+        """
+        for name in blocks:
+            self._known(name)
+        diagnosis = None
+        for pieces in _divided(blocks, self._hop):
+            for name, (index, acceleration, angle) in pieces.items():
+                self._boxes[name].take(index, acceleration, angle)
+            diagnosis = self._compared() or diagnosis
+        return diagnosis
+
+    def take_temperature(self, box: str, time: float, temperature: float, ambient: float) -> None:
+        """Take a reading at the outer ring of a box and one of the air at a time [s], both [deg C].
+
+        Raises
+        ------
+        Refusal
+            The box is unknown.
+        """
+        self._known(box).detector.take_temperature(time, temperature, ambient)
+
+    def _known(self, name: str) -> BoxWatch:
+        """Return the watch of a box."""
+        if name not in self._boxes:
+            raise Refusal(f"there is no box '{name}'{nearest(name, self._boxes)} (known: {', '.join(self._boxes)})")
+        return self._boxes[name]
+
+    def _compared(self) -> VehicleDiagnosis | None:
+        """Return the last diagnosis of the hops that all boxes, but those that are too late, have reached."""
+        diagnosis, newest = None, max(watch.reached for watch in self._boxes.values())
+        while True:
+            waiting = [watch for watch in self._boxes.values() if not watch.hops]
+            ready = [watch for watch in self._boxes.values() if watch.hops]
+            if not ready:
+                return diagnosis
+            first = min(watch.hops[0].index for watch in ready)
+            if waiting and newest - first <= self._patience:
+                return diagnosis
+            # Boxes that began at another sample end their hops at other times.
+            hops = {watch.name: watch.hops.popleft() for watch in ready if watch.hops[0].index < first + self._hop}
+            diagnosis = self._diagnosed(first, hops)
+
+    def _diagnosed(self, index: int, hops: Mapping[str, BoxHop]) -> VehicleDiagnosis:
+        """Return the diagnosis of the vehicle from the hops of its boxes."""
+        q = self.parameters
+        contacts = {name: hop.contact for name, hop in hops.items() if hop.contact is not None}
+        heard = {name: contact for name, contact in contacts.items() if hops[name].diagnosis.verdict != "sensor"}
+        quiet = silent_boxes(contacts, q)
+        wheels = self._wheels({name: contact for name, contact in heard.items() if name not in quiet})
+        sides = lags(self.description, heard, q.lag_tolerance)
+        swapped = swapped_sides(sides)
+        compared = compare({name: hop.judgement for name, hop in hops.items() if hop.judgement is not None and name not in quiet}, q)
+        clocks = clock_differences(self.description, contacts)
+        statuses: dict[str, Status] = {}
+        indicators: dict[str, float] = {}
+        for name in self._boxes:
+            hop = hops.get(name)
+            statuses[f"{name}/bearing"] = self._bearing(name, hop, compared.get(name), quiet)
+            statuses[f"{name}/wheel"] = wheels.get(name, Status("waiting", "no turn of the wheel is known yet"))
+            clock = clocks.get(self.description.box(name).axle, 0.0)
+            statuses[f"{name}/sensor"] = _sensor(hop, quiet.get(name), self.description.box(name).side in swapped, clock, q.clock)
+            if hop is not None:
+                indicators |= {f"{name}/{line}": level for line, level in hop.diagnosis.levels.items()}
+            for component, evidence in compared.get(name, {}).items():
+                if evidence.rival and evidence.excess > LEAST_EXCESS:
+                    indicators[f"{name}/{component}/contrast"] = evidence.contrast
+            if name in contacts:
+                indicators[f"{name}/wheel/level"] = contacts[name].level
+        for axle in self.description.axles:
+            if axle.driven:
+                statuses[f"{axle.name}/gear"] = Status("healthy", "no lines of a bearing lie at multiples of the mesh frequency")
+        statuses["track"] = track(self.description, heard, wheels, q)
+        indicators |= {f"{axle}/clock": difference for axle, difference in clocks.items()}
+        for side, lag in sides.items():
+            indicators |= {f"{side}/lag": lag.found, f"{side}/lag/correlation": lag.forward}
+        diagnoses = {name: hop.diagnosis for name, hop in hops.items()}
+        return VehicleDiagnosis(index, index / self.description.sampling_rate, statuses, indicators, diagnoses)
+
+    def _wheels(self, contacts: Mapping[str, Contact]) -> dict[str, Status]:
+        """Return the status of each wheel; a flat must be heard in consecutive hops."""
+        p, wheels = self.box_parameters, flats(contacts, self.parameters)
+        for name, status in wheels.items():
+            present = status.verdict == "flat"
+            if not self._confirmed[name].count(present=present, absent=not present, confirm=p.confirm, release=p.release) and present:
+                wheels[name] = Status("waiting", f"to be confirmed by the next hop: {status.reason}", 0.0, status.score)
+        return wheels
+
+    def _bearing(self, name: str, hop: BoxHop | None, compared: Mapping[Component, Compared] | None, quiet: Mapping[str, float]) -> Status:
+        """Return the status of a bearing."""
+        if hop is None:
+            return Status("waiting", "no signal")
+        diagnosis = hop.diagnosis
+        if compared is None or hop.judgement is None:
+            self._decided[name].reset()
+            self._undecided[name].reset()
+            if name in quiet:
+                return Status("waiting", f"the sensor is {quiet[name]:.0f} dB quieter than the others")
+            verdict = diagnosis.verdict if diagnosis.verdict in ("waiting", *TROUBLES) else "waiting"
+            return Status(verdict, diagnosis.reason, diagnosis.confidence)
+        p, scores = self.box_parameters, hop.judgement.scores
+        least = dict.fromkeys(COMPONENTS, least_evidence(p.confirm, diagnosis.time, p.alarm_evidence))
+        own = {component: compared[component].excess if component in compared else NOT_OWN for component in COMPONENTS}
+        open_ = {component: compared[component].undecided if component in compared else NOT_OWN for component in COMPONENTS}
+        verdict, doubtful = self._decided[name].verdict(own, least), self._undecided[name].verdict(open_, least)
+        if is_alarm(verdict):
+            confirmed = self._decided[name].confirmed
+            reasons = "; ".join(_reason(component, compared, hop.judgement) for component in confirmed)
+            return Status(verdict, reasons, confidence(verdict, confirmed, own), max(own.values()))
+        if is_alarm(doubtful):
+            doubted = self._undecided[name].confirmed
+            rivals = ", ".join(sorted({compared[component].rival for component in doubted}))
+            return Status(UNDECIDED, f"its lines are within {self.parameters.contrast:g} dB of those in {rivals}", 0.0, max(open_.values()))
+        if diagnosis.verdict in TROUBLES:
+            return Status(diagnosis.verdict, diagnosis.reason, diagnosis.confidence)
+        others = {c: item for c, item in compared.items() if scores.get(c, NOT_OWN) >= 0.0 and item.contrast < 0.0}
+        if others and verdict == "healthy":
+            component, item = max(others.items(), key=lambda pair: scores[pair[0]])
+            reason = f"the lines of its {component} are {-item.contrast:.1f} dB weaker than in {item.rival}"
+            return Status(verdict, reason, confidence(verdict, [], own), max(own.values()))
+        reason = "to be confirmed by the next hop" if verdict == "waiting" else "no lines are both deep enough and its own"
+        return Status(verdict, reason, confidence(verdict, [], own) if verdict == "healthy" else 0.0, max(own.values()))
+
+
+def _reason(component: Component, compared: Mapping[Component, Compared], judgement: Judgement) -> str:
+    """Return the evidence for a fault of a component in words."""
+    item, lines = compared[component], judgement.lines.get(component)
+    depth = f"at {lines.order:.3f} orders, depth {lines.depth:.2f}" if lines is not None else "found"
+    larger = f", {item.contrast:.1f} dB more than in {item.rival}" if item.rival else ""
+    return f"lines of the {component} {depth}{larger}"
+
+
+def _sensor(hop: BoxHop | None, below: float | None, swapped: bool, clock: float, most: float) -> Status:
+    """Return the status of a sensor; ``clock`` is the difference of the clocks of its wheelset, ``most`` what is allowed [ppm]."""
+    if hop is None:
+        return Status("sensor", "no signal arrives", 0.99)
+    diagnosis = hop.diagnosis
+    if diagnosis.verdict == "sensor":
+        return Status("sensor", diagnosis.reason, 0.99)
+    if below is not None:
+        return Status("sensor", f"it hears the rail {below:.0f} dB less than the others", 0.99, below)
+    if swapped:
+        return Status("swapped", "the trailing wheelset follows the rail first: the sensors of this side are swapped", 0.9)
+    if abs(clock) >= most:
+        reason = f"the clocks of the two boxes of the wheelset differ by {abs(clock):.0f} ppm, and one of them is wrong"
+        return Status(UNDECIDED, reason, 0.0, abs(clock) / most)
+    return Status("healthy", "it hears the rail as the others do")
+
+
+def _divided(blocks: Mapping[str, BlockLike], most: int) -> Iterator[dict[str, Samples]]:
+    """Yield the samples of blocks in pieces of at most ``most`` samples, in the order of time."""
+    pieces: dict[int, dict[str, Samples]] = {}
+    for name, block in blocks.items():
+        for number, first in enumerate(range(0, len(block.acceleration), most)):
+            last = first + most
+            angle = None if block.shaft_angle is None else block.shaft_angle[first:last]
+            pieces.setdefault(number, {})[name] = block.index + first, block.acceleration[first:last], angle
+    yield from (pieces[number] for number in sorted(pieces))

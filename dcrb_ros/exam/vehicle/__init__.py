@@ -1,0 +1,1 @@
+"""The exam of detectors that compare the axle boxes of a vehicle."""

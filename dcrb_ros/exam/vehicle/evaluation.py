@@ -1,0 +1,184 @@
+"""Evaluation of detectors of a vehicle: every box of every vehicle is a scenario with its own correct verdict.
+
+A box without damage is a healthy scenario, so that an alarm on the wrong box is a false alarm. Of the credit for a damaged box, the share
+of the alarm is earned by an alarm on any box, half of the share of the name by an alarm on the damaged one, and half by its component on
+any.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Protocol
+
+from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.diagnosis.vehicle.detector import VehicleDetector
+from dcrb_ros.exam.credit import vehicle_detection
+from dcrb_ros.exam.criteria import Criteria
+from dcrb_ros.exam.detector_process import STATUSES, BeginVehicle
+from dcrb_ros.exam.evaluation import CandidateRefusal, Progress, no_progress
+from dcrb_ros.exam.expectation import Expectation
+from dcrb_ros.exam.limits import Limits
+from dcrb_ros.exam.plugin_process import DetectorFailure, running_process
+from dcrb_ros.exam.report import Report
+from dcrb_ros.exam.running_detector import BoxSamples, RunningVehicleDetector, VehicleDetectorFactory
+from dcrb_ros.exam.scoring import ScenarioResult, score_scenario
+from dcrb_ros.exam.vehicle.exam_file import VehicleCase, VehicleExam
+from dcrb_ros.exam.vehicle.signals import BLOCK, MotionMemory, VehicleSignal, kept_signal
+from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
+from dcrb_ros.schema.verdicts import VERDICTS
+from dcrb_ros.stream.vehicle_description import VehicleDescription
+from dcrb_ros.text.json import parsed_json
+
+Statuses = Mapping[str, tuple[str, float]]
+"""Verdict and score [dB] by status."""
+
+
+@dataclass
+class VehicleOutcome:
+    """What a candidate did in one vehicle."""
+
+    received: dict[str, list[ReceivedDiagnosis]] = field(default_factory=dict)
+    """Its diagnoses by box."""
+    failure: str = ""
+    """Why it failed; empty if it did not."""
+
+    def add(self, description: VehicleDescription, time: float, statuses: Statuses) -> None:
+        """Take the statuses at a time [s]."""
+        for box in description.boxes:
+            verdict, score = box_verdict(statuses, box.name)
+            self.received.setdefault(box.name, []).append(ReceivedDiagnosis(time, verdict, score))
+
+
+def box_verdict(statuses: Statuses, box: str) -> tuple[str, float]:
+    """Return the verdict on a box, and its score [dB]: that of the bearing unless the sensor is faulty; ``waiting`` if it is undecided."""
+    if statuses.get(f"{box}/sensor", ("", 0.0))[0] == "sensor":
+        return "sensor", 0.0
+    verdict, score = statuses.get(f"{box}/bearing", ("waiting", 0.0))
+    return verdict if verdict in VERDICTS else "waiting", score
+
+
+class VehicleCandidate(Protocol):
+    """A detector of a vehicle under evaluation."""
+
+    @property
+    def name(self) -> str:
+        """Name in the report."""
+
+    def diagnose(self, signal: VehicleSignal) -> VehicleOutcome:
+        """Return the outcome for the signals of one vehicle; the truth is not part of them."""
+
+
+@dataclass(frozen=True)
+class PythonVehicleDetector:
+    """A detector of a vehicle written in Python, in this process."""
+
+    name: str
+    factory: VehicleDetectorFactory
+
+    def diagnose(self, signal: VehicleSignal) -> VehicleOutcome:
+        """Return its diagnoses.
+
+        Raises:
+            Refusal: the detector has no ``add`` or returns something invalid.
+            RuntimeError: it raised an exception.
+        """
+        outcome, detector = VehicleOutcome(), RunningVehicleDetector(self.factory, signal.description)
+        for piece, _, end in _pieces(signal):
+            statuses = detector.take(piece)
+            if statuses is not None:
+                outcome.add(signal.description, end - 1.0 / signal.description.sampling_rate, statuses)
+        return outcome
+
+
+def shipped_vehicle_detector(parameters: DetectorParameters, name: str) -> PythonVehicleDetector:
+    """Return the shipped detector of a vehicle as a candidate."""
+    return PythonVehicleDetector(name, lambda description: VehicleDetector(description, box_parameters=parameters))
+
+
+@dataclass(frozen=True)
+class ProcessVehicleDetector:
+    """A detector of a vehicle written in Python, in a process of its own that never has the truth."""
+
+    name: str
+    given: str
+    """``module:Class`` or ``file.py:Class``."""
+    limits: Limits
+
+    def diagnose(self, signal: VehicleSignal) -> VehicleOutcome:
+        """Return its diagnoses; a failure is part of the outcome."""
+        outcome, description = VehicleOutcome(), signal.description
+        try:
+            with running_process(self.given, self.limits) as process:
+
+                def exchange() -> None:
+                    begin = BeginVehicle(description.to_json())
+                    for kind, content, end in process.answers(begin, _pieces(signal)):
+                        if kind == STATUSES:
+                            outcome.add(description, end - 1.0 / description.sampling_rate, _statuses(content))
+
+                outcome.failure = process.guarded(exchange)
+        except CandidateRefusal as refusal:
+            outcome.failure = str(refusal)
+        return outcome
+
+
+def evaluate_vehicles(exam: VehicleExam, candidate: VehicleCandidate, folder: Path, progress: Progress = no_progress) -> Report:
+    """Return the report of a detector of a vehicle; signals that are not in the folder are simulated.
+
+    Raises:
+        Refusal: a vehicle is invalid, or the detector returns something invalid.
+    """
+    results: list[ScenarioResult] = []
+    memory = MotionMemory()
+    with progress("evaluated", len(exam.cases)) as on_done:
+        # Vehicles at one operating point have bearings in common.
+        for case in sorted(exam.cases, key=lambda case: case.tags.get("point", "")):
+            signal = kept_signal(case.parameters, case.duration, folder, memory)
+            results += scored_boxes(case, signal.description, candidate.diagnose(signal), exam.criteria)
+            on_done(case.name)
+    return Report(exam.name, candidate.name, exam.criteria, exam.digest, tuple(results), exam.seal, exam.seeds)
+
+
+def scored_boxes(case: VehicleCase, description: VehicleDescription, outcome: VehicleOutcome, criteria: Criteria) -> list[ScenarioResult]:
+    """Return the result of every box of a vehicle."""
+    speed = float(case.parameters["vehicle.speed_kmh"]) / 3.6
+    results = []
+    for box in description.boxes:
+        expectation = Expectation(
+            f"{case.name}/{box.name}",
+            case.damaged.get(box.name.replace("/", "."), "healthy"),
+            case.duration,
+            tags={**case.tags, "speed": speed / description.axle(box.axle).wheel_radius},
+            required=case.required,
+            last_verdict=True,
+        )
+        own = outcome.received.get(box.name, [])
+        result = score_scenario(expectation, own, criteria, failure=outcome.failure)
+        if expectation.faulty:
+            detection = vehicle_detection(expectation, own, list(outcome.received.values()), criteria)
+            result = replace(result, credit=replace(result.credit, detection=detection))
+        results.append(result)
+    return results
+
+
+def _pieces(signal: VehicleSignal) -> Iterator[tuple[dict[str, BoxSamples], float, float]]:
+    """Yield blocks of all boxes, with the times of their first sample and their end [s]."""
+    rate = signal.description.sampling_rate
+    for number, blocks in enumerate(signal.blocks(BLOCK)):
+        piece = {name: BoxSamples(block.index, block.acceleration, block.shaft_angle) for name, block in blocks.items()}
+        first = number * BLOCK
+        yield piece, first / rate, (first + max(len(block.acceleration) for block in blocks.values())) / rate
+
+
+def _statuses(content: bytes) -> dict[str, tuple[str, float]]:
+    """Return the statuses in an answer, which may come from a process that the detector controls.
+
+    Raises:
+        DetectorFailure: it is no such answer.
+    """
+    try:
+        return {str(name): (str(verdict), float(score)) for name, (verdict, score) in parsed_json(content, "its answer").items()}
+    except (ValueError, TypeError, AttributeError):
+        raise DetectorFailure("its process sent an invalid answer") from None

@@ -1,0 +1,197 @@
+"""The exam of a vehicle: its file, and how it is expanded into vehicles.
+
+As in an exam of a bearing, a list where a parameter takes a single value is a variation. In the keys of a scenario, ``box`` stands for
+each of its ``boxes`` in turn.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from pydantic import Field, ValidationError
+
+from dcrb_ros.exam.case import canonical
+from dcrb_ros.exam.criteria import Criteria
+from dcrb_ros.schema.fields import Group, choice, quantity
+from dcrb_ros.schema.parameter_field import first_problem
+from dcrb_ros.schema.refusal import Refusal, nearest
+from dcrb_ros.schema.verdicts import FaultClass
+from dcrb_ros.settings.files import flatten
+from dcrb_ros.settings.shipped import find_shipped
+from dcrb_ros.text.yaml import read_yaml
+from dcrb_ros.vehicle.description import Vehicle
+from dcrb_ros.vehicle.file import read_parameters, vehicle_of
+
+PLACEHOLDER = "box"
+"""In the keys of a scenario, the box in question."""
+MOST_CASES = 2000
+"""Vehicles of an exam at most [-]."""
+
+
+class VehicleEntry(Group):
+    """A scenario of the file, or a family of scenarios."""
+
+    name: str
+    points: list[str] | None = None
+    """Operating points by name; all of them if omitted."""
+    variants: list[str] = Field(default_factory=list)
+    """Variants by name; the vehicle as it is if omitted."""
+    boxes: list[str] = Field(default_factory=list)
+    """Boxes for which ``box`` stands."""
+    set: dict[str, Any] = Field(default_factory=dict)
+    """Parameters of the vehicle; a list gives one case per value."""
+    damaged: dict[str, FaultClass] = Field(default_factory=dict)
+    """Correct verdict of each box that is not healthy."""
+    required: bool = True
+    tags: dict[str, str] = Field(default_factory=dict)
+
+
+class VehicleExamFile(Group):
+    """An exam of a vehicle as written in its file."""
+
+    exam: str
+    vehicle: str
+    """Vehicle on which the scenarios are based, a shipped name or a file."""
+    about: str = ""
+    duration: float = quantity(3.0, "s", "Simulated time of a scenario", 2.5, 1e3)
+    set: dict[str, Any] = Field(default_factory=dict)
+    """Parameters of all scenarios."""
+    points: dict[str, dict[str, Any]] = Field(default_factory=dict)
+    """Parameters by operating point."""
+    variants: dict[str, dict[str, Any]] = Field(default_factory=dict)
+    """Parameters by variant, such as the cross-talk."""
+    criteria: Criteria = Criteria()
+    seal: str = choice("", "Hash published before a sealed exam")
+    scenarios: list[VehicleEntry]
+
+
+@dataclass(frozen=True)
+class VehicleCase:
+    """A vehicle of the exam, and the correct verdicts."""
+
+    name: str
+    parameters: Mapping[str, Any]
+    """Parameters of the vehicle by dotted keys."""
+    duration: float
+    """[s]"""
+    damaged: Mapping[str, str]
+    """Correct verdict by box, of boxes that are not healthy."""
+    required: bool = True
+    tags: Mapping[str, str] = field(default_factory=dict)
+
+    def vehicle(self) -> Vehicle:
+        """Return the vehicle.
+
+        Raises:
+            Refusal: its parameters are invalid.
+        """
+        return vehicle_of(self.parameters, f"scenario '{self.name}'")
+
+
+@dataclass(frozen=True)
+class VehicleExam:
+    """An exam of a vehicle expanded into cases."""
+
+    name: str
+    about: str
+    criteria: Criteria
+    cases: tuple[VehicleCase, ...]
+    seal: str = ""
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of all cases; names and order do not enter it."""
+        cases = sorted(canonical([dict(case.parameters), case.duration, dict(case.damaged), case.required]) for case in self.cases)
+        return hashlib.sha256(canonical(cases).encode()).hexdigest()
+
+    @property
+    def seeds(self) -> tuple[int, ...]:
+        """Seeds of the vehicles in increasing order."""
+        return tuple(sorted({int(case.parameters.get("vehicle.seed", 1)) for case in self.cases}))
+
+
+def is_vehicle_exam(source: str | Path) -> bool:
+    """Return whether a file or shipped name is the exam of a vehicle.
+
+    Raises:
+        Refusal: there is no such file, or it is not YAML.
+    """
+    tree = read_yaml(find_shipped("exam", source))
+    return isinstance(tree, Mapping) and "vehicle" in tree
+
+
+def read_vehicle_exam(source: str | Path) -> VehicleExam:
+    """Return the exam given by a file or by a shipped name.
+
+    Raises:
+        Refusal: there is no such exam, it has an unknown key, or one of its scenarios is invalid.
+    """
+    tree = read_yaml(find_shipped("exam", source))
+    try:
+        file = VehicleExamFile.model_validate(tree)
+    except ValidationError as error:
+        problem = first_problem(error)
+        raise Refusal(f"{source}: {problem.key or 'the file'}: {problem.reason}") from None
+    base = {**read_parameters(file.vehicle), **flatten(file.set)}
+    cases: list[VehicleCase] = []
+    for entry in file.scenarios:
+        for case in _cases(file, entry, base, str(source)):
+            cases.append(case)
+            if len(cases) > MOST_CASES:
+                raise Refusal(f"{source} defines more than {MOST_CASES} scenarios: leave out variations")
+    names = [case.name for case in cases]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise Refusal(f"{source}: two scenarios are called '{twice}': give them different names")
+    if not cases:
+        raise Refusal(f"{source} defines no scenario: give at least one")
+    return VehicleExam(file.exam, file.about, file.criteria, tuple(cases), file.seal)
+
+
+def _cases(file: VehicleExamFile, entry: VehicleEntry, base: Mapping[str, Any], source: str) -> Iterator[VehicleCase]:
+    where = f"{source}, scenario '{entry.name}'"
+    for kind, given, known in (("operating point", entry.points or [], file.points), ("variant", entry.variants, file.variants)):
+        unknown = next((name for name in given if name not in known), None)
+        if unknown is not None:
+            raise Refusal(f"{where}: there is no {kind} '{unknown}'{nearest(unknown, known)}")
+    changes = flatten(entry.set)
+    empty = next((key for key, value in changes.items() if value == []), None)
+    if empty is not None:
+        raise Refusal(f"{where}: {empty} has an empty list: give at least one value")
+    varied = {key: value for key, value in changes.items() if isinstance(value, list)}
+    checked: set[tuple[str, str]] = set()
+    for point, variant, box, values in itertools.product(
+        (entry.points if entry.points is not None else [*file.points]) or [""],
+        entry.variants or [""],
+        entry.boxes or [""],
+        itertools.product(*varied.values()),
+    ):
+        chosen = {**changes, **dict(zip(varied, values, strict=True))}
+        own = {_placed(key, box, where): value for key, value in chosen.items()}
+        words = [entry.name, point, box, variant, *(f"{key.rpartition('.')[2]}={value}" for key, value in zip(varied, values, strict=True))]
+        parameters = {**base, **flatten(file.points.get(point, {})), **flatten(file.variants.get(variant, {})), **own}
+        damaged = {_placed(key, box, where): verdict for key, verdict in entry.damaged.items() if verdict != "healthy"}
+        tags = {**({"point": point} if point else {}), **({"variant": variant} if variant else {}), "kind": entry.name, **entry.tags}
+        case = VehicleCase("/".join(filter(None, words)), parameters, file.duration, damaged, entry.required, tags)
+        if (point, variant) not in checked:  # the other values are checked when the vehicle is simulated
+            checked.add((point, variant))
+            names = [name.name for name in case.vehicle().boxes]
+            stranger = next((name for name in damaged if name not in names), None)
+            if stranger is not None:
+                raise Refusal(f"{where}: damaged names the box '{stranger}'{nearest(stranger, names)} (known: {', '.join(names)})")
+        yield case
+
+
+def _placed(key: str, box: str, where: str) -> str:
+    """Return a key with a box in the place of ``box``."""
+    first, dot, rest = key.partition(".")
+    if first != PLACEHOLDER:
+        return key
+    if not box:
+        raise Refusal(f"{where}: '{key}' names no box: give boxes, such as [axle_1.left]")
+    return f"{box}{dot}{rest}"

@@ -1,0 +1,177 @@
+"""Signals of vehicles for an exam: simulated once and kept.
+
+Vehicles that differ in paths and sensors only have the same bearings at the same loads. The motion of their outer rings is therefore
+stepped once and mixed anew for each of them, which gives the same bits as a simulation of its own.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+from collections import OrderedDict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dcrb_ros.diagnosis.vehicle.detector import BoxBlock
+from dcrb_ros.exam.case import canonical
+from dcrb_ros.measurement.sensor import Measurement, Sensor
+from dcrb_ros.recordings.manifest import model_fingerprint, software
+from dcrb_ros.schema.arrays import Floats, Samples
+from dcrb_ros.simulation.block_queue import wrapped
+from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.stream.vehicle_description import VehicleDescription
+from dcrb_ros.text.writing import whole_file
+from dcrb_ros.vehicle.description import Box, Vehicle, described
+from dcrb_ros.vehicle.file import vehicle_of
+from dcrb_ros.vehicle.model import FRAME, VehicleModel
+from dcrb_ros.vehicle.simulation import VehicleSimulation
+
+BLOCK = 1024
+"""Samples of a block that a detector receives [-]."""
+MOST_REMEMBERED = 20
+"""Bearings whose motion is remembered [-]: four boxes, healthy and with three faults, and some; each second takes 5 MB."""
+OF_SENSOR = ("sensor", "structure", "publishing", "tacho", "recording", "background")
+"""Groups of a box's configuration on which the motion of its outer ring does not depend."""
+
+Motion = list[tuple[Floats, Floats]]
+"""Acceleration of an outer ring and angle of its shaft, frame by frame."""
+
+
+@dataclass(frozen=True)
+class VehicleSignal:
+    """The waveforms of all boxes of a vehicle, as a detector receives them."""
+
+    description: VehicleDescription
+    acceleration: Mapping[str, Samples]
+    """By box, shape (samples, 2) [m/s^2]."""
+    shaft_angle: Mapping[str, Samples]
+    """By box, shape (samples,) [rad]."""
+
+    def blocks(self, size: int = BLOCK) -> Iterator[dict[str, BoxBlock]]:
+        """Yield blocks of all boxes with equal stamps."""
+        samples = max(len(angle) for angle in self.shaft_angle.values())
+        for first in range(0, samples, size):
+            last = first + size
+            yield {
+                name: BoxBlock(first, self.acceleration[name][first:last], angle[first:last]) for name, angle in self.shaft_angle.items()
+            }
+
+
+class MotionMemory:
+    """Motion of the outer rings of bearings that were stepped, the latest ones."""
+
+    def __init__(self) -> None:
+        self._motions: OrderedDict[str, Motion] = OrderedDict()
+
+    def motion(self, vehicle: Vehicle, box: Box) -> Motion:
+        """Return what is remembered of a bearing, to which more can be added."""
+        key = hashlib.sha256(canonical(_on_which_motion_depends(vehicle, box)).encode()).hexdigest()
+        motion = self._motions.setdefault(key, [])
+        self._motions.move_to_end(key)
+        while len(self._motions) > MOST_REMEMBERED:
+            self._motions.popitem(last=False)
+        return motion
+
+
+class RememberedBearing:
+    """The simulation of a bearing that steps only frames that are not remembered; everything else is the simulation's."""
+
+    def __init__(self, simulation: Simulation, motion: Motion) -> None:
+        self._simulation, self._motion = simulation, motion
+        self._live = not motion
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._simulation, name)
+
+    def step_to(self, end: int) -> tuple[Floats, Floats]:
+        """Return acceleration and angle of the frame that ends at step ``end``, as `Simulation.step_to` does."""
+        if self._live:
+            self._motion.append(self._simulation.step_to(end))
+        return self._motion[end // FRAME - 1]
+
+
+def simulated_signal(vehicle: Vehicle, duration: float, memory: MotionMemory, threads: int | None = None) -> VehicleSignal:
+    """Return the signal of a vehicle over a time [s]; a remembered motion must be as long."""
+    remembered = [memory.motion(vehicle, box) for box in vehicle.boxes]
+    if all(remembered) and not any(box.swapped_with for box in vehicle.boxes):
+        return _mixed(vehicle, duration, remembered)
+    simulation = VehicleSimulation(vehicle, threads=threads)
+    for box in vehicle.boxes:
+        bearing: Any = RememberedBearing(simulation.simulations[box.name], memory.motion(vehicle, box))
+        simulation.simulations[box.name] = bearing
+    pieces: dict[str, list[Any]] = {box.name: [] for box in vehicle.boxes}
+    for block in simulation.blocks(duration):
+        for name, box_block in block.boxes.items():
+            pieces[name].append(box_block)
+    return VehicleSignal(
+        described(vehicle),
+        {_topic(name): np.concatenate([block.acceleration for block in blocks]) for name, blocks in pieces.items()},
+        {_topic(name): np.concatenate([block.shaft_angle for block in blocks]) for name, blocks in pieces.items()},
+    )
+
+
+def _mixed(vehicle: Vehicle, duration: float, motions: Sequence[Motion]) -> VehicleSignal:
+    """Return the signal of a vehicle whose bearings have all been stepped, mixed and sensed as `VehicleSimulation` does it."""
+    model, rate = VehicleModel(vehicle), vehicle.boxes[0].configuration.sensor.sampling_rate
+    sensors = [Sensor(box.configuration.measurement) for box in vehicle.boxes]
+    measured: list[list[Measurement]] = [[] for _ in sensors]
+    for frame in zip(*motions, strict=True):
+        mixed, _ = model.mix(np.array([acceleration for acceleration, _ in frame]), model.plan())
+        for j, (_, angle) in enumerate(frame):
+            measured[j].append(sensors[j].measure(mixed[j], angle))
+    count = round(duration * rate)
+    names = [_topic(box.name) for box in vehicle.boxes]
+    accelerations = [np.concatenate([part.measured for part in parts])[:count].astype(np.float32) for parts in measured]
+    angles = [wrapped(np.concatenate([part.angle for part in parts])[:count]) for parts in measured]
+    return VehicleSignal(described(vehicle), dict(zip(names, accelerations, strict=True)), dict(zip(names, angles, strict=True)))
+
+
+def kept_signal(parameters: Mapping[str, Any], duration: float, folder: Path, memory: MotionMemory) -> VehicleSignal:
+    """Return the signal of a vehicle given by its parameters; simulate it if it is not in the folder."""
+    path = signal_path(parameters, duration, folder)
+    if not path.is_file():
+        signal = simulated_signal(vehicle_of(parameters, "the exam"), duration, memory)
+        arrays: dict[str, Any] = {f"acceleration.{name}": values for name, values in signal.acceleration.items()}
+        arrays |= {f"shaft_angle.{name}": values for name, values in signal.shaft_angle.items()}
+        with whole_file(path) as temporary, temporary.open("wb") as file:
+            np.savez(file, description=np.array(signal.description.to_json()), **arrays)
+    with np.load(path, allow_pickle=False) as kept:
+        names = {name.partition(".")[2] for name in kept.files if "." in name}
+        return VehicleSignal(
+            VehicleDescription.from_json(str(kept["description"])),
+            {name: kept[f"acceleration.{name}"] for name in sorted(names)},
+            {name: kept[f"shaft_angle.{name}"] for name in sorted(names)},
+        )
+
+
+def signal_path(parameters: Mapping[str, Any], duration: float, folder: Path) -> Path:
+    """Return the file of a vehicle's signal; its name is a hash of everything on which the samples depend."""
+    about = canonical([dict(parameters), duration, model_fingerprint(), _vehicle_fingerprint(), software()])
+    return folder / f"{hashlib.sha256(about.encode()).hexdigest()[:24]}.npz"
+
+
+@functools.cache
+def _vehicle_fingerprint() -> str:
+    """Return a hash of the sources of the vehicle's model."""
+    digest = hashlib.sha256()
+    for source in sorted((Path(__file__).parents[2] / "vehicle").glob("*.py")):
+        digest.update(source.read_bytes())
+    return digest.hexdigest()
+
+
+def _on_which_motion_depends(vehicle: Vehicle, box: Box) -> list[Any]:
+    """Return what the motion of an outer ring depends on: the vehicle that loads the bearing, and the bearing."""
+    groups = [part.model_dump() for part in (vehicle.journey, vehicle.body, vehicle.frame, vehicle.suspension, vehicle.track)]
+    axles = [[axle.x, axle.radius, axle.creep, axle.slide, axle.gear.model_dump(), axle.motor.model_dump()] for axle in vehicle.axles]
+    wheels = [[other.name, other.wheel.model_dump()] for other in vehicle.boxes]
+    own = {key: value for key, value in box.configuration.model_dump().items() if key not in OF_SENSOR}
+    return [groups, axles, wheels, box.name, own]
+
+
+def _topic(name: str) -> str:
+    """Return the name of a box in topics, such as ``axle_1/left``."""
+    return name.replace(".", "/")

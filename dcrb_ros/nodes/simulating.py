@@ -1,0 +1,179 @@
+"""What the simulator of a bearing and that of a vehicle have in common: publishing, recording, services and status."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+from dcrb_ros.core.announcement import announce_compilation
+from dcrb_ros.messages.bundle import Bundle
+from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, CLOCK, Message, Topic
+from dcrb_ros.nodes.answers import Answers
+from dcrb_ros.nodes.base import BenchNode
+from dcrb_ros.nodes.bench_status import BenchStatus
+from dcrb_ros.nodes.clock import ClockPublisher
+from dcrb_ros.nodes.engine import BundleSource, Engine, Progress, Sink
+from dcrb_ros.nodes.gate import Gate
+from dcrb_ros.nodes.other_publishers import OtherPublishers
+from dcrb_ros.nodes.pacing import Pacer
+from dcrb_ros.nodes.publisher import Publisher
+from dcrb_ros.nodes.recording_switch import CreateRecorder, RecordingSwitch
+from dcrb_ros.nodes.refusals import Refusals
+from dcrb_ros.nodes.ros import installed
+from dcrb_ros.nodes.services import Services
+from dcrb_ros.nodes.simulation_interfaces import PACKAGE, SimulationInterfaces
+from dcrb_ros.nodes.subscriber_wait import SubscriberWait
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.settings.configuration import Configuration
+
+
+class FirstBlockLog:
+    """A sink that logs how long the first block took."""
+
+    def __init__(self, log: Callable[[str], object]) -> None:
+        self._log, self._began = log, time.monotonic()
+
+    def start(self, messages: Sequence[Message]) -> None:
+        """Do nothing."""
+
+    def write(self, bundle: Bundle) -> None:
+        """Log the time of the first bundle."""
+        if self._began:
+            self._log(f"first block {time.monotonic() - self._began:.2f} s after the start")
+            self._began = 0.0
+
+
+class SimulatingNode(BenchNode):
+    """Publishes and records a simulation, paced to wall time, with services and a status."""
+
+    purpose = "bench"
+    configuration: Configuration
+    engine: Engine
+    progress: Progress
+    refusals: Refusals
+    recording: RecordingSwitch
+
+    def assemble(
+        self,
+        configuration: Configuration,
+        begin: Callable[[Gate], BundleSource],
+        topics: Iterable[Topic],
+        recorder: CreateRecorder,
+        *,
+        waveform: Topic,
+        description: Topic,
+        answers: Answers,
+    ) -> None:
+        """Put the parts together.
+
+        Args:
+            configuration: gives time scale, publishing and recording.
+            begin: returns the source, whose bundles pass the gate.
+            topics: those that the source fills.
+            recorder: creates a recorder.
+            waveform: the topic whose subscribers are waited for.
+            description: the latched topic by which they know the others.
+            answers: the diagnoses that are waited for at the end.
+        """
+        self.configuration = configuration
+        publishing, log, path = configuration.publishing, self.get_logger(), configuration.recording.path
+        gate = Gate(Pacer(configuration.time_scale, time.monotonic), time.monotonic)
+        clocks = [CLOCK] if publishing.clock else []
+        self._publisher = Publisher(self, [*topics, BENCH_DIAGNOSTICS, *clocks])
+        self._clock_publisher = ClockPublisher(self._publisher.write_messages) if publishing.clock else None
+        self.progress, self.refusals = Progress(), Refusals(log.warning)
+        self.recording = RecordingSwitch(recorder, log, Path(path).absolute() if path else None)
+        clock = [self._clock_publisher] if self._clock_publisher else []
+        sinks: list[Sink] = [self.progress, *clock, self._publisher, self.recording, FirstBlockLog(log.info)]
+        self.engine = Engine("model", begin(gate), sinks, gate)
+        self._waveform, self._description, self._answers = waveform, description, answers
+        self._status = self.status_of()
+        self._others: OtherPublishers
+
+    def status_of(self) -> BenchStatus:
+        """Return what composes the status of the node."""
+        return BenchStatus(self.engine, self.progress, self.recording, self.refusals)
+
+    def start(self) -> None:
+        """Start the simulation and the configured recording."""
+        announce_compilation(self.get_logger().info)
+        self.engine.prepare()
+        self.receive()
+        services = Services(self)
+        if installed(PACKAGE):
+            SimulationInterfaces(self, services)
+        publishing = self.configuration.publishing
+        self._others = self.watch_publishers(self._waveform, *([CLOCK] if publishing.clock else []))
+        self.repeat(1.0, self._publish_status)
+        if publishing.listeners:
+            wait = SubscriberWait(self._publisher, publishing.listeners, publishing.wait, topics=(self._waveform, self._description))
+            self.start_with_subscribers(wait, self.engine.start)
+        else:
+            self.engine.start()
+
+    def receive(self) -> None:
+        """Subscribe to commands and to what is recorded beside the simulation."""
+
+    def update_parameters(self) -> None:
+        """Set the node's parameters to the present configuration, which a reset or a scenario may have changed."""
+
+    @property
+    def ended(self) -> bool:
+        """Whether the duration is over and the detector has answered, or the simulation has failed or was asked to quit."""
+        stopped = self.engine.failure is not None or self.engine.gate.closed
+        return self.engine.ended and (stopped or self._answers.complete(self.progress.time_ns))
+
+    @property
+    def failure(self) -> Exception | None:
+        """The exception that ended the simulation, if one did."""
+        return self.engine.failure
+
+    def close(self) -> None:
+        """Stop the simulation and finish the recording."""
+        self.engine.close()
+        self.recording.stop()
+
+    def record_detected(self, topic: Topic) -> None:
+        """Record the detector's messages on a topic."""
+
+        def record(data: bytes) -> None:
+            if self.recording.path is None:
+                return
+            with self.refusals.suppressed(topic.name):
+                time_ns = decoded_by(topic.name, topic.stamp, data)
+                self._check_stamp(topic, time_ns)
+                self.recording.write_messages([Message(topic, time_ns, data)])
+
+        self.subscribe(topic, record)
+
+    def _check_stamp(self, topic: Topic, time_ns: int) -> None:
+        """Refuse a stamp [ns] outside the signal published so far.
+
+        The detector may answer a block before the engine's thread has counted it, hence one block of tolerance.
+        """
+        block_ns = math.ceil(self.configuration.publishing.block_size * 1e9 / self.configuration.sensor.sampling_rate)
+        latest = self.progress.time_ns + block_ns
+        if not 0 <= time_ns <= latest:
+            raise Refusal(
+                f"{topic.name} at {time_ns * 1e-9:g} s is not recorded: its stamp must be within 0 .. {latest * 1e-9:g} s of simulated time"
+            )
+
+    def _publish_status(self) -> None:
+        """Publish the status on /diagnostics, and the time of a paused simulation again on /clock."""
+        time_ns = self.progress.time_ns  # read once: another block may come at any time
+        status = self._status.status(self.get_fully_qualified_name(), time_ns, self._others.names)
+        self._publisher.write_messages([self.diagnostics(status, time_ns, self.configuration.publishing.frame)])
+        if self._clock_publisher is not None:
+            self._clock_publisher.repeat(time_ns)
+        self.update_parameters()
+
+
+def decoded_by(topic: str, decode: Callable[[bytes], Any], data: bytes) -> Any:
+    """Return the content of a message; a refusal names the topic."""
+    try:
+        return decode(bytes(data))
+    except Refusal as refusal:
+        raise Refusal(f"{topic}: {refusal}") from None

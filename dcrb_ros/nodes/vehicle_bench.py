@@ -1,0 +1,136 @@
+"""The bench of a vehicle in one command: simulator and comparing detector as processes, with a status line."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.messages.joints import decode_joints
+from dcrb_ros.messages.statuses import OK, Status, decode_diagnostics
+from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, FEATURES, NAMESPACE, VIBRATION, Topic
+from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DIAGNOSIS
+from dcrb_ros.messages.vehicle import box_path
+from dcrb_ros.nodes.bench import Nodes, Observer, run_nodes
+from dcrb_ros.nodes.vehicle_detector_input import VehicleDetectorSettings
+from dcrb_ros.runtime import terminal
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.vehicle.description import Vehicle
+
+
+class VehicleObserver(Observer):
+    """Keeps the last messages of a vehicle for the status line and the result."""
+
+    simulator = "vehicle_simulator"
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        super().__init__()
+        self._boxes = [box_path(box.name) for box in vehicle.boxes]
+        self._latest: dict[str, Status] = {}
+        self._rms: dict[str, float] = {}
+
+    def topics(self) -> Mapping[Topic, Callable[[bytes], None]]:
+        """Return what takes the messages of each topic."""
+        features: dict[Topic, Callable[[bytes], None]] = {FEATURES.below(box): partial(self._on_box, box) for box in self._boxes}
+        return {
+            VEHICLE_DIAGNOSIS: self._on_diagnosis,
+            BENCH_DIAGNOSTICS: self._on_bench,
+            VEHICLE_DESCRIPTION: lambda data: None,
+            **features,
+            VIBRATION.below(self._boxes[0]): self._on_block,
+        }
+
+    def _on_box(self, box: str, data: bytes) -> None:
+        joints = decode_joints(data)
+        values = dict(zip(joints.names, joints.position, strict=False))
+        if "rms" not in values:
+            raise Refusal("a JointState without rms does not contain the features of a box")
+        self._rms[box], self.features = float(values["rms"]), joints
+
+    def _on_diagnosis(self, data: bytes) -> None:
+        time_ns, statuses = decode_diagnostics(data)
+        if not statuses:
+            raise Refusal("a diagnosis without a status has no verdict")
+        self._latest |= {status.name: status for status in statuses}
+        self.verdict_ns = time_ns
+
+    @property
+    def statuses(self) -> list[Status]:
+        """The latest verdict on each part."""
+        return list(self._latest.values())
+
+    @property
+    def findings(self) -> list[Status]:
+        """The verdicts that report something."""
+        return [status for status in self.statuses if status.message not in ("healthy", "waiting")]
+
+    def line(self) -> str:
+        """Return the status line."""
+        if self.features is None:
+            return "waiting for the first block ..."
+        parts = [f"{self.features.stamp_ns * 1e-9:6.2f} s simulated", *self.pace()]
+        if self.bench is not None and self.bench.level != OK:
+            parts.append(self.bench.message)
+        parts.append("rms " + " ".join(f"{self._rms.get(box, 0.0):.0f}" for box in self._boxes) + " m/s^2")
+        if self.statuses:
+            waiting = all(status.message == "waiting" for status in self.statuses)
+            found = ", ".join(f"{status.name} {status.message}" for status in self.findings)
+            parts.append("->  " + (found or ("waiting" if waiting else "all healthy")))
+        return "  |  ".join(parts)
+
+
+def run(
+    name: str,
+    parameters: Mapping[str, Any],
+    vehicle: Vehicle,
+    box_parameters: DetectorParameters,
+    duration: float,
+    scenario: Path | None = None,
+    *,
+    shown: bool = False,
+) -> int:
+    """Run the bench of a vehicle, given by its ``parameters`` by dotted keys, for ``duration`` [s]; return the exit status.
+
+    The ``parameters`` are those at the start of the ``scenario``, if one is given.
+    """
+    configuration = vehicle.boxes[0].configuration
+    about = (
+        f"bench '{name}': {len(vehicle.boxes)} axle boxes and the detector that compares them as ROS 2 nodes in {NAMESPACE}, "
+        f"{duration:g} s at time scale {configuration.time_scale:g}"
+    )
+    least = configuration.publishing.listeners
+    arguments = ["--duration", repr(duration), *(["--scenario", str(scenario)] if scenario else [])]
+    nodes = Nodes(
+        ("vehicle_simulator", arguments),
+        lambda listeners: {**parameters, "publishing.listeners": max(least, listeners)},
+        ("vehicle_detector", VehicleDetectorSettings(boxes=box_parameters)),
+        ("viewer", ["--vehicle"]) if shown else None,
+        VEHICLE_DESCRIPTION,
+    )
+    observer, console = VehicleObserver(vehicle), terminal.console(stderr=True)
+    return run_nodes(about, nodes, observer, duration, console) or _conclude(observer, configuration.recording.path, console)
+
+
+def _conclude(observer: VehicleObserver, recorded: str, console: Console) -> int:
+    """Print verdicts, recording and how to open it; return 1 if there is no verdict."""
+    if recorded:
+        path = Path(recorded)
+        print(f"recording: {path}")
+        print(f"open it with: dcrb view {path}   or: rerun {path / (path.name + '_0.mcap')}")
+    if observer.refused:
+        console.print(f"{observer.refused} invalid messages on the topics of the bench were ignored")
+    if not observer.statuses or all(status.message == "waiting" for status in observer.statuses):
+        console.print(f"no verdict after {observer.blocks} blocks: the detector needs a few seconds of signal with turning shafts")
+        return 1
+    for status in observer.findings:
+        confidence, reason = status.values.get("confidence", "?"), status.values.get("reason", "")
+        print(f"verdict: {status.name} {status.message} (confidence {confidence}) at {observer.verdict_ns * 1e-9:.2f} s: {reason}")
+    quiet = Counter(status.message for status in observer.statuses if status not in observer.findings)
+    if quiet:
+        print("parts without a finding: " + ", ".join(f"{count} {message}" for message, count in quiet.items()))
+    return 0

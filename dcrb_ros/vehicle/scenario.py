@@ -1,0 +1,155 @@
+"""Scenarios of a vehicle: commands, slides, wheels and parameters of boxes on a timeline in simulated time.
+
+The files are those of a bench (`dcrb_ros.simulation.scenario`) with keys as the vehicle's file has them: ``vehicle.speed_kmh``,
+``axle_2.slide``, ``axle_1.left.faults.outer_1.width``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.settings.files import flatten
+from dcrb_ros.simulation.scenario import MAX_CHANGES, MAX_TICKS, Entry, ScheduledChange, planned_changes, timeline_entries
+from dcrb_ros.vehicle.changes import RANGES, checked_command, sorted_changes
+from dcrb_ros.vehicle.description import Vehicle
+from dcrb_ros.vehicle.file import layered
+from dcrb_ros.vehicle.model import FRAME
+
+PREFIX = "vehicle."
+SPEED, RAMP = "vehicle.speed_kmh", "vehicle.ramp"
+STEEPEST = 3.0
+"""Largest slope of a gradual change of the speed [m/s^2]."""
+
+
+@dataclass(frozen=True)
+class ScheduledSetting:
+    """A change of the vehicle, of a slide or of a wheel at a frame."""
+
+    frame: int
+    """The frame that begins at or after its time; it acts from the end of that frame on."""
+    key: str
+    """Such as ``vehicle.curvature`` or ``axle_2.slide``; ``vehicle.ramp`` is that of the speed [m/s^2]."""
+    value: Any
+
+
+@dataclass(frozen=True)
+class VehicleScenario:
+    """What changes during a run of a vehicle."""
+
+    boxes: Mapping[str, tuple[ScheduledChange, ...]]
+    """Changes of the parameters of each box, at their time steps."""
+    settings: tuple[ScheduledSetting, ...]
+    """All other changes, in the order of time."""
+    content: Any = None
+    """The scenario as parsed from YAML, from which a recording is simulated again."""
+
+
+def starting_parameters(tree: Any, parameters: Mapping[str, Any], source: str) -> dict[str, Any]:
+    """Return the parameters of a vehicle at the start of a scenario, None for none: with the values under ``start``, if there are any.
+
+    Raises:
+        Refusal: ``start`` has no parameters.
+    """
+    start = tree.get("start", {}) if isinstance(tree, Mapping) else {}
+    if not isinstance(start, Mapping):
+        raise Refusal(f"{source}: 'start' must name parameters and their values, such as vehicle.speed_kmh: 60.0")
+    return layered(parameters, start)
+
+
+def vehicle_scenario(tree: Any, vehicle: Vehicle, source: str) -> VehicleScenario:
+    """Return the changes of a scenario.
+
+    Args:
+        tree: the scenario as parsed from YAML.
+        vehicle: the vehicle of `starting_parameters`.
+        source: the scenario's name in error messages.
+
+    Raises:
+        Refusal: the tree is not a scenario, or one of its changes is invalid for the vehicle.
+    """
+    entries = timeline_entries(tree, source, vehicle.boxes[0].configuration.step_rate, _flat)
+    course = _Course(vehicle)
+    of_boxes: dict[str, list[Entry]] = {box.name: [] for box in vehicle.boxes}
+    settings: list[ScheduledSetting] = []
+    for entry in entries:
+        where = f"{entry.source}: "
+        changes = {key: value for key, value in entry.values.items() if not key.startswith(PREFIX)}
+        asked = sorted_changes(vehicle, course.wheels, changes, where)
+        for name, values in asked.boxes.items():
+            of_boxes[name].append(replace(entry, values=values))
+        for key, value in entry.values.items():
+            if key.startswith(PREFIX):
+                settings += course.settings(entry, key, checked_command(key.removeprefix(PREFIX), value, where))
+            elif not _is_of_box(key):
+                settings += course.settings(entry, key, value)
+        course.wheels.update(asked.wheels)
+    if len(settings) > MAX_CHANGES:
+        raise Refusal(f"{source}: its gradual changes of the vehicle take {len(settings)} steps, above {MAX_CHANGES}: shorten them")
+    boxes = {
+        box.name: tuple(planned_changes(of_boxes[box.name], box.configuration, f"{source}, {box.name}"))
+        for box in vehicle.boxes
+        if of_boxes[box.name]
+    }
+    return VehicleScenario(boxes, tuple(sorted(settings, key=lambda setting: setting.frame)), tree)
+
+
+def _flat(given: Mapping[Any, Any], source: str) -> dict[str, Any]:
+    """Return what an entry sets, by dotted keys.
+
+    Raises:
+        Refusal: a command lacks the name of its group.
+    """
+    values = {str(key): value for key, value in flatten(given).items()}
+    bare = next((key for key in values if key in RANGES), None)
+    if bare is not None:
+        raise Refusal(f"{source}: '{bare}' names nothing: did you mean '{PREFIX}{bare}'?")
+    return values
+
+
+def _is_of_box(key: str) -> bool:
+    """Return whether a key names a parameter of a box, rather than its wheel or a slide."""
+    parts = key.split(".")
+    return len(parts) > 2 and parts[2] != "wheel"
+
+
+class _Course:
+    """The values of the vehicle as the entries of a scenario change them."""
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        self._frame = FRAME / vehicle.boxes[0].configuration.step_rate
+        self._ramp = vehicle.journey.ramp
+        self.wheels = {box.name: box.wheel for box in vehicle.boxes}
+        """The wheel under each box."""
+        self._present: dict[str, Any] = {f"{PREFIX}{name}": getattr(vehicle.journey, name) for name in RANGES}
+        self._present |= {f"{axle.name}.slide": axle.slide for axle in vehicle.axles}
+
+    def settings(self, entry: Entry, key: str, value: Any) -> Iterator[ScheduledSetting]:
+        """Yield the settings by which an entry changes a value, at once or gradually."""
+        first, last = (-(-step // FRAME) for step in (entry.first, entry.last))
+        before = self._before(key)
+        self._present[key] = value
+        if last == first:
+            yield ScheduledSetting(first, key, value)
+        elif key == SPEED:
+            slope = abs(value - before) / 3.6 / ((last - first) * self._frame)
+            if slope > STEEPEST:
+                raise Refusal(f"{entry.source}: {key} would change by {slope:.3g} m/s^2, above {STEEPEST:g} m/s^2: give a longer 'over'")
+            yield ScheduledSetting(first, RAMP, slope)
+            yield ScheduledSetting(first, key, value)
+            yield ScheduledSetting(last, RAMP, self._ramp)
+        elif isinstance(value, bool) or not isinstance(value, (int, float)):
+            raise Refusal(f"{entry.source}: {key} cannot change gradually 'over' {entry.over:g} s: leave out 'over'")
+        else:
+            count = min(MAX_TICKS, last - first)
+            for k in range(1, count + 1):
+                yield ScheduledSetting(first + (last - first) * k // count, key, before + k / count * (value - before))
+
+    def _before(self, key: str) -> Any:
+        """Return the present value of a key."""
+        if key not in self._present:
+            name, _, parameter = key.rpartition(".wheel.")
+            return getattr(self.wheels[name], parameter)
+        return self._present[key]

@@ -1,0 +1,197 @@
+"""The content of a vehicle's recording as the viewer shows it."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from dcrb_ros.diagnosis.vehicle.detector import BoxBlock, VehicleDetector
+from dcrb_ros.messages.points import decode_waveform
+from dcrb_ros.messages.statuses import Status, decode_diagnostics
+from dcrb_ros.messages.topics import FEATURES, VIBRATION, Topic
+from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DIAGNOSIS, VEHICLE_TRUTH
+from dcrb_ros.messages.vehicle import encode_vehicle_diagnosis
+from dcrb_ros.recordings.vehicle import VehicleRecording
+from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.stream.vehicle_description import VehicleDescription
+from dcrb_ros.stream.vehicle_diagnosis import VehicleDiagnosis
+from dcrb_ros.viewer.content import Series, TimedWaveform, Times
+from dcrb_ros.viewer.reader import series_of
+
+CHUNK = 25600
+"""Samples of each box that the detector takes at once [-]."""
+
+
+@dataclass(frozen=True)
+class TrackEvent:
+    """An event on the track, such as a joint or a flat."""
+
+    time_ns: int
+    """[ns]"""
+    cause: str
+    where: str
+    """The box over the wheel, such as ``axle_1/left``, or the wheelset."""
+    place: float
+    """Place on the track [m]."""
+    jump: float
+    """Jump of velocity [m/s]."""
+
+
+@dataclass(frozen=True)
+class Verdicts:
+    """The verdicts on the parts of a vehicle at one time."""
+
+    time_ns: int
+    """[ns]"""
+    statuses: Mapping[str, Status]
+    """By the name of the part, such as ``axle_1/left/bearing``."""
+
+
+@dataclass(frozen=True)
+class VehicleContent:
+    """Everything that is shown of a vehicle, or of a part of its run."""
+
+    title: str
+    description: VehicleDescription
+    waveforms: Mapping[str, TimedWaveform]
+    """The waveform of each box by name."""
+    features: Mapping[str, Series] = field(default_factory=dict)
+    """Statistics of every block by box."""
+    verdicts: tuple[Verdicts, ...] = ()
+    events: tuple[TrackEvent, ...] = ()
+    diagnoses: tuple[VehicleDiagnosis, ...] = ()
+    """Diagnoses of the shipped detector, with the spectra of the boxes."""
+
+    @property
+    def start_ns(self) -> int:
+        """Time of the first sample [ns]."""
+        return min(int(waveform.time_ns[0]) for waveform in self.waveforms.values())
+
+    @property
+    def end_ns(self) -> int:
+        """Time of the last sample [ns]."""
+        return max(int(waveform.time_ns[-1]) for waveform in self.waveforms.values())
+
+
+def read_vehicle_content(recording: VehicleRecording) -> VehicleContent:
+    """Return the content of a recording, with the verdicts in it, or else those of the shipped detector.
+
+    Raises:
+        Refusal: a box has no waveform, or a message cannot be decoded.
+    """
+    received: dict[Topic, list[bytes]] = defaultdict(list)
+    for message in recording.messages(shown_topics(recording.boxes)):
+        received[message.topic].append(message.data)
+    description = recording.description
+    content = content_of(received, description, recording.path.name)
+    if not content.waveforms:
+        raise Refusal(f"{recording.path} has no waveform of any box: give a recording that contains outer_ring/vibration")
+    diagnoses = tuple(diagnoses_of(content))
+    verdicts = content.verdicts or verdicts_in(encode_vehicle_diagnosis(diagnosis) for diagnosis in diagnoses)
+    return VehicleContent(content.title, description, content.waveforms, content.features, tuple(verdicts), content.events, diagnoses)
+
+
+def shown_topics(boxes: Iterable[str]) -> list[Topic]:
+    """Return the topics that are shown of a vehicle with some boxes."""
+    each = [topic.below(name.replace(".", "/")) for name in boxes for topic in (VIBRATION, FEATURES)]
+    return [*each, VEHICLE_DESCRIPTION, VEHICLE_TRUTH, VEHICLE_DIAGNOSIS]
+
+
+def content_of(received: Mapping[Topic, Sequence[bytes]], description: VehicleDescription, title: str) -> VehicleContent:
+    """Return the content of messages by topic.
+
+    Raises:
+        Refusal: a message cannot be decoded.
+    """
+    waveforms, features = dict[str, TimedWaveform](), dict[str, Series]()
+    for box in description.boxes:
+        blocks = received.get(VIBRATION.below(box.name), ())
+        if blocks:
+            time_ns, acceleration, angle = decode_waveform(blocks)
+            waveforms[box.name] = TimedWaveform(time_ns, acceleration, angle, description.sampling_rate)
+        series = series_of(received.get(FEATURES.below(box.name), ()))
+        if series is not None:
+            features[box.name] = series
+    events = tuple(event for data in received.get(VEHICLE_TRUTH, ()) for event in events_in(data))
+    return VehicleContent(title, description, waveforms, features, tuple(verdicts_in(received.get(VEHICLE_DIAGNOSIS, ()))), events)
+
+
+def events_in(data: bytes) -> list[TrackEvent]:
+    """Return the events in the ground truth of a vehicle.
+
+    Raises:
+        Refusal: the message is no ground truth of a vehicle.
+    """
+    listed = []
+    for status in decode_diagnostics(data)[1]:
+        if status.name.startswith("events/"):
+            values = status.values
+            try:
+                time, place, jump = (float(values.get(key, "nan")) for key in ("time", "place", "jump"))
+                listed.append(TrackEvent(round(time * 1e9), status.message, values.get("box", ""), place, jump))
+            except ValueError:
+                raise Refusal(f"the event '{status.message}' in the ground truth of the vehicle has no time and place") from None
+    return listed
+
+
+def verdicts_in(messages: Iterable[bytes]) -> list[Verdicts]:
+    """Return the verdicts in messages of a comparing detector.
+
+    Raises:
+        Refusal: a message is no diagnosis.
+    """
+    decoded = (decode_diagnostics(data) for data in messages)
+    return [Verdicts(time_ns, {status.name: status for status in statuses}) for time_ns, statuses in decoded]
+
+
+def diagnoses_of(content: VehicleContent) -> list[VehicleDiagnosis]:
+    """Return the diagnoses of the waveforms by the shipped comparing detector, with its default parameters."""
+    detector, listed = VehicleDetector(content.description), list[VehicleDiagnosis]()
+    rate = content.description.sampling_rate
+    longest = max(len(waveform.shaft_angle) for waveform in content.waveforms.values())
+    for first in range(0, longest, CHUNK):
+        blocks = {}
+        for name, waveform in content.waveforms.items():
+            piece = slice(first, min(first + CHUNK, len(waveform.shaft_angle)))
+            if piece.start < piece.stop:
+                index = (int(waveform.time_ns[first]) * rate + 500_000_000) // 1_000_000_000
+                blocks[name] = BoxBlock(index, waveform.acceleration[piece], waveform.shaft_angle[piece])
+        diagnosis = detector.add(blocks)
+        if diagnosis is not None:
+            listed.append(diagnosis)
+    return listed
+
+
+def joined(before: TimedWaveform, after: TimedWaveform) -> TimedWaveform:
+    """Return two consecutive parts of a waveform as one."""
+    return TimedWaveform(
+        np.concatenate([before.time_ns, after.time_ns]),
+        np.concatenate([before.acceleration, after.acceleration]),
+        np.concatenate([before.shaft_angle, after.shaft_angle]),
+        after.rate,
+    )
+
+
+def lead_times(description: VehicleDescription, name: str, waveform: TimedWaveform, before: TimedWaveform | None = None) -> Times:
+    """Return when the leading wheelset was where a box is at each of its samples, by the rolling of its wheels, shape (samples,) [ns].
+
+    Rails excite all boxes of a side at the same place, so the waveforms of a side agree over this time, except for what belongs to a box.
+    The part of the waveform ``before`` is known, too.
+    """
+    axle = description.axle(description.box(name).axle)
+    behind = max(other.x for other in description.axles) - axle.x
+    whole = waveform if before is None else joined(before, waveform)
+    distance: Floats = axle.wheel_radius * np.unwrap(whole.shaft_angle.astype(np.float64))
+    if behind == 0.0 or not np.isfinite(distance).all() or distance[-1] <= distance[0]:
+        return waveform.time_ns
+    times, sought = whole.time_ns.astype(np.float64), distance - behind
+    earlier = np.interp(sought, distance, times)
+    # Before the part that is known, the vehicle is taken to run at the mean speed of that part.
+    speed = (distance[-1] - distance[0]) / (times[-1] - times[0])
+    early = sought < distance[0]
+    earlier[early] = times[0] - (distance[0] - sought[early]) / speed
+    return np.rint(earlier[-len(waveform.time_ns) :]).astype(np.int64)

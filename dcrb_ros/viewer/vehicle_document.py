@@ -1,0 +1,173 @@
+"""A vehicle in Rerun: plan view, waveforms aligned by the wheelbase, spectra of the boxes, events on the track."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+
+from dcrb_ros.bearing.fault_lines import fault_combs
+from dcrb_ros.bearing.frequencies import Orders
+from dcrb_ros.messages.statuses import ERROR, OK
+from dcrb_ros.stream.vehicle_description import SIDES, AxleDescription, VehicleDescription
+from dcrb_ros.viewer import palette, plan_view, series, spectrum_picture
+from dcrb_ros.viewer.blueprint import CLOSE_UP, PANEL, PANELS, close_up, spectrum_bounds
+from dcrb_ros.viewer.columns import TIMELINE
+from dcrb_ros.viewer.content import TimedWaveform
+from dcrb_ros.viewer.document import APPLICATION, log_native
+from dcrb_ros.viewer.spectrum import envelope_spectra
+from dcrb_ros.viewer.vehicle_content import TrackEvent, VehicleContent, Verdicts, lead_times
+
+ALIGNED = "aligned"
+SPECTRA = "spectra"
+COLOURS = (palette.WAVEFORM, (255, 170, 64, 255), (110, 214, 130, 255), (232, 110, 196, 255))
+"""Colours of the wheelsets, the leading one first."""
+
+
+def write_vehicle_document(content: VehicleContent, path: Path, *, native: tuple[Path, ...] = (), picture_only: bool = False) -> None:
+    """Write a vehicle and the arrangement of its views to a Rerun file, with the other topics of the MCAP files ``native``.
+
+    Raises:
+        OSError: not all of it was written.
+    """
+    with rr.RecordingStream(APPLICATION) as recording:
+        stream = recording.binary_stream()
+        with ThreadPoolExecutor(1, "native") as pool:
+            reading = pool.submit(log_native, recording, native)
+            log_vehicle(content)
+            log_spectra(content)
+            reading.result()
+        recording.send_blueprint(compose(content, picture_only=picture_only))
+        written = stream.read()
+        recording.disconnect()
+    path.write_bytes(written or b"")
+
+
+def log_vehicle(
+    content: VehicleContent, *, fixed: bool = True, before: Mapping[str, TimedWaveform] | None = None, largest: float | None = None
+) -> None:
+    """Log everything but spectra to the current recording.
+
+    Args:
+        content: the vehicle, or a part of its run.
+        fixed: whether to log what does not move; false for later parts.
+        before: the waveforms before this part.
+        largest: the level of the brightest colour [m/s^2]; that of this part by default.
+    """
+    if fixed:
+        plan_view.log_fixed(content.description)
+    plan_view.log_levels(content.description, content.features, largest_level(content) if largest is None else largest)
+    plan_view.log_verdicts(content.description, content.verdicts, content.start_ns if fixed else None)
+    plan_view.log_events(content.description, content.events)
+    log_waveforms(content, fixed=fixed, before=before or {})
+    log_texts(content.verdicts, content.events)
+
+
+def largest_level(content: VehicleContent) -> float:
+    """Return the level of the brightest colour [m/s^2]."""
+    columns = [s.values[:, s.names.index("rms")] for s in content.features.values() if "rms" in s.names]
+    return max((float(column.max(initial=0.0)) for column in columns), default=0.0) or 1.0
+
+
+def log_waveforms(content: VehicleContent, *, fixed: bool, before: Mapping[str, TimedWaveform]) -> None:
+    """Log the vertical acceleration of each box over the time at which the leading wheelset was at the same place [m/s^2]."""
+    for box in content.description.boxes:
+        if box.name not in content.waveforms:
+            continue
+        waveform = content.waveforms[box.name]
+        number = [axle.name for axle in leading_first(content.description)].index(box.axle)
+        vertical = waveform.acceleration[:, 1:2] if waveform.acceleration.shape[1] > 1 else waveform.acceleration[:, :1]
+        colour, path = COLOURS[number % len(COLOURS)], f"{ALIGNED}/{box.side}/{box.axle}"
+        times = lead_times(content.description, box.name, waveform, before.get(box.name))
+        series.log_lines(path, times, vertical, [box.name], [colour], width=1.0, fixed=fixed)
+        series.log_lines(f"waveform/{box.name}", waveform.time_ns, vertical, [box.name], [colour], width=1.0, fixed=fixed)
+
+
+def leading_first(description: VehicleDescription) -> list[AxleDescription]:
+    """Return the wheelsets in the order in which they pass a place."""
+    return sorted(description.axles, key=lambda axle: -axle.x)
+
+
+def log_texts(verdicts: Sequence[Verdicts], events: Sequence[TrackEvent]) -> None:
+    """Log the events on the track, and each verdict when it changes."""
+    for event in events:
+        rr.set_time(TIMELINE, timestamp=np.datetime64(event.time_ns, "ns"))
+        text = f"{event.cause} at {event.where}, {event.place:.2f} m: {event.jump:.3f} m/s"
+        rr.log("events", rr.TextLog(text, level=rr.TextLogLevel.INFO))
+    before: dict[str, str] = {}
+    levels = {OK: rr.TextLogLevel.INFO, ERROR: rr.TextLogLevel.ERROR}
+    for verdict in verdicts:
+        rr.set_time(TIMELINE, timestamp=np.datetime64(verdict.time_ns, "ns"))
+        for name, status in verdict.statuses.items():
+            if before.get(name) != status.message:
+                text = f"{name}: {status.message.replace('_', ' ')}. {status.values.get('reason', '')}"
+                rr.log("verdicts", rr.TextLog(text, level=levels.get(status.level, rr.TextLogLevel.WARN)))
+                before[name] = status.message
+
+
+def log_spectra(content: VehicleContent) -> None:
+    """Log the squared envelope spectra of each box with its fault lines."""
+    for box in content.description.boxes:
+        own = [diagnosis.boxes[box.name] for diagnosis in content.diagnoses if box.name in diagnosis.boxes]
+        spectra = envelope_spectra(own)
+        if spectra is not None:
+            combs = fault_combs(Orders.from_dict(dict(box.orders)), spectra.highest_order)
+            spectrum_picture.log_spectra(spectra, combs, content.start_ns, root=f"{SPECTRA}/{box.name}")
+
+
+def compose(content: VehicleContent, *, picture_only: bool = False, live: bool = False) -> rrb.Blueprint:
+    """Return the arrangement; ``picture_only`` hides the viewer's bars for a screenshot, ``live`` follows the newest sample."""
+    around = (-2.0 * CLOSE_UP, 0.0) if live else (-CLOSE_UP, CLOSE_UP)
+    legend = rrb.PlotLegend(rrb.Corner2D.RightTop)
+    waveforms = [
+        rrb.TimeSeriesView(
+            origin=f"{ALIGNED}/{side}",
+            name=f"{side.capitalize()} boxes, over the time of the leading one at the same place [m/s²]",
+            axis_x=close_up(*around),
+            background=PANEL,
+            plot_legend=legend,
+        )
+        for side in SIDES
+        if any(box.side == side for box in content.description.boxes)
+    ]
+    logs = rrb.Tabs(
+        rrb.TextLogView(origin="verdicts", name="Verdicts"), rrb.TextLogView(origin="events", name="Events on the track"), active_tab=0
+    )
+    spectra = [
+        rrb.Spatial2DView(
+            origin=f"{SPECTRA}/{box.name}",
+            name=f"{box.name}: squared envelope spectrum",
+            background=palette.BACKGROUND,
+            visual_bounds=spectrum_bounds(),
+        )
+        for box in sorted(content.description.boxes, key=lambda box: (SIDES.index(box.side), content.description.axle(box.axle).x))
+    ]
+    left = rrb.Vertical(plan(content.description), *waveforms, row_shares=[4.6, *[2.7] * len(waveforms)])
+    right = rrb.Vertical(*([rrb.Grid(*spectra, grid_columns=2)] if not live else []), logs, row_shares=[1.0] if live else [7.0, 3.0])
+    time = (
+        rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state="following")
+        if live
+        else rrb.TimePanel(state="collapsed", timeline=TIMELINE, playback_speed=0.1, play_state="playing")
+    )
+    bars = [rrb.TopPanel(state="hidden")] if picture_only else []
+    return rrb.Blueprint(rrb.Horizontal(left, right, column_shares=[5.0, 5.0]), *bars, *PANELS, time, auto_views=False)
+
+
+def plan(description: VehicleDescription) -> rrb.Spatial2DView:
+    """Return the plan view."""
+    places = [axle.x for axle in description.axles]
+    bounds = rrb.VisualBounds2D(x_range=[min(places) - 1.7, max(places) + 2.1], y_range=[-1.75, 1.75])
+    name = "Plan: boxes filled by level, framed by verdict; forward is right, left is up"
+    return rrb.Spatial2DView(origin=plan_view.ROOT, name=name, background=palette.BACKGROUND, visual_bounds=bounds)
+
+
+def picture_time(content: VehicleContent) -> int:
+    """Return the time of the last event in the last third of the recording, or else its beginning [ns]."""
+    begin = content.start_ns + 2 * (content.end_ns - content.start_ns) // 3
+    flats = [event.time_ns for event in content.events if event.cause == "flat" and begin <= event.time_ns <= content.end_ns]
+    others = [event.time_ns for event in content.events if begin <= event.time_ns <= content.end_ns]
+    return (flats or others or [begin])[-1] + 10_000_000

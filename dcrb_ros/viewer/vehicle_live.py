@@ -1,0 +1,116 @@
+"""The view of a running vehicle: messages are logged to Rerun as they arrive, in batches of some tenths of a second."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import rerun as rr
+
+from dcrb_ros.messages.topics import Topic
+from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION
+from dcrb_ros.messages.vehicle import decode_description
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.stream.vehicle_description import VehicleDescription
+from dcrb_ros.viewer.content import TimedWaveform
+from dcrb_ros.viewer.live_run import as_current
+from dcrb_ros.viewer.vehicle_content import VehicleContent, content_of, joined
+from dcrb_ros.viewer.vehicle_document import compose, largest_level, log_vehicle
+
+MOST_QUEUED = 2000
+"""Messages of a topic kept until they are logged, at most [-]."""
+KEPT = 3.0
+"""Signal that is kept to align the next blocks [s]; a wheelbase of 2.6 m takes 1.9 s at 5 km/h."""
+
+
+class VehicleLiveView:
+    """Logs the messages of a running vehicle to Rerun; after a reset a new Rerun recording is started."""
+
+    def __init__(self, begin: Callable[[int], rr.RecordingStream], title: str, log: Callable[[str], object]) -> None:
+        """Log to the stream that ``begin`` returns for a run number; ``log`` is called with warnings about invalid messages."""
+        self._begin, self._title, self._log = begin, title, log
+        self._received: dict[Topic, list[bytes]] = defaultdict(list)
+        self._description: VehicleDescription | None = None
+        self._stream: rr.RecordingStream | None = None
+        self._recent: dict[str, TimedWaveform] = {}
+        self._runs = self._refused = 0
+        self._largest = 0.0
+
+    @property
+    def description(self) -> VehicleDescription | None:
+        """The vehicle that is shown; None before its description has arrived."""
+        return self._description
+
+    def take(self, topic: Topic, data: bytes) -> None:
+        """Keep a message until the next `flush`; if there are more than `MOST_QUEUED`, the oldest are dropped."""
+        if topic == VEHICLE_DESCRIPTION:
+            self._describe(data)
+            return
+        queue = self._received[topic]
+        queue.append(data)
+        if len(queue) > MOST_QUEUED:
+            del queue[0]
+
+    def _describe(self, data: bytes) -> None:
+        try:
+            description = decode_description(data)
+        except Refusal as refusal:
+            self._refuse(refusal)
+            return
+        if description != self._description:
+            self.close()
+            self._description = description
+
+    def flush(self) -> None:
+        """Log the received messages, once the vehicle has been described."""
+        if self._description is None:
+            return
+        received, self._received = self._received, defaultdict(list)
+        try:
+            content = content_of(received, self._description, self._title)
+        except Refusal as refusal:
+            self._refuse(refusal)
+            return
+        if not content.waveforms:
+            return
+        known = self._recent
+        if any(waveform.time_ns[0] < known[name].time_ns[-1] for name, waveform in content.waveforms.items() if name in known):
+            self._end()  # the bench was reset
+        self._show(content)
+
+    def _show(self, content: VehicleContent) -> None:
+        begins = self._stream is None
+        if self._stream is None:
+            self._runs += 1
+            self._stream = self._begin(self._runs)
+            self._stream.send_blueprint(compose(content, live=True))
+        self._largest = max(self._largest, largest_level(content))
+        with as_current(self._stream):
+            log_vehicle(content, fixed=begins, before=self._recent, largest=self._largest)
+        for name, waveform in content.waveforms.items():
+            self._recent[name] = recent(self._recent.get(name), waveform)
+
+    def _end(self) -> None:
+        if self._stream is not None:
+            self._stream.flush()
+            self._stream.disconnect()
+        self._stream, self._recent, self._largest = None, {}, 0.0
+
+    def close(self) -> None:
+        """Log the remaining messages and close the recording."""
+        self.flush()
+        self._end()
+
+    def _refuse(self, refusal: Refusal) -> None:
+        self._refused += 1
+        if self._refused & (self._refused - 1) == 0:
+            self._log(f"not shown: {refusal} ({self._refused} so far)")
+
+
+def recent(before: TimedWaveform | None, waveform: TimedWaveform) -> TimedWaveform:
+    """Return the last `KEPT` seconds of two consecutive parts of a waveform."""
+    whole = waveform if before is None else joined(before, waveform)
+    first = int(np.searchsorted(whole.time_ns, whole.time_ns[-1] - round(KEPT * 1e9)))
+    return replace(whole, time_ns=whole.time_ns[first:], acceleration=whole.acceleration[first:], shaft_angle=whole.shaft_angle[first:])

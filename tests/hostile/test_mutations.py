@@ -1,0 +1,107 @@
+"""Random changes of sound files and random command lines: each is answered by work or by one sentence, and none is accepted in silence.
+
+A few of each kind are run by default; `make hostile` runs thousands, and ``DCRB_HOSTILE_FIRST`` chooses other ones.
+"""
+
+from __future__ import annotations
+
+import os
+import random
+from collections.abc import Iterator
+from pathlib import Path
+
+import click
+import pytest
+import typer
+from hostile_mutations import Target, command_line
+from hostile_runs import Case, Change, flaws, made
+from hostile_targets import Material, targets
+from measured_commands import Commands, commands
+
+from dcrb_ros.cli.app import app
+
+pytestmark = [pytest.mark.skipif(os.name != "posix", reason="limits of processes"), pytest.mark.slow, pytest.mark.timeout(3600)]
+ALL = os.environ.get("DCRB_HOSTILE") == "all"
+FIRST = int(os.environ.get("DCRB_HOSTILE_FIRST", "0"))
+"""Number of the first case of each kind."""
+CASES = 200 if ALL else 2
+"""Cases of each kind."""
+LINES = 3000 if ALL else 100
+"""Command lines."""
+BATCH = 20
+"""Commands in one process."""
+ENDLESS = ("bench", "replay", "validate", "calibrate", "exam predictivity", "cache")
+"""Commands that are not called with random options: they run for long, or delete the caches."""
+
+
+@pytest.fixture(scope="module")
+def dcrb() -> Iterator[Commands]:
+    with commands() as parent:
+        yield parent
+
+
+@pytest.fixture(scope="module")
+def material(dcrb: Commands, tmp_path_factory: pytest.TempPathFactory) -> Material:
+    return Material(tmp_path_factory.mktemp("sound"), dcrb.run)
+
+
+@pytest.fixture(scope="module")
+def kinds(material: Material) -> dict[str, Target]:
+    return targets(material)
+
+
+def made_all(kinds: dict[str, Target], material: Material, folder: Path, numbers: range, *, sound: bool = False) -> list[list[Case]]:
+    """Make cases of all kinds, kind by kind."""
+    cases = []
+    for place, (name, target) in enumerate(kinds.items()):
+        folders = [folder / f"{place}-{number}" for number in numbers]
+        for one in folders:
+            one.mkdir()
+        cases.append([made(name, target, number, material, one, sound=sound) for number, one in zip(numbers, folders, strict=True)])
+    return cases
+
+
+def test_files_without_a_change_are_read(kinds: dict[str, Target], material: Material, dcrb: Commands, tmp_path: Path) -> None:
+    """Otherwise every change of a kind could be refused for the same reason."""
+    cases = [case for group in made_all(kinds, material, tmp_path, range(2), sound=True) for case in group]
+    answers = dcrb.run_many([case.command for case in cases])
+    refused = [(str(case), answer.output) for case, answer in zip(cases, answers, strict=True) if answer.status == 2]
+    assert not refused
+
+
+def test_changed_files_are_refused_in_a_sentence_or_used(
+    kinds: dict[str, Target], material: Material, dcrb: Commands, tmp_path: Path
+) -> None:
+    found = []
+    for first in range(FIRST, FIRST + CASES, BATCH):
+        folder = tmp_path / str(first)
+        folder.mkdir()
+        for cases in made_all(kinds, material, folder, range(first, min(first + BATCH, FIRST + CASES))):
+            found += flaws(cases, dcrb)
+    assert not found, "\n".join(found)
+
+
+def options_of_commands() -> dict[str, list[str]]:
+    """Return the options of every command."""
+    found = {}
+    todo: list[tuple[str, click.Command]] = [("", typer.main.get_command(app))]
+    while todo:
+        name, command = todo.pop()
+        if isinstance(command, click.Group):
+            todo += [(f"{name} {child}".strip(), one) for child, one in command.commands.items()]
+        elif name not in ENDLESS:
+            found[name] = [option for parameter in command.params for option in parameter.opts if option.startswith("-")]
+    return dict(sorted(found.items()))
+
+
+def test_random_command_lines_are_refused_in_a_sentence(
+    dcrb: Commands, material: Material, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    options, files = options_of_commands(), [material.words["GOOD"], material.words["ABOUT"], str(tmp_path), str(tmp_path / "new")]
+    found: list[str] = []
+    for first in range(FIRST, FIRST + LINES, BATCH):
+        lines = [command_line(random.Random(number), options, files) for number in range(first, first + BATCH)]
+        cases = [Case("a command line", number, Change(b"", ""), tuple(line)) for number, line in enumerate(lines, first)]
+        found += flaws(cases, dcrb)
+    assert not found, "\n".join(found)

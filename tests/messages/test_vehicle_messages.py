@@ -1,0 +1,174 @@
+"""The messages of a vehicle: frames, motion, ground truth, verdicts, and the paths of its Foxglove layout."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dcrb_ros.messages.cdr import decoded, typestore
+from dcrb_ros.messages.statuses import ERROR, OK, WARN, decode_diagnostics
+from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, SIMULATED
+from dcrb_ros.messages.topics.transforms import TF
+from dcrb_ros.messages.topics.vehicle import VEHICLE, VEHICLE_DIAGNOSIS, VEHICLE_STATE
+from dcrb_ros.messages.vehicle import (
+    Pose,
+    decode_vehicle_commands,
+    encode_frames,
+    encode_state,
+    encode_vehicle_diagnosis,
+    encode_vehicle_truth,
+)
+from dcrb_ros.stream.vehicle_diagnosis import Status, VehicleDiagnosis
+from dcrb_ros.vehicle.file import read_vehicle
+from dcrb_ros.vehicle.model import TrackEvent
+from dcrb_ros.vehicle.simulation import VehicleTruth
+
+ROOT = Path(__file__).parents[2]
+LAYOUT: dict[str, Any] = json.loads((ROOT / "foxglove" / "vehicle.json").read_text(encoding="utf-8"))
+BOXES = ("axle_1/left", "axle_1/right", "axle_2/left", "axle_2/right")
+
+
+def turned(quaternion: Any, vector: tuple[float, float, float]) -> np.ndarray:
+    """Return a vector of the child's frame in that of the parent."""
+    x, y, z, w = quaternion.x, quaternion.y, quaternion.z, quaternion.w
+    axis, v = np.array([x, y, z]), np.array(vector)
+    return v + 2.0 * np.cross(axis, np.cross(axis, v) + w * v)
+
+
+def test_frames_lead_from_the_vehicle_to_bearings_that_are_seen_from_the_left() -> None:
+    transforms = {t.child_frame_id: t for t in decoded(encode_frames(read_vehicle("bogie")), TF).transforms}
+    parents = {child: transform.header.frame_id for child, transform in transforms.items()}
+    assert parents["bogie"] == "base_link"
+    assert parents["axle_1"] == parents["axle_2"] == "bogie"
+    assert {parents[box] for box in BOXES} == {"axle_1", "axle_2"}
+    assert all(parents[f"{box}/outer_ring"] == box for box in BOXES)
+    last = transforms["axle_1/left/outer_ring"].transform.rotation
+    assert (last.x, last.y, last.z, last.w) == pytest.approx((0.0, math.sqrt(0.5), math.sqrt(0.5), 0.0))
+    # X = -x, Y = z: forward travel turns every shaft positively about Z, to the left (bogie.md, section 2).
+    assert turned(last, (1.0, 0.0, 0.0)) == pytest.approx([-1.0, 0.0, 0.0])
+    assert turned(last, (0.0, 1.0, 0.0)) == pytest.approx([0.0, 0.0, 1.0])
+    assert turned(last, (0.0, 0.0, 1.0)) == pytest.approx([0.0, 1.0, 0.0])
+    assert transforms["axle_1/left"].transform.translation.y == -transforms["axle_1/right"].transform.translation.y == 1.0
+    assert transforms["axle_1"].transform.translation.x == 1.28
+
+
+@given(st.floats(-0.01, 0.01), st.integers(1, 50))
+def test_a_curve_closes_at_its_radius(curvature: float, steps: int) -> None:
+    pose, distance = Pose(0.0, 0.0, 0.0), 100.0
+    for _ in range(steps * 100):
+        pose = pose.moved(distance / (steps * 100), curvature)
+    assert pose.yaw == pytest.approx(curvature * distance, abs=1e-9)
+    radius = 1.0 / curvature if abs(curvature) > 1e-6 else math.inf
+    sagitta = radius * (1.0 - math.cos(distance / radius)) if math.isfinite(radius) else 0.0
+    assert pose.y == pytest.approx(sagitta, abs=0.01)
+
+
+def test_the_state_is_an_odometry() -> None:
+    state = VEHICLE_STATE.decoded(encode_state(20_000_000, Pose(3.0, 1.0, math.pi / 2.0), 30.0, 0.03))
+    assert (state.header.frame_id, state.child_frame_id, state.twist.twist.linear.x, state.twist.twist.angular.z) == (
+        "odom",
+        "base_link",
+        30.0,
+        0.03,
+    )
+    assert turned(state.pose.pose.orientation, (1.0, 0.0, 0.0)) == pytest.approx([0.0, 1.0, 0.0])
+
+
+def truth(**changes: Any) -> VehicleTruth:
+    about: dict[str, Any] = {
+        "time_ns": 40_000_000,
+        "speed": 30.0,
+        "place": 1.2,
+        "load": {"axle_1.left": 45e3},
+        "parts": {"axle_1.left": (3.0, 2.0, 1.0)},
+        "creep": {"axle_1": 0.0},
+        "events": (TrackEvent(0.0412, 25.0, "axle_1.left", "joint", 0.24),),
+        "silent": (),
+        "commanded": {"speed_kmh": 108.0},
+    }
+    return VehicleTruth(**{**about, **changes})
+
+
+def test_the_truth_names_boxes_levels_and_events() -> None:
+    time_ns, statuses = decode_diagnostics(encode_vehicle_truth(truth()))
+    by_name = {status.name: status for status in statuses}
+    assert time_ns == 40_000_000
+    assert float(by_name["axle_1/left"].values["other_bearings [m/s^2]"]) == 2.0
+    assert (by_name["events/0"].message, by_name["events/0"].values["box"], by_name["events/0"].values["place"]) == (
+        "joint",
+        "axle_1/left",
+        "25.0",
+    )
+    (silent,) = (s for s in decode_diagnostics(encode_vehicle_truth(truth(silent=("axle_1.left",))))[1] if s.name == "axle_1/left")
+    assert silent.level == ERROR
+
+
+@given(st.lists(st.tuples(st.text(min_size=1), st.one_of(st.floats(allow_nan=False, allow_infinity=False), st.text())), max_size=5))
+def test_commands_are_read_back_from_the_truth(commands: list[tuple[str, float | str]]) -> None:
+    plain = [(name.replace("\0", ""), value.replace("\0", "") if isinstance(value, str) else value) for name, value in commands]
+    try:
+        encoded = encode_vehicle_truth(truth(commands=tuple(plain)))
+    except UnicodeEncodeError:  # surrogates are no text of a message
+        return
+    assert decode_vehicle_commands(encoded) == plain
+
+
+def test_verdicts_have_levels_by_what_they_mean() -> None:
+    statuses = {
+        "axle_1/left/bearing": Status("outer_ring", "lines", 0.9, 12.0),
+        "axle_1/right/bearing": Status("undecided", "alike"),
+        "axle_1/left/sensor": Status("swapped", "curve"),
+        "axle_2/left/wheel": Status("flat", "angle"),
+        "axle_2/left/bearing": Status("healthy", "no lines"),
+        "axle_1/gear": Status("gear", "mesh"),
+        "track": Status("joint", "lag"),
+    }
+    found = {s.name: s.level for s in decode_diagnostics(encode_vehicle_diagnosis(VehicleDiagnosis(0, 1.0, statuses, {})))[1]}
+    assert found == {
+        "axle_1/left/bearing": ERROR,
+        "axle_1/right/bearing": WARN,
+        "axle_1/left/sensor": WARN,
+        "axle_2/left/wheel": ERROR,
+        "axle_2/left/bearing": OK,
+        "axle_1/gear": OK,
+        "track": OK,
+    }
+
+
+def panels(place: Any) -> list[str]:
+    """Return the panels of a part of the layout."""
+    if isinstance(place, dict):
+        return [*panels(place["first"]), *panels(place["second"])]
+    return [place, *(panel for tab in LAYOUT["configById"][place].get("tabs", ()) for panel in panels(tab["layout"]))]
+
+
+def test_every_panel_of_the_foxglove_layout_has_a_place_and_a_configuration() -> None:
+    assert sorted(panels(LAYOUT["layout"])) == sorted(LAYOUT["configById"])
+
+
+def test_every_path_of_the_foxglove_layout_leads_to_a_field() -> None:
+    of_boxes = (topic.below(box) for topic in SIMULATED for box in BOXES)
+    topics = {topic.resolved("/dcrb"): topic for topic in (*of_boxes, *VEHICLE, BENCH_DIAGNOSTICS)}
+    configured = LAYOUT["configById"].values()
+    paths = [path["value"] for config in configured for path in config.get("paths", ())]
+    paths += [config[key] for config in configured for key in ("topicPath", "topicToRender") if key in config]
+    assert len(paths) > 20
+    for path in paths:
+        name, *steps = re.sub(r"\[[^]]*\]|\{[^}]*\}", "", path).split(".")
+        kind = topics[name].type
+        for step in steps:
+            fields = dict(typestore().get_msgdef(kind).fields)
+            assert step in fields, path
+            about = fields[step][1]
+            while not isinstance(about, str):  # an array has the type of its elements, a plain type its length
+                about = about[0][1] if isinstance(about[0], tuple) else about[0]
+            kind = about
+    assert any(VEHICLE_DIAGNOSIS.name in path for path in paths)

@@ -1,0 +1,304 @@
+"""The nodes of a vehicle as processes: topics, stamps, commands, parameters, recordings, verdicts and replay."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+from collections import defaultdict
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+from ros_bench import GraphClient, domain, environment, node
+from same_process import dcrb
+
+from dcrb_ros.messages.points import decode_vibration
+from dcrb_ros.messages.statuses import ERROR, Status, decode_diagnostics
+from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, FEATURES, GROUND_TRUTH, ROLLER_STATES, SPEED_COMMAND, VIBRATION, Topic
+from dcrb_ros.messages.topics.vehicle import (
+    VEHICLE_COMMANDS,
+    VEHICLE_DESCRIPTION,
+    VEHICLE_DIAGNOSIS,
+    VEHICLE_INDICATORS,
+    VEHICLE_STATE,
+    VEHICLE_TRUTH,
+)
+from dcrb_ros.messages.vehicle import decode_description
+from dcrb_ros.nodes.publisher import message_class, qos
+from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.recordings.vehicle import VehicleRecorder, VehicleRecording
+from dcrb_ros.vehicle.file import read_parameters, vehicle_of
+from dcrb_ros.vehicle.simulation import VehicleSimulation
+
+pytestmark = [pytest.mark.node, pytest.mark.slow]
+
+VEHICLE = """
+vehicle: {bench: dry, speed_kmh: 100.0}
+track: {joint_spacing: 25.0}
+axle_1: {left: {faults.outer_1.width: 0.003}, right: {wheel.flat: 0.03}}
+axle_2: {left: {}, right: {}}
+"""
+BOXES = ("axle_1/left", "axle_1/right", "axle_2/left", "axle_2/right")
+OF_VEHICLE = (VEHICLE_DESCRIPTION, VEHICLE_STATE, VEHICLE_TRUTH, VEHICLE_DIAGNOSIS, VEHICLE_INDICATORS)
+
+
+@pytest.fixture
+def vehicle(tmp_path: Path) -> Path:
+    path = tmp_path / "four.yaml"
+    path.write_text(VEHICLE)
+    return path
+
+
+class VehicleClient(GraphClient):
+    """Keeps the messages of a vehicle by topic and box."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__(number)
+        self.boxes: dict[tuple[Topic, str], list[bytes]] = defaultdict(list)
+        for topic in (VIBRATION, FEATURES, GROUND_TRUTH, ROLLER_STATES):
+            for box in BOXES:
+                self._listen(topic.below(box), self.boxes[topic, box])
+        for topic in OF_VEHICLE:
+            self._listen(topic, self.received[topic])
+
+    def _listen(self, topic: Topic, kept: list[bytes]) -> None:
+        def keep(data: Any) -> None:
+            kept.append(bytes(data))
+
+        self.node.create_subscription(message_class(topic), f"/dcrb/{topic.name}", keep, qos(topic), raw=True)
+
+    def set_of_vehicle(self, **values: Any) -> tuple[bool, str]:
+        """Set parameters of the vehicle atomically; return whether they were accepted, and the reason."""
+        from rcl_interfaces.srv import SetParametersAtomically
+        from rclpy.parameter import Parameter
+
+        wanted = [Parameter(key.replace("__", "."), value=value).to_parameter_msg() for key, value in values.items()]
+        result = self.ask(SetParametersAtomically, "vehicle_simulator/set_parameters_atomically", parameters=wanted).result
+        return result.successful, result.reason
+
+    def statuses(self, topic: Topic) -> dict[str, Status]:
+        """The statuses of the last message on a topic of the vehicle."""
+        return {status.name: status for status in decode_diagnostics(self.received[topic][-1])[1]}
+
+    def commanded(self) -> dict[str, float]:
+        """What is commanded in the last ground truth."""
+        values = self.statuses(VEHICLE_TRUTH)["vehicle"].values
+        return {name: float(values[name]) for name in VEHICLE_COMMANDS}
+
+
+@pytest.fixture
+def client() -> Iterator[VehicleClient]:
+    listener = VehicleClient(domain())
+    yield listener
+    listener.close()
+
+
+def number_of(client: GraphClient) -> int:
+    return int(client.context.get_domain_id())
+
+
+def test_all_boxes_have_the_topics_of_a_bench_with_equal_stamps(vehicle: Path, client: VehicleClient, tmp_path: Path) -> None:
+    arguments = ["--vehicle", str(vehicle), "--duration", "0.4", "--ros-args", "-p", "publishing.listeners:=1", "-p", "time_scale:=0.0"]
+    with node("vehicle_simulator", arguments, environment(number_of(client)), tmp_path / "log") as simulator:
+        client.until(lambda: all(len(client.boxes[VIBRATION, box]) == 20 for box in BOXES), "20 blocks of every box")
+        client.until(lambda: len(client.received[VEHICLE_TRUTH]) == 20, "the ground truth of every block")
+        assert simulator.process.wait(100) == 0
+    stamps = {box: [VIBRATION.stamp(data) for data in client.boxes[VIBRATION, box]] for box in BOXES}
+    assert all(times == [20_000_000 * k for k in range(20)] for times in stamps.values())
+    assert [VEHICLE_TRUTH.stamp(data) for data in client.received[VEHICLE_TRUTH]] == stamps["axle_1/left"]
+    assert all(client.boxes[topic, box] for topic in (FEATURES, GROUND_TRUTH, ROLLER_STATES) for box in BOXES)
+    (description, *_) = map(decode_description, client.received[VEHICLE_DESCRIPTION])
+    assert [box.name for box in description.boxes] == list(BOXES)
+    state = VEHICLE_STATE.decoded(client.received[VEHICLE_STATE][-1])
+    assert (state.header.frame_id, state.child_frame_id) == ("odom", "base_link")
+    assert state.twist.twist.linear.x == pytest.approx(100.0 / 3.6)
+    assert state.pose.pose.position.x == pytest.approx(0.38 * 100.0 / 3.6, rel=1e-9)
+    truth = client.statuses(VEHICLE_TRUTH)
+    assert set(BOXES) < set(truth)
+    assert float(truth["axle_1/left"].values["own_bearing [m/s^2]"]) > float(truth["axle_2/right"].values["own_bearing [m/s^2]"])
+    flats = [s for data in client.received[VEHICLE_TRUTH] for s in decode_diagnostics(data)[1] if s.message == "flat"]
+    assert {status.values["box"] for status in flats} == {"axle_1/right"}
+
+
+def test_commands_act_and_those_to_a_box_are_refused_and_counted(vehicle: Path, client: VehicleClient, tmp_path: Path) -> None:
+    from geometry_msgs.msg import Wrench
+    from std_msgs.msg import Float64
+    from std_srvs.srv import SetBool, Trigger
+
+    publishers = {name: client.node.create_publisher(Float64, f"/dcrb/{topic.name}", 10) for name, topic in VEHICLE_COMMANDS.items()}
+    speed = client.node.create_publisher(Float64, f"/dcrb/axle_1/left/{SPEED_COMMAND.name}", 10)
+    load = client.node.create_publisher(Wrench, "/dcrb/axle_2/right/command/load", 10)
+    arguments = ["--vehicle", str(vehicle), "--ros-args", "-p", "time_scale:=0.1"]
+    with node("vehicle_simulator", arguments, environment(number_of(client)), tmp_path / "log") as simulator:
+        client.connect(*publishers.values(), speed, load)
+        publishers["speed_kmh"].publish(Float64(data=90.0))
+        publishers["curvature"].publish(Float64(data=0.001))
+        client.until(lambda: client.commanded()["curvature"] == 0.001 and client.commanded()["speed_kmh"] == 90.0, "the commands")
+        publishers["speed_kmh"].publish(Float64(data=1000.0))
+        publishers["brake"].publish(Float64(data=float("nan")))
+        speed.publish(Float64(data=10.0))
+        load.publish(Wrench())
+        client.until(lambda: client.status["rejected_commands"] == "4", "four refusals")
+        assert client.commanded() == {"speed_kmh": 90.0, "curvature": 0.001, "brake": 0.0, "wind": 0.0, "cant": 0.0}
+        assert client.ask(SetBool, "pause", data=True).success
+        before = len(client.boxes[VIBRATION, "axle_1/left"])
+        assert client.ask(Trigger, "step").success
+        client.until(lambda: len(client.boxes[VIBRATION, "axle_1/left"]) > before, "one block more")
+        assert client.ask(Trigger, "reset").success
+        assert client.ask(SetBool, "pause", data=False).success
+        client.until(lambda: client.commanded()["curvature"] == 0.0, "the vehicle at its start")
+        assert simulator.end(signal.SIGINT) == 0
+        output = simulator.output
+    assert "axle_1/left/command/speed is refused, as the speed of a box follows from the vehicle" in output
+    assert "axle_2/right/command/load is refused, as the load of a box follows from the vehicle" in output
+    assert "speed_kmh = 1000 km/h is outside 5 .. 300 km/h" in output
+
+
+def test_parameters_change_boxes_wheels_and_slides_or_are_refused_with_a_reason(
+    vehicle: Path, client: VehicleClient, tmp_path: Path
+) -> None:
+    arguments = ["--vehicle", str(vehicle), "--ros-args", "-p", "time_scale:=0.1"]
+    with node("vehicle_simulator", arguments, environment(number_of(client)), tmp_path / "log"):
+        client.until(lambda: client.boxes[VIBRATION, "axle_2/left"], "a block")
+        accepted = client.set_of_vehicle(axle_2__left__faults__inner_1__width=0.002, axle_2__right__wheel__flat=0.04, time_scale=0.2)
+        assert accepted == (True, "")
+        client.until(lambda: b"faults.inner_1" in client.boxes[GROUND_TRUTH, "axle_2/left"][-1], "the fault in its box")
+        assert all(b"faults.inner_1" not in data for data in client.boxes[GROUND_TRUTH, "axle_2/right"])
+        client.until(lambda: any(b"axle_2/right" in data and b"flat" in data for data in client.received[VEHICLE_TRUTH]), "the flat")
+        for values, reason in (
+            ({"axle_1__left__faults__outer_1__width": 5.0}, "faults.outer_1.width"),
+            ({"axle_1__left__faults__outer_1__width": "wide"}, "axle_1.left.faults.outer_1.width"),
+            ({"axle_1__left__bearing__rows": 1}, "cannot be set while the node runs"),
+            ({"axle_1__left__operating__speed": 50.0}, "follows from the vehicle: publish on vehicle/command/speed_kmh"),
+            ({"vehicle__speed_kmh": 50.0}, "changes by the topic vehicle/command/speed_kmh"),
+            ({"axle_2__slide": 0.9}, "axle_2.slide = 0.9 is outside 0 .. 0.2"),
+            ({"axle_2__left__faults__inner_1__width": 0.001, "axle_1__left__faults__outer_1__width": 5.0}, "faults.outer_1.width"),
+        ):
+            done, why = client.set_of_vehicle(**values)
+            assert (done, reason in why) == (False, True), (values, why)
+        assert client.set_of_vehicle(axle_2__left__faults__inner_1__width=0.002) == (True, "")
+
+
+def test_a_recorded_run_has_the_samples_of_simulate_and_the_verdicts_of_the_detector(
+    vehicle: Path, client: VehicleClient, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    bag, alone = tmp_path / "bag", tmp_path / "alone"
+    parameters = read_parameters(str(vehicle))
+    simulation = VehicleSimulation(vehicle_of(parameters, "test"), threads=1)
+    with VehicleRecorder(alone, parameters, simulation) as recorder:
+        for block in simulation.blocks(3.0):
+            recorder.write(block)
+    arguments = ["--vehicle", str(vehicle), "--duration", "3.0", "--ros-args", "-p", "time_scale:=0.0"]
+    arguments += ["-p", "publishing.listeners:=2", "-p", f"recording.path:={bag}"]
+    env = environment(number_of(client))
+    with node("vehicle_detector", [], env, tmp_path / "detector"), node("vehicle_simulator", arguments, env, tmp_path / "log") as simulator:
+        client.until(lambda: client.received[VEHICLE_DIAGNOSIS] and simulator.process.poll() is not None, "verdicts and the end")
+        assert simulator.process.returncode == 0
+    names = {status.name for data in client.received[VEHICLE_DIAGNOSIS] for status in decode_diagnostics(data)[1]}
+    assert {f"{box}/{part}" for box in BOXES for part in ("bearing", "wheel", "sensor")} | {"track"} <= names
+    last = client.statuses(VEHICLE_DIAGNOSIS)
+    assert last["axle_1/left/bearing"].message == "outer_ring"
+    assert {"verdict", "confidence", "score [dB]", "reason"} <= set(last["axle_1/left/bearing"].values)
+    recording = VehicleRecording(bag)
+    for name, box in recording.boxes.items():
+        assert box.outcome is not None
+        assert box.outcome["sha256"] == recorder.outcomes[name].sha256
+        assert box.outcome["samples"] == 153600
+        assert box.complete
+    assert next(recording.messages((VEHICLE_DIAGNOSIS,)), None) is not None
+    assert dcrb("info", str(bag)) == 0
+    assert "axle_2.right" in capfd.readouterr().out
+
+
+def test_a_replay_publishes_all_boxes_with_equal_stamps(vehicle: Path, client: VehicleClient, tmp_path: Path) -> None:
+    bag, parameters = tmp_path / "bag", read_parameters(str(vehicle))
+    simulation = VehicleSimulation(vehicle_of(parameters, "test"))
+    with VehicleRecorder(bag, parameters, simulation) as recorder:
+        for block in simulation.blocks(0.2):
+            recorder.write(block)
+    arguments = ["--ros-args", "-p", f"bag:={bag}", "-p", "rate:=0.0"]
+    with node("replayer", arguments, environment(number_of(client)), tmp_path / "log") as replayer:
+        client.until(lambda: all(len(client.boxes[VIBRATION, box]) == 10 for box in BOXES), "10 blocks of every box")
+        client.until(lambda: len(client.received[VEHICLE_TRUTH]) == 10, "the ground truth of every block")
+        assert replayer.process.wait(100) == 0
+    for box in BOXES:
+        recorded = [block.packed() for block in Recording(bag / box.replace("/", ".")).vibrations()]
+        assert [decode_vibration(data).packed() for data in client.boxes[VIBRATION, box]] == recorded
+        assert [VIBRATION.stamp(data) for data in client.boxes[VIBRATION, box]] == [20_000_000 * k for k in range(10)]
+    assert client.received[VEHICLE_DESCRIPTION]
+
+
+FAILING = """
+import sys
+from dcrb_ros.nodes.programs import main
+from dcrb_ros.simulation.loop import ModelFailure, Simulation
+original = Simulation.step_to
+def step_to(self, end):
+    if self.configuration.publishing.frame == "axle_2/left/outer_ring" and end > 20000:
+        raise ModelFailure("the model failed on purpose")
+    return original(self, end)
+Simulation.step_to = step_to
+main("vehicle_simulator", sys.argv[1:])
+"""
+
+
+@contextmanager
+def failing(arguments: list[str], env: dict[str, str], log: Path) -> Iterator[subprocess.Popen[bytes]]:
+    """Run the simulator with a box whose model fails."""
+    with log.open("wb") as output:
+        command = [sys.executable, "-c", FAILING, *arguments]
+        process = subprocess.Popen(command, env=env, stdout=output, stderr=subprocess.STDOUT)
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.wait(100)
+
+
+def test_a_box_whose_model_fails_is_silent_and_the_others_go_on(vehicle: Path, client: VehicleClient, tmp_path: Path) -> None:
+    arguments = ["--vehicle", str(vehicle), "--ros-args", "-p", "vehicle.on_failure:=continue", "-p", "time_scale:=0.2"]
+    with failing(arguments, environment(number_of(client)), tmp_path / "log"):
+        client.until(lambda: client.status["silent"] == "axle_2.left", "the report of a silent box")
+        sent = {box: len(client.boxes[VIBRATION, box]) for box in BOXES}
+        client.until(lambda: len(client.boxes[VIBRATION, "axle_1/left"]) > sent["axle_1/left"] + 3, "blocks of the others")
+        assert len(client.boxes[VIBRATION, "axle_2/left"]) == sent["axle_2/left"]
+        truth = client.statuses(VEHICLE_TRUTH)
+        assert (truth["axle_2/left"].level, truth["axle_2/left"].message) == (ERROR, "its model failed: silent")
+        assert decode_diagnostics(client.received[BENCH_DIAGNOSTICS][-1])[1][0].message == "silent: axle_2.left"
+    assert "axle_2.left: the model failed on purpose; this box is silent" in (tmp_path / "log").read_text()
+
+
+def test_a_model_that_fails_ends_the_node_with_a_sentence(vehicle: Path, tmp_path: Path) -> None:
+    arguments = ["--vehicle", str(vehicle), "--ros-args", "-p", "time_scale:=0.0"]
+    with failing(arguments, environment(domain()), tmp_path / "log") as process:
+        assert process.wait(200) == 1
+    output = (tmp_path / "log").read_text()
+    assert "axle_2.left: the model failed on purpose" in output
+    assert "Traceback" not in output
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        ([], "there is no vehicle: give --vehicle"),
+        (["--vehicle", "no_such"], "there is no vehicle 'no_such'"),
+        (["--vehicle", "bogie", "--ros-args", "-p", "vehicle.speed_kmh:=1.0"], "speed_kmh = 1.0"),
+        (["--vehicle", "bogie", "--ros-args", "-p", "axle_1.left.faults.outer_1.widht:=0.002"], "widht"),
+    ],
+)
+def test_a_vehicle_that_cannot_be_ends_the_node_with_a_sentence(arguments: list[str], sentence: str, tmp_path: Path) -> None:
+    with node("vehicle_simulator", arguments, environment(domain()), tmp_path / "log") as simulator:
+        assert simulator.process.wait(100) == 2
+        assert sentence in simulator.output
+        assert "Traceback" not in simulator.output
+
+
+def test_the_command_refuses_what_does_not_belong_to_a_vehicle(capsys: pytest.CaptureFixture[str]) -> None:
+    assert dcrb("bench", "healthy", "--vehicle", "bogie") == 2
+    assert "leave out CONFIG" in capsys.readouterr().err
+    assert dcrb("bench") == 2
+    assert dcrb("bench", "--vehicle", "no_such") == 2
+    assert "there is no vehicle 'no_such'" in capsys.readouterr().err

@@ -1,0 +1,186 @@
+"""The view of a vehicle: waveforms aligned by the wheelbase, colours of boxes, documents of a recording and of a running bench."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rerun as rr
+from rerun_documents import rows
+
+from dcrb_ros.messages.joints import encode_features
+from dcrb_ros.messages.plain import encode_text
+from dcrb_ros.messages.points import encode_vibration
+from dcrb_ros.messages.statuses import ERROR, OK, WARN, Status
+from dcrb_ros.messages.topics import FEATURES, VIBRATION
+from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_TRUTH
+from dcrb_ros.messages.vehicle import encode_vehicle_truth
+from dcrb_ros.stream.block import Block
+from dcrb_ros.vehicle.description import described
+from dcrb_ros.vehicle.file import read_vehicle
+from dcrb_ros.vehicle.model import TrackEvent
+from dcrb_ros.vehicle.simulation import VehicleTruth
+from dcrb_ros.viewer import palette
+from dcrb_ros.viewer.content import Series, TimedWaveform
+from dcrb_ros.viewer.plan_view import DOUBTFUL, HEALTHY, WAITING, colour_of, text_of, worst
+from dcrb_ros.viewer.vehicle_content import VehicleContent, Verdicts, events_in, lead_times
+from dcrb_ros.viewer.vehicle_document import picture_time, write_vehicle_document
+from dcrb_ros.viewer.vehicle_live import VehicleLiveView
+
+RATE = 51200
+DESCRIPTION = described(read_vehicle("healthy_bogie"))
+BOXES = [box.name for box in DESCRIPTION.boxes]
+WHEELBASE, RADIUS = 2.56, 0.46  # healthy_bogie: x = 1.28 and -1.28 m
+
+
+def rolled(speed: np.ndarray, rate: int = RATE) -> TimedWaveform:
+    """Return a waveform of noise over a course of speed [m/s]."""
+    angle = np.mod(np.cumsum(speed) / rate / RADIUS, 2.0 * math.pi).astype(np.float32)
+    noise = np.random.default_rng(1).standard_normal((len(speed), 2)).astype(np.float32)
+    time_ns = (np.arange(len(speed)) * 1_000_000_000) // rate
+    return TimedWaveform(time_ns, noise, angle, rate)
+
+
+def test_the_leading_wheelset_keeps_its_time() -> None:
+    waveform = rolled(np.full(5000, 30.0))
+    assert np.array_equal(lead_times(DESCRIPTION, "axle_1/left", waveform), waveform.time_ns)
+
+
+@pytest.mark.parametrize("kmh", [20.0, 120.0, 300.0])
+def test_the_other_one_is_moved_by_the_wheelbase_over_the_speed(kmh: float) -> None:
+    waveform = rolled(np.full(2 * RATE, kmh / 3.6))
+    lag = (waveform.time_ns - lead_times(DESCRIPTION, "axle_2/left", waveform)) * 1e-9
+    # T4 of bogie.md: 3932.2 samples at 120 km/h. Every sample is moved alike, those before the wheelbase was run, too.
+    assert lag == pytest.approx(np.full(len(lag), WHEELBASE / (kmh / 3.6)), abs=2.0 / RATE)
+
+
+def test_a_joint_coincides_while_the_vehicle_accelerates() -> None:
+    speed = np.linspace(10.0, 40.0, 4 * RATE)
+    waveform, place = rolled(speed), np.cumsum(speed) / RATE
+    lead, trail = (int(np.searchsorted(place, joint)) for joint in (50.0, 50.0 + WHEELBASE))
+    moved = lead_times(DESCRIPTION, "axle_2/right", waveform)
+    assert moved[trail] == pytest.approx(waveform.time_ns[lead], abs=3e9 / RATE)
+
+
+def test_a_later_part_continues_the_alignment() -> None:
+    whole = rolled(np.linspace(20.0, 30.0, 2 * RATE))
+
+    def part(first: int, last: int) -> TimedWaveform:
+        return TimedWaveform(whole.time_ns[first:last], whole.acceleration[first:last], whole.shaft_angle[first:last], RATE)
+
+    middle = len(whole.time_ns) // 2
+    late = lead_times(DESCRIPTION, "axle_2/left", part(middle, len(whole.time_ns)), part(0, middle))
+    assert late == pytest.approx(lead_times(DESCRIPTION, "axle_2/left", whole)[middle:], abs=2)
+
+
+def test_without_a_tacho_or_at_standstill_the_time_is_kept() -> None:
+    for waveform in (rolled(np.zeros(1000)), replace(rolled(np.full(1000, 30.0)), shaft_angle=np.full(1000, np.nan, np.float32))):
+        assert np.array_equal(lead_times(DESCRIPTION, "axle_2/left", waveform), waveform.time_ns)
+
+
+def test_a_box_is_framed_by_its_most_serious_verdict() -> None:
+    statuses = {
+        "axle_1/left/bearing": Status("axle_1/left/bearing", OK, "healthy", {}),
+        "axle_1/left/wheel": Status("axle_1/left/wheel", ERROR, "flat", {}),
+        "axle_1/left/sensor": Status("axle_1/left/sensor", OK, "healthy", {}),
+        "axle_2/left/bearing": Status("axle_2/left/bearing", WARN, "undecided", {}),
+        "axle_2/right/bearing": Status("axle_2/right/bearing", OK, "healthy", {}),
+    }
+    colours = {box: colour_of(worst(statuses, box)) for box in BOXES}
+    assert colours == {"axle_1/left": palette.DEFECT, "axle_1/right": WAITING, "axle_2/left": DOUBTFUL, "axle_2/right": HEALTHY}
+    assert text_of(statuses, "axle_1/left") == "axle_1/left: wheel flat"
+    assert text_of(statuses, "axle_1/right") == "axle_1/right: waiting"
+    assert text_of(statuses, "axle_2/right") == "axle_2/right: healthy"
+
+
+def truth(number: int) -> bytes:
+    boxes = [name.replace("/", ".") for name in BOXES]
+    event = TrackEvent(number * 0.02 + 0.005, 25.0 * number, "axle_1.right", "flat", 0.2)
+    return encode_vehicle_truth(
+        VehicleTruth(
+            number * 20_000_000,
+            30.0,
+            0.6 * number,
+            dict.fromkeys(boxes, 45e3),
+            dict.fromkeys(boxes, (1.0, 2.0, 3.0)),
+            {"axle_1": 0.0, "axle_2": 0.0},
+            (event,),
+            (),
+        )
+    )
+
+
+def blocks(number: int) -> Block:
+    whole = rolled(np.full(1024 * (number + 1), 30.0))
+    last = slice(1024 * number, None)
+    acceleration = whole.acceleration[last]
+    return Block(1024 * number, RATE, acceleration, whole.shaft_angle[last], acceleration)
+
+
+def test_events_have_time_place_and_wheel() -> None:
+    (event,) = events_in(truth(2))
+    assert (event.time_ns, event.cause, event.where, event.place, event.jump) == (45_000_000, "flat", "axle_1/right", 50.0, 0.2)
+
+
+def test_a_document_shows_every_box_and_the_picture_an_event(tmp_path: Path) -> None:
+    waveform = rolled(np.full(RATE, 30.0))
+    times = np.arange(50, dtype=np.int64) * 20_000_000
+    features = Series(times, ("rms",), np.linspace(1.0, 5.0, 50)[:, None])
+    healthy = Status("axle_1/left/bearing", OK, "healthy", {"reason": "quiet"})
+    events = tuple(event for number in range(50) for event in events_in(truth(number)))
+    content = VehicleContent(
+        "run",
+        DESCRIPTION,
+        dict.fromkeys(BOXES, waveform),
+        dict.fromkeys(BOXES, features),
+        (Verdicts(500_000_000, {healthy.name: healthy}),),
+        events,
+    )
+    assert picture_time(content) == events[-1].time_ns + 10_000_000
+    path = tmp_path / "run.rrd"
+    write_vehicle_document(content, path)
+    count = rows(path)
+    for box in DESCRIPTION.boxes:
+        assert count[f"/aligned/{box.side}/{box.axle}"] == RATE
+        assert count[f"/plan/{box.name}/fill"] == 50
+        assert count[f"/plan/{box.name}/frame"] == 2
+    # Marks stay for longer than the flat takes to return: one appearance, with its repetitions, and one end.
+    assert count["/plan/axle_1/right/event"] == 51
+    assert count["/plan/axle_1/left/event"] == 0
+    assert count["/events"] == 50
+
+
+def test_a_running_vehicle_is_shown_and_a_reset_begins_a_new_recording(tmp_path: Path) -> None:
+    files: list[Path] = []
+    warnings: list[str] = []
+
+    def begin(number: int) -> rr.RecordingStream:
+        stream = rr.RecordingStream("dcrb")
+        files.append(tmp_path / f"live-{number}.rrd")
+        stream.save(files[-1])
+        return stream
+
+    view = VehicleLiveView(begin, "/dcrb", warnings.append)
+    view.flush()
+    assert view.description is None
+    view.take(VEHICLE_DESCRIPTION, encode_text("{}"))
+    view.take(VEHICLE_DESCRIPTION, encode_text(DESCRIPTION.to_json()))
+    for _ in range(2):
+        for number in range(4):
+            block = blocks(number)
+            for box in BOXES:
+                view.take(VIBRATION.below(box), encode_vibration(block, block.acceleration))
+                view.take(FEATURES.below(box), encode_features(block))
+            view.take(VEHICLE_TRUTH, truth(number))
+            view.flush()
+    view.close()
+    assert len(files) == 2
+    for file in files:
+        count = rows(file)
+        assert {box.name: count[f"/aligned/{box.side}/{box.axle}"] for box in DESCRIPTION.boxes} == dict.fromkeys(BOXES, 4096)
+        assert count["/events"] == 4
+    assert len(warnings) == 1
+    assert "format" in warnings[0]
