@@ -55,8 +55,8 @@ def bogie(
 ) -> Boxes:
     """Return the signals of all boxes.
 
-    ``damage`` has the impacts of `synthetic` by box, which the other box of the wheelset hears with a gain ``across``, those of the other
-    wheelset with ``along``. ``flats`` are impacts once in a turn by box. ``joints`` are times at the leading wheelset [s].
+    ``damage`` has the impacts of `synthetic` by box. The other box of the wheelset measures them with a gain ``across``, those of the other
+    wheelset with ``along``. ``flats`` are impacts once in a turn by box, ``joints`` are times at the leading wheelset [s].
     """
     time = np.arange(round(SECONDS * RATE)) / RATE
     turns = FREQUENCY * time
