@@ -80,6 +80,9 @@ def sorted_changes(vehicle: Vehicle, wheels: Mapping[str, Wheel], changes: Mappi
         owner = made_by_vehicle(parameter)
         if owner:
             raise Refusal(f"{where}'{key}' belongs to the vehicle: it follows from {owner}; command {', '.join(RANGES)}")
+        if parameter == "wheel":
+            defects = ", ".join(f"{key}.{defect}" for defect in Wheel.model_fields)
+            raise Refusal(f"{where}'{key}' is a group of parameters: give one of {defects}")
         if parameter == SWAPPED:
             raise Refusal(f"{where}'{key}' cannot change during a run: give it in the vehicle's file")
         if parameter.startswith("wheel."):

@@ -91,6 +91,7 @@ def test_the_start_replaces_parameters_of_the_vehicle() -> None:
         ([{"at": 1.0, "set": {"axle_1.left.sensor.swapped_with": "axle_2.left"}}], "cannot change during a run"),
         ([{"at": 1.0, "set": {"axle_1.left.faults.outer_1.widht": 0.1}}], "entry 1.*widht"),
         ([{"at": 1.0, "set": {"axle_1.left.wheel.flat": 0.9}}], "entry 1: axle_1.left.wheel.*flat"),
+        ([{"at": 1.0, "set": {"axle_1.left.wheel": 0.02}}], "entry 1: 'axle_1.left.wheel' is a group of parameters"),
         ([{"at": 1.0, "over": 1.0, "set": {"axle_1.left.wheel.polygon": "3 1e-5"}}], "cannot change gradually"),
         ([{"at": 1.0, "over": 2.0, "set": {"vehicle.cant": 0.1}}, {"at": 2.0, "set": {"vehicle.cant": 0.0}}], "another entry changes"),
         ([{"at": 1.0, "set": {}}], "entry 1: 'set' must name parameters"),
