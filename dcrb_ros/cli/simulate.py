@@ -65,7 +65,10 @@ def simulate(
     ] = None,
     vehicle: Annotated[
         str | None,
-        typer.Option(help="Simulate the axle boxes of a vehicle instead: a YAML file or a shipped name, such as bogie."),
+        typer.Option(
+            help="Simulate the axle boxes of a vehicle instead: a YAML file or a shipped name, such as bogie.",
+            autocompletion=completion.vehicles,
+        ),
     ] = None,
     force: Force = False,
     quiet: Quiet = False,
