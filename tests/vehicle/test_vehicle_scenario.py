@@ -88,6 +88,7 @@ def test_the_start_replaces_parameters_of_the_vehicle() -> None:
         ([{"at": 1.0, "set": {"axle_1.left.operating.speed": 80.0}}], "entry 1: .* belongs to the vehicle"),
         ([{"at": 1.0, "set": {"axle_3.slide": 0.1}}], "entry 1: .* names no box"),
         ([{"at": 1.0, "set": {"axle_2.slide": 0.9}}], "entry 1: axle_2.slide = 0.9 is outside"),
+        ([{"at": 1.0, "set": {"axle_2.slide": "locked"}}], "entry 1: axle_2.slide = locked is outside 0 .. 0.2: give the share"),
         ([{"at": 1.0, "set": {"axle_1.left.sensor.swapped_with": "axle_2.left"}}], "cannot change during a run"),
         ([{"at": 1.0, "set": {"axle_1.left.faults.outer_1.widht": 0.1}}], "entry 1.*widht"),
         ([{"at": 1.0, "set": {"axle_1.left.wheel.flat": 0.9}}], "entry 1: axle_1.left.wheel.*flat"),

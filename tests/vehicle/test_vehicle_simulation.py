@@ -430,7 +430,7 @@ def test_the_files_of_a_split_recording_belong_together(tmp_path: Path) -> None:
     with VehicleRecorder(tmp_path / "split", parameters, simulation) as recorder:
         for block in simulation.blocks(0.14):
             recorder.write(block)
-    assert len(list((tmp_path / "split").glob("*.mcap"))) == 2
+    assert len(list((tmp_path / "split").glob("*.mcap"))) > 1
     assert VehicleRecording(tmp_path / "split").duration == pytest.approx(0.14, abs=1e-4)
 
 
