@@ -13,7 +13,7 @@ AXLE_CONDUCTION = 0.5
 
 @dataclass(frozen=True)
 class BoxTemperatures:
-    """The temperatures of a bearing in its box that others measure or feel [deg C]."""
+    """The temperatures of a bearing in its box that a detector measures or that heat the opposite box [deg C]."""
 
     journal: float
     """Mean of the inner rings."""
@@ -23,7 +23,7 @@ class BoxTemperatures:
 
 
 def box_temperatures(network: HeatNetwork, temperatures: Sequence[float]) -> BoxTemperatures:
-    """Return what others measure or feel of the temperatures of a network's nodes [deg C]."""
+    """Return journal, outer ring and box from the temperatures of a network's nodes [deg C]."""
     rows = range(network.rows)
     return BoxTemperatures(
         sum(temperatures[network.inner(row)] for row in rows) / network.rows,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dcrb_ros.runtime.linear_algebra import one_thread_each
-from dcrb_ros.runtime.memory import keep_freed_memory
+from dcrb_ros.runtime.memory import collect_rarely, keep_freed_memory
 from dcrb_ros.runtime.signals import STOPPED, end_at_once, interrupt, leave
 
 
@@ -12,6 +12,7 @@ def main() -> None:
     end_at_once(STOPPED, "dcrb: stopped")
     one_thread_each()
     keep_freed_memory()
+    collect_rarely()
     from dcrb_ros.cli.app import run
 
     try:

@@ -2,7 +2,8 @@
 
 Importing this package chooses the folder of the compile cache, so it must come before any kernel. Numba's own cache does
 not notice that a kernel in another file has changed; a folder named by a hash of all kernel sources cannot be stale. The hash includes
-their path and the processor, because numba compiles anew for others. A user's NUMBA_CACHE_DIR gets such a folder, too.
+their path and the processor, because numba compiles anew for others. A user's NUMBA_CACHE_DIR gets such a folder, too. Each folder names
+the sources from which it was made. When they have changed, or are gone, the folder is removed an hour after its last use.
 """
 
 from __future__ import annotations
@@ -10,8 +11,10 @@ from __future__ import annotations
 import hashlib
 import os
 import platform
+import shutil
 import stat
 import tempfile
+import time
 from pathlib import Path
 
 import llvmlite.binding
@@ -49,6 +52,29 @@ def _made(folder: Path) -> Path:
     return folder
 
 
+SOURCES = "sources"
+"""File of a folder with the path of the sources; touched at every start."""
+UNUSED_FOR = 3600.0
+"""Time after its last use at which the folder of an earlier version is removed [s]: processes that run with it may still read it."""
+
+
+def _remove_earlier(folder: Path) -> None:
+    """Note the use of a folder; when it is new, remove those of earlier versions of the same sources, and of sources that are gone."""
+    sources = str(Path(__file__).resolve().parent)
+    try:
+        if (folder / SOURCES).exists():
+            os.utime(folder / SOURCES)
+            return
+        (folder / SOURCES).write_text(sources)
+        for mark in folder.parent.glob(f"kernels-*/{SOURCES}"):
+            made_from = mark.read_text()
+            earlier = made_from == sources or not Path(made_from).exists()
+            if mark.parent != folder and earlier and time.time() - mark.stat().st_mtime > UNUSED_FOR:
+                shutil.rmtree(mark.parent, ignore_errors=True)
+    except OSError:  # another process removes them, or the disk is full: nothing that keeps kernels from running
+        return
+
+
 def _choose_cache() -> Path:
     name = _folder_name()
     if chosen := os.environ.get("NUMBA_CACHE_DIR"):
@@ -62,6 +88,7 @@ def _choose_cache() -> Path:
                 folder = _made(_own_temporary_folder() / name)
             except OSError:
                 folder = _made(Path(tempfile.mkdtemp(prefix="dcrb_ros-kernels-")) / name)
+    _remove_earlier(folder)
     setattr(numba.config, "CACHE_DIR", str(folder))  # noqa: B010 - numba's configuration is untyped
     return folder
 

@@ -73,6 +73,12 @@ def announce_laws(laws: str) -> None:
         _announcement.laws, _announcement.armed = laws, True
 
 
+def announce_progress(sentence: str) -> None:
+    """Say how far the compilation is that has been announced; workers, of which many compile at once, say nothing."""
+    if _announcement.say is not None and _announcement.say is not _say_first and not _announcement.armed:
+        _announcement.say(sentence)
+
+
 def _say_first(sentence: str) -> None:
     """Write a sentence to the standard error, unless another worker has just written it."""
     mark = CACHE / f"announced-{hashlib.sha256(sentence.encode()).hexdigest()[:16]}"

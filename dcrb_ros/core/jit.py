@@ -53,6 +53,8 @@ def _cached(dispatcher: Any) -> Any:
         def save_overload(signature: Any, data: Any) -> None:
             try:
                 save(signature, data)
+            except FileNotFoundError:  # the folder was removed meanwhile: the kernel is compiled, and is not kept
+                return
             except OSError as error:
                 raise OSError(error.errno, error.strerror, cache.cache_path) from None
 

@@ -104,17 +104,17 @@ class DetectorProcess:
 
     def _diagnoses(self, signal: Signal) -> Iterator[ReceivedDiagnosis]:
         rate = signal.sampling_rate
-        blocks = ((block, block.first_index / rate, block.end / rate) for block in detector_blocks(signal))
-        for kind, content, seconds in self.answers(Begin(signal.orders, rate, pickle.dumps(signal.bearing)), blocks):
+        blocks = ((block, block.first_index, block.end) for block in detector_blocks(signal))
+        for kind, content, end in self.answers(Begin(signal.orders, rate, pickle.dumps(signal.bearing)), blocks, rate):
             if kind == MESSAGE:
                 yield decode_diagnosis(content)
             elif kind == VERDICT:
-                yield ReceivedDiagnosis(seconds - 1.0 / rate, str(checked_output(content.decode(errors="replace"))))
+                yield ReceivedDiagnosis((end - 1) / rate, str(checked_output(content.decode(errors="replace"))))
             elif kind != NOTHING:
                 raise DetectorFailure("its process sent an invalid answer")
 
-    def answers(self, begin: Request, blocks: Iterable[tuple[Request, float, float]]) -> Iterator[tuple[bytes, bytes, float]]:
-        """Begin a scenario and send its blocks, each with the times of its first sample and its end [s].
+    def answers(self, begin: Request, blocks: Iterable[tuple[Request, int, int]], rate: int) -> Iterator[tuple[bytes, bytes, int]]:
+        """Begin a scenario and send its blocks, each with the index of its first sample and the one after its last, at a rate [Hz].
 
         Yield kind and content of every answer, with the end of the block.
 
@@ -123,9 +123,10 @@ class DetectorProcess:
         """
         start, seconds = time.monotonic(), 0.0
         self._asked(begin, start, 0.0, "at the beginning")
-        for block, first, seconds in blocks:
-            kind, content = self._asked(block, start, seconds, f"at {first:.2f} s of the signal")
-            yield kind, content, seconds
+        for block, first, end in blocks:
+            seconds = end / rate
+            kind, content = self._asked(block, start, seconds, f"at {first / rate:.2f} s of the signal")
+            yield kind, content, end
         kind, _ = self._asked(None, start, seconds, "after the last block")
         if kind == LEFTOVER:
             self.close()

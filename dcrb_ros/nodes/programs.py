@@ -28,9 +28,10 @@ def main(name: str, arguments: list[str], *, with_parent: bool = False) -> NoRet
     end_at_once(0)
     accept_termination()
     from dcrb_ros.runtime.exit_status import exit_status
-    from dcrb_ros.runtime.memory import keep_freed_memory
+    from dcrb_ros.runtime.memory import collect_rarely, keep_freed_memory
 
     keep_freed_memory()
+    collect_rarely()
     parameters = None
     if with_parent:
         from dcrb_ros.runtime.children import end_with_parent, received_from_parent

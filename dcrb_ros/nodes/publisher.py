@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import importlib
+import importlib.util
 import time
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.topics import Message, Topic
-from dcrb_ros.nodes.ros import installed
 
 OPTIONAL = "tf2_msgs"
 """Package of messages that PyPI does not have."""
@@ -43,7 +42,7 @@ class Publisher:
         self._node = node
         # Latched topics last: who has received one of their messages has discovered the publishers of the others.
         ordered = sorted(topics, key=lambda topic: topic.latched)
-        self._absent = {topic for topic in ordered if topic.type.startswith(OPTIONAL) and not installed(OPTIONAL)}
+        self._absent = {topic for topic in ordered if topic.type.startswith(OPTIONAL) and importlib.util.find_spec(OPTIONAL) is None}
         self._publishers: dict[Topic, Any] = {
             topic: node.create_publisher(message_class(topic), topic.name, qos(topic), qos_overriding_options=overridable())
             for topic in ordered

@@ -148,7 +148,7 @@ class Heating:
 
     @property
     def box(self) -> BoxTemperatures | None:
-        """What others measure or feel of the temperatures; None without a network."""
+        """Temperatures of journal, outer ring and box; None without a network."""
         return box_temperatures(self._network, self.temperatures) if self.network_on else None
 
     @property

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import threading
 from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
@@ -32,6 +32,8 @@ from dcrb_ros.vehicle.scenario import PREFIX, VehicleScenario, vehicle_scenario
 
 MEASURED = ("acceleration", "clean", "clipped", "range", "preview", "preview_ns")
 """What a block has from its accelerometer, whose cable may be swapped with that of another box."""
+SENSED = 2
+"""Frames that are sensed together, in a fifth less time than one by one [-]."""
 ROUNDING = 1.0 + 1e-9
 """Factor on a ramp, which must reach its target within the frame."""
 
@@ -116,6 +118,15 @@ class _Stepped(NamedTuple):
     plan: Plan
     ring: Floats
     """Acceleration of the outer rings, shape (boxes, `FRAME`, 2) [m/s^2]."""
+    angles: Mapping[str, Floats]
+    """Angle of the shaft in each box that has not failed [rad]."""
+
+
+class _Mixed(NamedTuple):
+    """A frame with the motion of all boxes."""
+
+    motion: Floats
+    """Acceleration of the boxes, shape (boxes, `FRAME`, 2) [m/s^2]."""
     angles: Mapping[str, Floats]
     """Angle of the shaft in each box that has not failed [rad]."""
 
@@ -298,12 +309,18 @@ class VehicleSimulation:
         end = max(simulation.steps_of(size) for simulation in self._running.values())
         # While one frame is mixed and sensed, the bearings step the next one of the block.
         stepping = self._begin_frame(pool) if self._steps < end else None
+        mixed: list[_Mixed] = []
         while stepping is not None:
             stepped = self._collected(stepping)
             stepping = self._begin_frame(pool) if self._steps < end else None
             self._plan = stepped.plan
             events += stepped.plan.events
-            parts.append(self._sense(stepped))
+            motion, levels = self._model.mix(stepped.ring, stepped.plan)
+            parts.append(levels)
+            mixed.append(_Mixed(motion, stepped.angles))
+            if len(mixed) == SENSED or stepping is None:
+                self._sense(mixed)
+                mixed = []
         if parts:  # a short block may lie within the last frame
             self._parts = np.sqrt(np.mean(np.square(parts), axis=0))
         present, level = self._plan, self._parts
@@ -394,13 +411,13 @@ class VehicleSimulation:
                 self._silent[name] = f"{name}: {failure}"
         return _Stepped(stepping.plan, ring, angles)
 
-    def _sense(self, stepped: _Stepped) -> Floats:
-        """Mix and sense a frame; return the parts of the boxes' motion."""
-        mixed, parts = self._model.mix(stepped.ring, stepped.plan)
+    def _sense(self, frames: Sequence[_Mixed]) -> None:
+        """Measure some consecutive frames in every box that has not failed in them."""
         for j, name in enumerate(self._names):
-            if name in stepped.angles:
-                self.simulations[name].sense(mixed[j], stepped.angles[name])
-        return parts
+            present = [frame for frame in frames if name in frame.angles]
+            if present:
+                motion, angle = ([frame.motion[j] for frame in present], [frame.angles[name] for frame in present])
+                self.simulations[name].sense(np.concatenate(motion), np.concatenate(angle))
 
     @property
     def _names(self) -> list[str]:

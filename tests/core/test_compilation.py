@@ -54,9 +54,50 @@ def test_without_a_second_process_the_kernels_are_compiled_here(tmp_path: Path, 
     monkeypatch.setattr(compilation, "CACHE", tmp_path / "kernels")
     (tmp_path / "kernels").mkdir()
     monkeypatch.setattr(compilation, "MODULE", "dcrb_ros.no_such_module")
-    monkeypatch.setattr(compilation, "compile_pieces", lambda pieces, arguments: found.append(pieces))
+    monkeypatch.setattr(compilation, "compile_parts", lambda parts, arguments, progress: found.append(parts))
     compilation.compile_ahead(payload, initial_state(configuration, payload), workspace(payload))
-    assert found == [compilation.HERE]
+    assert found == [compilation.HERE, compilation.LAST]
+
+
+def test_on_one_core_all_parts_are_compiled_here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    configuration, found = Configuration(), []
+    payload = build_payload(configuration)
+    monkeypatch.setattr(compilation, "CACHE", tmp_path)
+    monkeypatch.setattr("os.cpu_count", lambda: 1)
+    monkeypatch.setattr(compilation, "compile_parts", lambda parts, arguments, progress: found.append(parts))
+    compilation.compile_ahead(payload, initial_state(configuration, payload), workspace(payload))
+    assert found == [(*compilation.HERE, *compilation.THERE), compilation.LAST]
+
+
+def test_progress_names_the_part_and_the_time_that_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    said: list[str] = []
+    clock = iter((0.0, 21.4, 31.6))
+    monkeypatch.setattr("time.monotonic", lambda: next(clock))
+    monkeypatch.setattr(compilation, "announce_progress", said.append)
+    progress = compilation.Progress(4, alone=False)
+    for part in compilation.HERE:
+        progress.begin(part)
+    assert said == [
+        "compiling the kernels: cages, part 2 of 4, done in 28 s ...",  # 21.4 s for 43 % of the work
+        "compiling the kernels: velocities, part 3 of 4, done in 19 s ...",  # 31.6 s for 63 %
+    ]
+    assert sum(part.share for part in (*compilation.HERE, *compilation.LAST)) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(("hours", "kept"), [(0.5, True), (2.0, False)])
+def test_the_folder_of_an_earlier_version_is_removed_once_unused(tmp_path: Path, hours: float, kept: bool) -> None:
+    package, chosen = copied_core(tmp_path / "package"), tmp_path / "cache"
+    (before,) = set(cache_of(package, chosen))
+    (other,) = set(cache_of(copied_core(tmp_path / "other"), chosen))
+    for folder in (before, other):
+        last = (folder / core.SOURCES).stat().st_mtime - 3600.0 * hours
+        os.utime(folder / core.SOURCES, (last, last))
+    law = package / "dcrb_ros" / "core" / "laws" / "johnson.py"
+    law.write_text(law.read_text() + "\n# another version\n")
+    (after,) = set(cache_of(package, chosen))
+    assert before.exists() is kept
+    assert other.exists()  # that of another checkout
+    assert after.exists()
 
 
 def cache_of(package: Path, chosen: Path) -> list[Path]:

@@ -73,7 +73,10 @@ def test_shipped_recordings_are_diagnosed(name: str, verdict: str) -> None:
     detector.take_bearing(recording.bearing)
     blocks = recording.vibrations()
     found = [detector.update(block.first_index(RATE), block.acceleration, block.shaft_angle) for block in blocks]
-    assert {diagnosis.verdict for diagnosis in found if diagnosis is not None} == {"waiting", verdict}
+    # Of two faults, the fainter one may be named half a second later.
+    first = {"outer_ring"} if verdict == "compound" else set()
+    assert {diagnosis.verdict for diagnosis in found if diagnosis is not None} - first == {"waiting", verdict}
+    assert [diagnosis.verdict for diagnosis in found if diagnosis is not None][-1] == verdict
 
 
 def test_a_fault_that_begins_later_is_diagnosed_within_five_seconds() -> None:

@@ -331,7 +331,7 @@ def test_shipped_exams_are_valid(name: str) -> None:
 
 
 def test_shipped_exams_are_found() -> None:
-    assert set(shipped("exam")) == {"smoke", "standard", "blind", "full", "graded", "hours", "lubrication"}
+    assert set(shipped("exam")) == {"smoke", "standard", "blind", "full", "graded", "hours", "lubrication", "bogie"}
 
 
 def test_the_exam_hours_has_four_healthy_hours_of_varied_operation() -> None:

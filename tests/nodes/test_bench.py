@@ -174,7 +174,7 @@ def test_invalid_parameters_end_the_node_with_one_sentence(values: dict[str, obj
     [
         (["--duration", "nan"], "--duration nan s is not a finite number"),
         (["--duration", "-1"], "--duration -1 s is out of range"),
-        (["--scenario", "nowhere"], "there is no scenario 'nowhere': give a YAML file or one of braking, burn_off, failing_sensor"),
+        (["--scenario", "nowhere"], "there is no scenario 'nowhere': give a YAML file or one of bogie_ride, braking, burn_off"),
     ],
 )
 def test_invalid_arguments_end_the_node_with_one_sentence(arguments: list[str], sentence: str, tmp_path: Path) -> None:

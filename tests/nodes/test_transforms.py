@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import sys
 from types import ModuleType
 from typing import Any
@@ -11,7 +12,6 @@ import pytest
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
 from dcrb_ros.messages.topics import TRANSFORMS
-from dcrb_ros.nodes import publisher
 from dcrb_ros.nodes.transforms import publish_transforms
 from dcrb_ros.settings.configuration import Configuration
 
@@ -40,7 +40,7 @@ def test_the_sensor_sits_at_the_top_of_the_outer_raceway_with_the_axes_of_the_be
     stub.TFMessage = type("TFMessage", (), {})  # type: ignore[attr-defined]
     monkeypatch.setitem(sys.modules, "tf2_msgs", ModuleType("tf2_msgs"))
     monkeypatch.setitem(sys.modules, "tf2_msgs.msg", stub)
-    monkeypatch.setattr(publisher, "installed", lambda package: package == "tf2_msgs")
+    monkeypatch.setattr(importlib.util, "find_spec", lambda package: package)
     graph = Graph()
     publish_transforms(graph, BOX)  # type: ignore[arg-type]
     ((kind, name, qos),) = graph.publishers
@@ -54,7 +54,7 @@ def test_the_sensor_sits_at_the_top_of_the_outer_raceway_with_the_axes_of_the_be
 
 
 def test_nothing_is_published_without_the_message_type(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(publisher, "installed", lambda package: False)
+    monkeypatch.setattr(importlib.util, "find_spec", lambda package: None)
     graph = Graph()
     publish_transforms(graph, BOX)  # type: ignore[arg-type]
     assert graph.publishers == []

@@ -34,3 +34,16 @@ def test_arrays_that_come_and_go_use_the_same_pages() -> None:
     """Twelve megabytes have 3072 pages of 4 KB, or 6 of 2 MB."""
     kept, returned = faults("keep"), faults()
     assert kept < 0.1 * returned
+
+
+def test_objects_that_stay_are_searched_rarely() -> None:
+    code = "import gc, sys\nfrom dcrb_ros.runtime.memory import collect_rarely\nif 'rarely' in sys.argv:\n    collect_rarely()\n"
+    code += (
+        "before = gc.get_stats()[0]['collections']\nkept = [[] for _ in range(200_000)]\nprint(gc.get_stats()[0]['collections'] - before)"
+    )
+
+    def searches(*arguments: str) -> int:
+        done = subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=True, timeout=60)
+        return int(done.stdout)
+
+    assert searches("rarely") < 0.1 * searches()

@@ -12,7 +12,7 @@ import yaml
 from hostile_corpus import INPUT, NEW
 from hostile_mutations import Target, changed_bytes, changed_json, changed_table, changed_yaml
 from made_up_blocks import narrowed, recorded
-from scipy.io import savemat, wavfile
+from scipy.io import savemat
 
 from dcrb_ros.settings.shipped import shipped_folder
 from dcrb_ros.sweep.verification import digest_of
@@ -73,7 +73,6 @@ class Material:
         self.words["LONG"] = str(narrowed(self.folder / "long", 150, at=1000, limit=5000.0))
         bag = str(ROOT / "bags" / "healthy")
         self._run("detect", bag, "--healthy", bag, "--save-baseline", str(self.folder / "baseline.yaml"))
-        wavfile.write(self.folder / "wave.wav", 12000, np.tile(np.arange(-500, 500, dtype=np.int16)[:, None], (4, 2)))
         np.savez(self.folder / "wave.npz", de=np.sin(np.arange(4000.0)))
         savemat(self.folder / "wave.mat", {"de": np.sin(np.arange(4000.0))})
         (self.folder / "wave.csv").write_text("de\n" + "".join(f"{np.sin(k):.6f}\n" for k in range(4000)))
@@ -192,7 +191,7 @@ def targets(material: Material) -> dict[str, Target]:
         add(f"recording, {name}", bag.read_bytes(), changed_bytes, command, suffix=".mcap")
     simulated = next((material.folder / "simulated").glob("*.mcap"))
     add("recording, from", simulated.read_bytes(), changed_bytes, ("simulate", "--from", INPUT, "--quiet"), suffix=".mcap")
-    for suffix in ("wav", "npz", "mat"):
+    for suffix in ("npz", "mat"):
         add(
             f"waveform {suffix}",
             material.read(f"wave.{suffix}"),

@@ -1,4 +1,4 @@
-"""One axle box under watch: its fault detector, and what it hears of wheels and track, hop by hop."""
+"""One axle box under watch: its fault detector, and what it measures of wheels and track, hop by hop."""
 
 from __future__ import annotations
 
@@ -85,6 +85,6 @@ class BoxWatch:
         return Judgement(evidence, scores, lines, self.detector.rules)
 
     def _latest(self, index: int) -> Contact | None:
-        """Return what was heard up to a sample, at most a hop earlier; later samples may have arrived or not."""
-        heard = [contact for contact in self._contacts if index - 2 * self.hop < contact.end <= index]
-        return heard[-1] if heard else None
+        """Return what was measured up to a sample, at most a hop earlier; later samples may have arrived or not."""
+        measured = [contact for contact in self._contacts if index - 2 * self.hop < contact.end <= index]
+        return measured[-1] if measured else None

@@ -1,4 +1,4 @@
-"""What the impacts that the boxes heard tell about track, wheels and sensors."""
+"""What the impacts that the boxes measured show of track, wheels and sensors."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ ONE_RAIL = 6.0
 
 
 def silent_boxes(contacts: Mapping[str, Contact], parameters: VehicleDetectorParameters) -> dict[str, float]:
-    """Return how far below the median of the other boxes the level of each box is [dB], for those that do not hear the rail."""
+    """Return how far below the quietest of the other boxes the level of a box is [dB], for those that do not measure the rail."""
     quiet = {}
     for name, contact in contacts.items():
         others = [other.median for key, other in contacts.items() if key != name]
-        if len(others) < 2 or float(np.median(others)) <= 0.0:
+        if len(others) < 2 or min(others) <= 0.0:
             continue
-        below = 10.0 * math.log10(float(np.median(others)) / max(contact.median, 1e-30))
+        below = 10.0 * math.log10(min(others) / max(contact.median, 1e-30))
         if below >= parameters.silence:
             quiet[name] = below
     return quiet
@@ -45,25 +45,25 @@ def silent_boxes(contacts: Mapping[str, Contact], parameters: VehicleDetectorPar
 def flats(contacts: Mapping[str, Contact], parameters: VehicleDetectorParameters) -> dict[str, Status]:
     """Return the status of each wheel.
 
-    The box above a flat hears it most. If another box hears it nearly as loud, the wheel is undecided between them.
+    The box above a flat has it largest. If another box has it nearly as large, the wheel is undecided between them.
     """
     statuses = {name: Status("healthy", f"no angle of the wheel is {parameters.flat:g} dB above the others") for name in contacts}
     struck = {name: contact for name, contact in contacts.items() if contact.level >= parameters.flat}
     if not struck:
         return statuses
     for name, contact in struck.items():
-        rivals = {other: contact.peak / max(heard.peak, 1e-30) for other, heard in struck.items() if other != name}
+        rivals = {other: contact.peak / max(measured.peak, 1e-30) for other, measured in struck.items() if other != name}
         rival = min(rivals, key=lambda other: rivals[other], default="")
         ahead = 10.0 * math.log10(max(rivals[rival], 1e-30)) if rival else math.inf
         score = contact.level - parameters.flat
-        heard_at = f"one angle of the wheel is {contact.level:.1f} dB above the others"
+        at_one_angle = f"one angle of the wheel is {contact.level:.1f} dB above the others"
         if ahead >= WEAKER:
             than = f", {ahead:.1f} dB more than at {rival}" if rival else ""
-            statuses[name] = Status("flat", f"{heard_at}{than}", probability(score), score)
+            statuses[name] = Status("flat", f"{at_one_angle}{than}", probability(score), score)
         elif ahead > -WEAKER:
-            statuses[name] = Status(UNDECIDED, f"{heard_at}, but {rival} hears it within {WEAKER:g} dB", 0.0, score)
+            statuses[name] = Status(UNDECIDED, f"{at_one_angle}, but {rival} has it within {WEAKER:g} dB", 0.0, score)
         else:
-            statuses[name] = Status("healthy", f"{heard_at}, {-ahead:.1f} dB less than at {rival}")
+            statuses[name] = Status("healthy", f"{at_one_angle}, {-ahead:.1f} dB less than at {rival}")
     return statuses
 
 
@@ -81,7 +81,7 @@ class Lag(NamedTuple):
 
 
 def lags(description: VehicleDescription, contacts: Mapping[str, Contact], tolerance: float) -> dict[str, Lag]:
-    """Return the lag of each side whose boxes hear the rail; ``tolerance`` is the departure that is searched [s]."""
+    """Return the lag of each side whose boxes measure the rail; ``tolerance`` is the departure that is searched [s]."""
     ahead, behind = _wheelsets(description)
     found = {}
     for side in SIDES:
@@ -127,18 +127,18 @@ def track(
 ) -> Status:
     """Return the status of the track from impacts that meet one wheelset after the other.
 
-    A kink is heard by boxes of both wheelsets each time. Which of them hears more depends on the structure, so that times count only. Boxes
+    Boxes of both wheelsets measure each kink. Which of them has more of it depends on the structure, so that times count only. Boxes
     above a flat are left out, because it strikes in every turn.
     """
     expected = next((lag for side in SIDES if (lag := _expected_lag(description, contacts, side)) is not None), None)
     if expected is None:
         return Status("waiting", "two wheelsets with a shaft angle are needed")
-    heard = {name: contact.impacts for name, contact in contacts.items() if name not in wheels or wheels[name].verdict == "healthy"}
-    times = _together([impact.time for impacts in heard.values() for impact in impacts])
+    measured = {name: contact.impacts for name, contact in contacts.items() if name not in wheels or wheels[name].verdict == "healthy"}
+    times = _together([impact.time for impacts in measured.values() for impact in impacts])
     kinks = [time for time in times if np.any(np.abs(times - time - abs(expected)) <= parameters.lag_tolerance)]
     if not kinks:
         return Status("healthy", "no impact meets one wheelset after the other")
-    louder = [_side_level(heard, time, SIDES[0]) - _side_level(heard, time, SIDES[1]) for time in kinks]
+    louder = [_side_level(measured, time, SIDES[0]) - _side_level(measured, time, SIDES[1]) for time in kinks]
     difference, score = float(np.median(louder)), 3.0 * len(kinks)
     again = f"{len(kinks)} impacts that the other wheelset repeats {abs(expected) * 1e3:.1f} ms later"
     if abs(difference) < ONE_RAIL:
@@ -174,9 +174,9 @@ def _together(times: Iterable[float]) -> Floats:
     return np.asarray(distinct, np.float64)
 
 
-def _side_level(heard: Mapping[str, Sequence[Impact]], time: float, side: str) -> float:
+def _side_level(measured: Mapping[str, Sequence[Impact]], time: float, side: str) -> float:
     """Return the largest level of the impacts at a time in the boxes of a side, 0 without one [dB]."""
-    near = (impact.level for name, impacts in heard.items() if name.endswith(side) for impact in impacts if _is_at(impact, time))
+    near = (impact.level for name, impacts in measured.items() if name.endswith(side) for impact in impacts if _is_at(impact, time))
     return max(near, default=0.0)
 
 

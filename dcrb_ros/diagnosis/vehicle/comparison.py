@@ -7,7 +7,8 @@ therefore be those of another one. They are compared in each band by two quantit
 * their **modulation** d / (2 - d), with d the depth over the mean squared envelope. It is the power of the impacts over that of the noise
   in the same band, so it does not depend on the gain, but on the noise.
 
-The contrast of two boxes is the mean of both ratios, in the median of the bands [dB].
+The contrast of two boxes is the mean of both ratios, in the median of the bands [dB]. In a band almost without noise, only the size
+distinguishes them.
 """
 
 from __future__ import annotations
@@ -32,6 +33,8 @@ LIMIT = 30.0
 """Largest contrast of a band [dB]."""
 SHARPEST = 2.0
 """Modulation depth of sharp impacts without noise [-]."""
+SATURATED = 1.0
+"""Modulation depth from which the noise is too small to compare with [-]: impacts have more power than it."""
 LEAST_NOISE = 0.2
 """Least noise that is assumed in that scale [-]: sidebands make lines deeper than 2."""
 LEAST_MODULATION = 1e-3
@@ -112,7 +115,7 @@ def contrast(lines: FoundLines, own: Judgement, other: Judgement) -> float:
         if max(depths) < FAINTEST:
             continue
         size = _decibels(depths[0] * here.spectrum.mean, depths[1] * there.spectrum.mean)
-        ratios.append(0.5 * (size + _decibels(*(_modulation(depth) for depth in depths))))
+        ratios.append(size if max(depths) > SATURATED else 0.5 * (size + _decibels(*(_modulation(depth) for depth in depths))))
     return float(np.median(ratios)) if ratios else 0.0
 
 

@@ -1,4 +1,4 @@
-"""Wheels and track, as one axle box hears them.
+"""Wheels and track, as one axle box measures them.
 
 A flat strikes once in a turn, at one angle of its wheel: the median of the turns at each angle shows it. A kink of the rail is rare and at
 no fixed angle: it is larger than nearly all of the time. Long waves of the rail reach the trailing wheelset later, as the same waveform.
@@ -38,7 +38,7 @@ RARE = 0.98
 
 @dataclass(frozen=True)
 class Impact:
-    """An impact that a box heard."""
+    """An impact that a box measured."""
 
     time: float
     """[s]"""
@@ -48,7 +48,7 @@ class Impact:
 
 @dataclass(frozen=True)
 class Contact:
-    """What one box heard of wheels and track within the window."""
+    """What one box measured of wheels and track within the window."""
 
     end: int
     """Index of the last sample."""
@@ -80,8 +80,8 @@ class Contact:
         return self.turns / self.seconds
 
 
-class _HeardHop(NamedTuple):
-    """What was heard in one hop."""
+class _ContactHop(NamedTuple):
+    """What was measured in one hop."""
 
     wheel: Floats
     """Squared envelope in the band of the wheels [(m/s^2)^2]."""
@@ -94,26 +94,26 @@ class _HeardHop(NamedTuple):
 
 
 class ContactMonitor:
-    """Takes the blocks of one box and returns what it heard at the end of each hop."""
+    """Takes the blocks of one box and returns what it measured at the end of each hop."""
 
     def __init__(self, rate: int, hop: int, hops: int, bands: tuple[Band, Band], longest_gap: int, event: float) -> None:
         """Prepare for hops of ``hop`` samples at ``rate`` [Hz], of which a window has ``hops``.
 
-        ``bands`` are those in which wheels and kinks are heard, ``event`` is the least level of an impact [dB].
+        ``bands`` are those of wheels and kinks, ``event`` is the least level of an impact [dB].
         """
         self._rate, self._hop, self._event = rate, hop, event
         self._margin = margin_samples(rate, bands[0].low, MARGIN_PERIODS)
         self._segmenter = Segmenter(hop, self._margin, longest_gap)
         self._demodulator = Demodulator(bands, rate, hop + 2 * self._margin)
         self._bins = max(1, round(hop / rate * BIN_RATE))
-        self._windows: deque[_HeardHop] = deque(maxlen=hops)
+        self._windows: deque[_ContactHop] = deque(maxlen=hops)
         self._turned = self._began = 0.0
 
     def add(self, index: int, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any] | None) -> list[Contact]:
-        """Take a block; return what was heard at the end of each hop that it completes."""
-        return [self._heard(segment) for segment in self._segmenter.add(index, acceleration, shaft_angle)]
+        """Take a block; return what was measured at the end of each hop that it completes."""
+        return [self._measured(segment) for segment in self._segmenter.add(index, acceleration, shaft_angle)]
 
-    def _heard(self, segment: Segment) -> Contact:
+    def _measured(self, segment: Segment) -> Contact:
         end = segment.last - self._margin
         if segment.first:
             self._windows.clear()
@@ -127,7 +127,7 @@ class ContactMonitor:
             self._turned += float(segment.turns[self._margin + self._hop] - segment.turns[self._margin])
         vertical = segment.acceleration[:, min(1, segment.acceleration.shape[1] - 1)]
         motion = bin_means(samples, np.asarray(vertical, np.float64), edges[::2] if self._bins % 2 == 0 else edges)
-        self._windows.append(_HeardHop(wheel, kink, np.asarray(turns, np.float64), motion))
+        self._windows.append(_ContactHop(wheel, kink, np.asarray(turns, np.float64), motion))
         return self._concluded(segment.last, end)
 
     def _concluded(self, last: int, end: int) -> Contact:

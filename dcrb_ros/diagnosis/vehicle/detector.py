@@ -155,10 +155,10 @@ class VehicleDetector:
         """Return the diagnosis of the vehicle from the hops of its boxes."""
         q = self.parameters
         contacts = {name: hop.contact for name, hop in hops.items() if hop.contact is not None}
-        heard = {name: contact for name, contact in contacts.items() if hops[name].diagnosis.verdict != "sensor"}
+        measured = {name: contact for name, contact in contacts.items() if hops[name].diagnosis.verdict != "sensor"}
         quiet = silent_boxes(contacts, q)
-        wheels = self._wheels({name: contact for name, contact in heard.items() if name not in quiet})
-        sides = lags(self.description, heard, q.lag_tolerance)
+        wheels = self._wheels({name: contact for name, contact in measured.items() if name not in quiet})
+        sides = lags(self.description, measured, q.lag_tolerance)
         swapped = swapped_sides(sides)
         compared = compare({name: hop.judgement for name, hop in hops.items() if hop.judgement is not None and name not in quiet}, q)
         clocks = clock_differences(self.description, contacts)
@@ -179,8 +179,8 @@ class VehicleDetector:
                 indicators[f"{name}/wheel/level"] = contacts[name].level
         for axle in self.description.axles:
             if axle.driven:
-                statuses[f"{axle.name}/gear"] = Status("healthy", "no lines of a bearing lie at multiples of the mesh frequency")
-        statuses["track"] = track(self.description, heard, wheels, q)
+                statuses[f"{axle.name}/gear"] = Status("waiting", "gears and motors are not judged")
+        statuses["track"] = track(self.description, measured, wheels, q)
         indicators |= {f"{axle}/clock": difference for axle, difference in clocks.items()}
         for side, lag in sides.items():
             indicators |= {f"{side}/lag": lag.found, f"{side}/lag/correlation": lag.forward}
@@ -188,7 +188,7 @@ class VehicleDetector:
         return VehicleDiagnosis(index, index / self.description.sampling_rate, statuses, indicators, diagnoses)
 
     def _wheels(self, contacts: Mapping[str, Contact]) -> dict[str, Status]:
-        """Return the status of each wheel; a flat must be heard in consecutive hops."""
+        """Return the status of each wheel; a flat must be present in consecutive hops."""
         p, wheels = self.box_parameters, flats(contacts, self.parameters)
         for name, status in wheels.items():
             present = status.verdict == "flat"
@@ -248,13 +248,13 @@ def _sensor(hop: BoxHop | None, below: float | None, swapped: bool, clock: float
     if diagnosis.verdict == "sensor":
         return Status("sensor", diagnosis.reason, 0.99)
     if below is not None:
-        return Status("sensor", f"it hears the rail {below:.0f} dB less than the others", 0.99, below)
+        return Status("sensor", f"it measures the rail {below:.0f} dB weaker than the others", 0.99, below)
     if swapped:
         return Status("swapped", "the trailing wheelset follows the rail first: the sensors of this side are swapped", 0.9)
     if abs(clock) >= most:
         reason = f"the clocks of the two boxes of the wheelset differ by {abs(clock):.0f} ppm, and one of them is wrong"
         return Status(UNDECIDED, reason, 0.0, abs(clock) / most)
-    return Status("healthy", "it hears the rail as the others do")
+    return Status("healthy", "it measures the rail as the others do")
 
 
 def _divided(blocks: Mapping[str, BlockLike], most: int) -> Iterator[dict[str, Samples]]:

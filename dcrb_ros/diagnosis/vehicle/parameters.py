@@ -26,9 +26,9 @@ class VehicleDetectorParameters(Group):
     rare: float = quantity(
         0.02, "-", "Share of the time in which the envelopes of a bearing are limited, because kinks of the rail are rare", 0.0, 0.2
     )
-    wheel_low: float = quantity(500.0, "Hz", "Lower edge of the band in which flats are heard", 200.0, 10e3)
+    wheel_low: float = quantity(500.0, "Hz", "Lower edge of the band of flats", 200.0, 10e3)
     wheel_high: float = quantity(3000.0, "Hz", "Upper edge of that band", 500.0, 20e3)
-    kink_low: float = quantity(6000.0, "Hz", "Lower edge of the band in which kinks of the rail are heard", 500.0, 50e3)
+    kink_low: float = quantity(6000.0, "Hz", "Lower edge of the band of kinks of the rail", 500.0, 50e3)
     kink_high: float = quantity(20000.0, "Hz", "Upper edge of that band; at most 0.45 of the sampling rate is used", 1e3, 100e3)
     flat: float = quantity(
         8.0, "dB", "Squared envelope at one angle of the wheel over its median around the wheel that indicates a flat", 1.0, 40.0
@@ -39,5 +39,5 @@ class VehicleDetectorParameters(Group):
     lag_tolerance: float = quantity(
         0.004, "s", "Departure from the lag of the wheelsets up to which two impacts are those of one kink", 1e-4, 0.1
     )
-    silence: float = quantity(20.0, "dB", "Level below the median of the other boxes at which a sensor does not hear the rail", 6.0, 60.0)
+    silence: float = quantity(20.0, "dB", "Level below the quietest other box at which a sensor does not measure the rail", 6.0, 60.0)
     clock: float = quantity(20.0, "ppm", "Difference of the clocks of two boxes of a wheelset that is reported", 1.0, 1e5)

@@ -88,7 +88,7 @@ class PythonVehicleDetector:
         for piece, _, end in _pieces(signal):
             statuses = detector.take(piece)
             if statuses is not None:
-                outcome.add(signal.description, end - 1.0 / signal.description.sampling_rate, statuses)
+                outcome.add(signal.description, (end - 1) / signal.description.sampling_rate, statuses)
         return outcome
 
 
@@ -114,9 +114,9 @@ class ProcessVehicleDetector:
 
                 def exchange() -> None:
                     begin = BeginVehicle(description.to_json())
-                    for kind, content, end in process.answers(begin, _pieces(signal)):
+                    for kind, content, end in process.answers(begin, _pieces(signal), description.sampling_rate):
                         if kind == STATUSES:
-                            outcome.add(description, end - 1.0 / description.sampling_rate, _statuses(content))
+                            outcome.add(description, (end - 1) / description.sampling_rate, _statuses(content))
 
                 outcome.failure = process.guarded(exchange)
         except CandidateRefusal as refusal:
@@ -163,13 +163,12 @@ def scored_boxes(case: VehicleCase, description: VehicleDescription, outcome: Ve
     return results
 
 
-def _pieces(signal: VehicleSignal) -> Iterator[tuple[dict[str, BoxSamples], float, float]]:
-    """Yield blocks of all boxes, with the times of their first sample and their end [s]."""
-    rate = signal.description.sampling_rate
+def _pieces(signal: VehicleSignal) -> Iterator[tuple[dict[str, BoxSamples], int, int]]:
+    """Yield blocks of all boxes, with the index of their first sample and the one after their last."""
     for number, blocks in enumerate(signal.blocks(BLOCK)):
         piece = {name: BoxSamples(block.index, block.acceleration, block.shaft_angle) for name, block in blocks.items()}
         first = number * BLOCK
-        yield piece, first / rate, (first + max(len(block.acceleration) for block in blocks.values())) / rate
+        yield piece, first, first + max(len(block.acceleration) for block in blocks.values())
 
 
 def _statuses(content: bytes) -> dict[str, tuple[str, float]]:

@@ -1,7 +1,7 @@
 """The exam of a vehicle: its file, and how it is expanded into vehicles.
 
-As in an exam of a bearing, a list where a parameter takes a single value is a variation. In the keys of a scenario, ``box`` stands for
-each of its ``boxes`` in turn.
+As in an exam of a bearing, a list where a parameter takes a single value is a variation. In the keys of a scenario, ``box`` is replaced
+by each of its ``boxes`` in turn.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class VehicleEntry(Group):
     variants: list[str] = Field(default_factory=list)
     """Variants by name; the vehicle as it is if omitted."""
     boxes: list[str] = Field(default_factory=list)
-    """Boxes for which ``box`` stands."""
+    """Boxes by which ``box`` is replaced in turn."""
     set: dict[str, Any] = Field(default_factory=dict)
     """Parameters of the vehicle; a list gives one case per value."""
     damaged: dict[str, FaultClass] = Field(default_factory=dict)

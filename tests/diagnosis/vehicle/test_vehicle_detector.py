@@ -1,0 +1,183 @@
+"""The comparing detector on synthetic bogies whose causes are known."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from synthetic_bogie import BOXES, DESCRIPTION, LAG, SECONDS, Boxes, bogie, diagnosed
+
+from dcrb_ros.diagnosis.vehicle.causes import correlated_lag
+from dcrb_ros.diagnosis.vehicle.detector import BoxBlock, VehicleDetector
+from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.stream.vehicle_diagnosis import VehicleDiagnosis
+
+SPALLS = {"outer_ring": {"outer": 900.0}, "inner_ring": {"inner": 1500.0}, "roller": {"roller": 1500.0}}
+
+
+def last(signals: Boxes) -> VehicleDiagnosis:
+    """Return the last diagnosis."""
+    return diagnosed(signals)[-1]
+
+
+def verdicts(diagnosis: VehicleDiagnosis, kind: str) -> dict[str, str]:
+    """Return the verdicts of one kind that are not healthy, by box."""
+    ending = f"/{kind}"
+    return {
+        name.removesuffix(ending): s.verdict for name, s in diagnosis.statuses.items() if name.endswith(ending) and s.verdict != "healthy"
+    }
+
+
+@pytest.mark.parametrize("verdict", SPALLS)
+@pytest.mark.parametrize("box", ["axle_1/right", "axle_2/left"])
+def test_only_the_damaged_box_is_named(verdict: str, box: str) -> None:
+    diagnosis = last(bogie({box: SPALLS[verdict]}))
+    assert verdicts(diagnosis, "bearing") == {box: verdict}
+    assert diagnosis.damaged() == {box: verdict}
+
+
+def test_the_other_box_of_the_wheelset_alone_would_be_named_too() -> None:
+    diagnosis = last(bogie({"axle_1/left": {"outer": 2000.0}}))
+    assert diagnosis.boxes["axle_1/right"].verdict == "outer_ring"
+    assert verdicts(diagnosis, "bearing") == {"axle_1/left": "outer_ring"}
+
+
+def test_a_sensor_of_twice_the_gain_does_not_take_the_fault() -> None:
+    diagnosis = last(bogie({"axle_1/left": {"outer": 7.0}}, across=0.3, gains={"axle_1/right": 2.5}))
+    assert diagnosis.damaged() == {"axle_1/left": "outer_ring"}
+
+
+def test_equal_lines_in_two_boxes_are_undecided() -> None:
+    diagnosis = last(bogie({"axle_2/left": {"outer": 200.0}}, across=1.0, along=0.0))
+    assert verdicts(diagnosis, "bearing") == {"axle_2/left": "undecided", "axle_2/right": "undecided"}
+
+
+def test_two_damaged_bearings_of_a_wheelset_keep_their_components() -> None:
+    diagnosis = last(bogie({"axle_1/left": {"outer": 1500.0}, "axle_1/right": {"inner": 2500.0}}))
+    assert diagnosis.damaged() == {"axle_1/left": "outer_ring", "axle_1/right": "inner_ring"}
+
+
+def test_faint_lines_count_where_no_other_box_has_them() -> None:
+    signals = bogie({"axle_1/left": {"outer": 1.8}}, across=0.0, along=0.0)
+    strict = VehicleDetector(DESCRIPTION, VehicleDetectorParameters(relief=0.0))
+    assert not diagnosed(signals, detector=strict)[-1].damaged()
+    assert last(signals).damaged() == {"axle_1/left": "outer_ring"}
+
+
+def test_joints_are_the_tracks_and_damage_no_bearing() -> None:
+    diagnosis = last(bogie(joints=np.arange(0.2, SECONDS, 0.43).tolist()))
+    assert diagnosis.statuses["track"].verdict == "joint"
+    assert verdicts(diagnosis, "bearing") == {}
+
+
+def test_kinks_of_one_rail_are_a_crossing() -> None:
+    diagnosis = last(bogie(joints=[0.5, 1.3, 2.2], joint_sides=(0,)))
+    assert (diagnosis.statuses["track"].verdict, "left" in diagnosis.statuses["track"].reason) == ("crossing", True)
+
+
+def test_impacts_that_no_other_wheelset_repeats_are_not_the_tracks() -> None:
+    signals = bogie()
+    quiet, struck = signals["axle_1/left"], bogie(joints=[0.5, 1.3, 2.2], joint_sides=(0,))["axle_1/left"]
+    only_first = struck[0] - 0.0
+    for begin in (0.5, 1.3, 2.2):  # without the second passage
+        k = slice(round((begin + 0.5 * LAG) * 51200), round((begin + 2.0 * LAG) * 51200))
+        only_first[k] = quiet[0][k]
+    assert last({**signals, "axle_1/left": (only_first, quiet[1])}).statuses["track"].verdict == "healthy"
+
+
+@pytest.mark.parametrize("box", BOXES)
+def test_a_flat_is_its_wheels_and_damages_no_bearing(box: str) -> None:
+    diagnosis = last(bogie(flats={box: 60.0}))
+    assert verdicts(diagnosis, "wheel") == {box: "flat"}
+    assert verdicts(diagnosis, "bearing") == {}
+
+
+def test_a_flat_that_two_wheels_hear_alike_is_undecided() -> None:
+    signals = bogie(flats={"axle_1/left": 60.0})
+    diagnosis = last({**signals, "axle_1/right": signals["axle_1/left"]})
+    assert verdicts(diagnosis, "wheel") == {"axle_1/left": "undecided", "axle_1/right": "undecided"}
+
+
+def test_swapped_sensors_are_found_by_the_lag_of_the_rail() -> None:
+    signals = bogie()
+    signals["axle_1/left"], signals["axle_2/left"] = signals["axle_2/left"], signals["axle_1/left"]
+    assert verdicts(last(signals), "sensor") == {"axle_1/left": "swapped", "axle_2/left": "swapped"}
+
+
+def test_the_lag_is_that_of_the_wheelbase() -> None:
+    assert last(bogie()).indicators["left/lag"] == pytest.approx(LAG, abs=1.0 / 1600.0)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_delayed_copy_has_its_lag(sign: int) -> None:
+    values = np.random.default_rng(1).normal(size=4000)
+    delayed = np.roll(values, sign * 80)
+    lag = correlated_lag(values, delayed, 1600.0, sign * 0.05, 0.004)
+    assert lag is not None
+    assert lag.found == pytest.approx(sign * 0.05)
+    assert lag.forward > 0.9 > 5.0 * abs(lag.backward)
+
+
+def test_a_sensor_that_hears_no_rail_is_faulty() -> None:
+    signals = bogie(gains={"axle_2/right": 0.05})
+    assert verdicts(last(signals), "sensor") == {"axle_2/right": "sensor"}
+
+
+def test_a_box_without_signal_is_said_and_the_others_go_on() -> None:
+    signals = bogie({"axle_1/left": SPALLS["outer_ring"]})
+    del signals["axle_2/left"]
+    diagnosis = diagnosed(signals, detector=VehicleDetector(DESCRIPTION, VehicleDetectorParameters(patience=0.2)))[-1]
+    assert verdicts(diagnosis, "sensor") == {"axle_2/left": "sensor"}
+    assert diagnosis.damaged() == {"axle_1/left": "outer_ring"}
+
+
+def test_a_fast_clock_is_seen_in_the_turns() -> None:
+    signals = bogie()
+    acceleration, angle = signals["axle_1/right"]
+    turned = np.unwrap(angle.astype(np.float64)) * (1.0 - 1e-4)
+    signals["axle_1/right"] = acceleration, np.mod(turned, 2.0 * np.pi).astype(np.float32)
+    diagnosis = last(signals)
+    assert diagnosis.indicators["axle_1/clock"] == pytest.approx(-100.0, abs=2.0)
+    assert verdicts(diagnosis, "sensor") == {"axle_1/left": "undecided", "axle_1/right": "undecided"}
+
+
+def test_a_healthy_bogie_has_no_verdict_but_healthy() -> None:
+    diagnosis = last(bogie())
+    assert {status.verdict for name, status in diagnosis.statuses.items() if not name.endswith("/gear")} == {"healthy"}
+
+
+def comparable(diagnoses: list[VehicleDiagnosis]) -> list[Any]:
+    """Return what must not depend on the size of the blocks."""
+    return [(d.index, dict(d.statuses), dict(d.indicators)) for d in diagnoses]
+
+
+@pytest.mark.parametrize("block", [333, 25600])
+def test_diagnoses_do_not_depend_on_the_size_of_the_blocks(block: int) -> None:
+    signals = bogie({"axle_1/left": SPALLS["inner_ring"]}, flats={"axle_2/left": 60.0}, joints=[0.6, 1.7])
+    assert comparable(diagnosed(signals, block=block)) == comparable(diagnosed(signals, block=1024))
+
+
+def test_the_last_diagnosis_of_one_whole_block_is_that_of_the_stream() -> None:
+    signals = bogie({"axle_1/left": SPALLS["roller"]})
+    assert comparable(diagnosed(signals, block=10**6))[-1] == comparable(diagnosed(signals, block=1024))[-1]
+
+
+def test_blocks_of_boxes_may_arrive_one_after_the_other() -> None:
+    signals, detector = bogie({"axle_1/left": SPALLS["outer_ring"]}), VehicleDetector(DESCRIPTION)
+    found = []
+    for k in range(0, len(signals[BOXES[0]][1]), 1024):
+        for name, (acceleration, angle) in signals.items():
+            found.append(detector.add({name: BoxBlock(k, acceleration[k : k + 1024], angle[k : k + 1024])}))
+    assert comparable([d for d in found if d is not None]) == comparable(diagnosed(signals))
+
+
+def test_an_unknown_box_is_refused_by_name() -> None:
+    with pytest.raises(Refusal, match="no box 'axle_1/lefft'; did you mean 'axle_1/left'"):
+        VehicleDetector(DESCRIPTION).add({"axle_1/lefft": BoxBlock(0, np.zeros((10, 2)), np.zeros(10))})
+
+
+def test_bands_without_a_width_are_refused() -> None:
+    with pytest.raises(Refusal, match="are empty"):
+        VehicleDetector(DESCRIPTION, VehicleDetectorParameters(wheel_low=9000.0, wheel_high=8000.0))

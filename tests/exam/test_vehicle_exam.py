@@ -1,0 +1,163 @@
+"""The exam of a vehicle: its file, its score, and detectors in a process of their own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import yaml
+from synthetic_bogie import BOXES, DESCRIPTION, bogie
+
+from dcrb_ros.exam.credit import vehicle_detection
+from dcrb_ros.exam.criteria import Criteria
+from dcrb_ros.exam.exam_file import read_exam
+from dcrb_ros.exam.expectation import Expectation
+from dcrb_ros.exam.limits import Limits
+from dcrb_ros.exam.running_detector import checked_statuses
+from dcrb_ros.exam.vehicle.evaluation import ProcessVehicleDetector, PythonVehicleDetector, VehicleOutcome, box_verdict, scored_boxes
+from dcrb_ros.exam.vehicle.exam_file import VehicleCase, read_vehicle_exam
+from dcrb_ros.exam.vehicle.signals import VehicleSignal
+from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.stream.vehicle_diagnosis import Status, VehicleDiagnosis
+
+CRITERIA = Criteria(silence=3.0)
+CASE = VehicleCase("case", {"vehicle.speed_kmh": 120.0}, 3.0, {"axle_1.left": "outer_ring"})
+
+
+def outcome(**verdicts: str) -> VehicleOutcome:
+    """Return an outcome with one verdict on each box from 2 s on; the others are healthy."""
+    received = {
+        name: [ReceivedDiagnosis(time, verdicts.get(name.replace("/", "_"), "healthy")) for time in (2.0, 2.5, 2.99)] for name in BOXES
+    }
+    return VehicleOutcome(received)
+
+
+def credit_of(given: VehicleOutcome) -> float:
+    """Return the credit for the damaged box where delays cost nothing."""
+    return scored_boxes(CASE, DESCRIPTION, given, CRITERIA)[0].credit.detection["cost"]
+
+
+def test_the_name_is_half_the_box_and_half_the_component() -> None:
+    right = credit_of(outcome(axle_1_left="outer_ring"))
+    wrong_component = credit_of(outcome(axle_1_left="roller"))
+    wrong_box = credit_of(outcome(axle_1_right="outer_ring"))
+    neither = credit_of(outcome(axle_2_right="roller"))
+    assert right > 0.0
+    assert wrong_component == pytest.approx(0.75 * right)
+    assert wrong_box == pytest.approx(0.75 * right)
+    assert neither == pytest.approx(0.5 * right)
+    assert credit_of(outcome()) == 0.0
+
+
+def test_a_wrong_box_is_a_false_alarm() -> None:
+    results = scored_boxes(CASE, DESCRIPTION, outcome(axle_1_left="outer_ring", axle_1_right="outer_ring"), CRITERIA)
+    assert {result.expectation.name: len(result.false_alarms) for result in results if result.false_alarms} == {"case/axle_1/right": 1}
+    assert [result.credit.failed for result in results] == [0, 1, 0, 0]
+
+
+def test_no_alarm_earns_nothing() -> None:
+    expectation = Expectation("x", "outer_ring", 3.0, tags={"speed": 70.0})
+    assert set(vehicle_detection(expectation, [], [[]], CRITERIA).values()) == {0.0}
+
+
+def test_undecided_is_no_verdict_and_a_faulty_sensor_counts_first() -> None:
+    statuses = {"axle_1/left/bearing": ("undecided", 3.0), "axle_1/right/bearing": ("roller", 3.0), "axle_1/right/sensor": ("sensor", 0.0)}
+    assert box_verdict(statuses, "axle_1/left")[0] == "waiting"
+    assert box_verdict(statuses, "axle_1/right")[0] == "sensor"
+    assert box_verdict(statuses, "axle_2/right")[0] == "waiting"
+
+
+@pytest.mark.parametrize(
+    ("output", "sentence"),
+    [
+        ("outer_ring", "return a VehicleDiagnosis"),
+        ({"axle_1/left": "outer_ring"}, "its last part must be one of"),
+        ({"axle_1/left/bearing": "outer"}, "did you mean 'outer_ring'"),
+        ({"track": "flat"}, "return one of"),
+    ],
+)
+def test_invalid_outputs_are_refused(output: object, sentence: str) -> None:
+    with pytest.raises(Refusal, match=sentence):
+        checked_statuses(output)
+
+
+def test_a_diagnosis_and_a_mapping_say_the_same() -> None:
+    diagnosis = VehicleDiagnosis(0, 0.0, {"track": Status("joint", "")}, {})
+    assert checked_statuses(diagnosis) == checked_statuses({"track": "joint"}) == {"track": ("joint", 0.0)}
+
+
+def signal() -> VehicleSignal:
+    """Return a synthetic signal."""
+    boxes = bogie()
+    return VehicleSignal(DESCRIPTION, {name: a for name, (a, _) in boxes.items()}, {name: angle for name, (_, angle) in boxes.items()})
+
+
+FOREIGN = """
+class Foreign:
+    def __init__(self, description):
+        self.boxes = [box.name for box in description.boxes]
+        self.seconds = 0.0
+
+    def add(self, blocks):
+        self.seconds += len(blocks[self.boxes[0]].acceleration) / 51200
+        return {f"{box}/bearing": "roller" if box == self.boxes[2] else "healthy" for box in self.boxes} if self.seconds > 2.0 else None
+
+class Failing(Foreign):
+    def add(self, blocks):
+        raise ValueError("no idea")
+"""
+
+
+def test_a_class_takes_part_in_a_process_of_its_own(tmp_path: Path) -> None:
+    file = tmp_path / "foreign.py"
+    file.write_text(FOREIGN, encoding="utf-8")
+    found = ProcessVehicleDetector("foreign", f"{file}:Foreign", Limits()).diagnose(signal())
+    assert found.failure == ""
+    assert {name: received[-1].verdict for name, received in found.received.items()} == {
+        name: "roller" if name == "axle_2/left" else "healthy" for name in BOXES
+    }
+    failed = ProcessVehicleDetector("failing", f"{file}:Failing", Limits()).diagnose(signal())
+    assert "no idea" in failed.failure
+
+
+def test_a_detector_without_add_is_refused() -> None:
+    with pytest.raises(Refusal, match="has no method add"):
+        PythonVehicleDetector("x", lambda description: object()).diagnose(signal())
+
+
+def test_the_shipped_exam_covers_boxes_components_and_cross_talk() -> None:
+    exam = read_vehicle_exam("bogie")
+    single = [case for case in exam.cases if len(case.damaged) == 1 and case.tags["kind"] in ("outer", "inner", "roller")]
+    assert {(next(iter(case.damaged.items())), case.tags["variant"]) for case in single} == {
+        ((box, verdict), variant)
+        for box in ("axle_1.left", "axle_1.right", "axle_2.left", "axle_2.right")
+        for verdict in ("outer_ring", "inner_ring", "roller")
+        for variant in ("10dB", "20dB", "30dB")
+    }
+    assert len(single) >= 124
+    assert sum(case.tags["kind"] in ("flat", "joints") for case in exam.cases) >= 120
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"scenarios": [{"name": "x", "variants": ["5dB"]}]}, "there is no variant '5dB'"),
+        ({"scenarios": [{"name": "x", "set": {"box.bench": "healthy"}}]}, "names no box"),
+        ({"scenarios": [{"name": "x", "damaged": {"axle_3.left": "roller"}}]}, "names the box 'axle_3.left'"),
+        ({"scenarios": [{"name": "x"}, {"name": "x"}]}, "two scenarios are called"),
+        ({"scenarios": [{"name": "x", "set": {"vehicle.seed": []}}]}, "has an empty list"),
+        ({"scenarios": []}, "defines no scenario"),
+        ({"vehicle": "no_such"}, "no_such"),
+    ],
+)
+def test_an_invalid_file_is_refused_in_one_sentence(change: dict[str, object], sentence: str, tmp_path: Path) -> None:
+    file = tmp_path / "exam.yaml"
+    file.write_text(yaml.safe_dump({"exam": "x", "vehicle": "healthy_bogie", "scenarios": [{"name": "x"}], **change}), encoding="utf-8")
+    with pytest.raises(Refusal, match=sentence):
+        read_vehicle_exam(file)
+
+
+def test_the_exam_of_a_bearing_does_not_read_that_of_a_vehicle() -> None:
+    with pytest.raises(Refusal, match="is the exam of a vehicle"):
+        read_exam("bogie")
