@@ -31,6 +31,7 @@ class Picture(NamedTuple):
 
 
 VIEW = tuple(f"drawing dcrb_ros/viewer/{name}.py" for name in ("bearing_picture", "blueprint", "palette", "series", "spectrum_picture"))
+VEHICLE_VIEW = tuple(f"drawing dcrb_ros/viewer/{name}.py" for name in ("plan_view", "palette", "spectrum_picture", "vehicle_content"))
 DETECTOR = "detector bags"
 OILED = ("samples oiled_healthy", "samples oiled_outer_ring_defect", "samples oiled_inner_ring_defect", "samples oiled_roller_defect")
 BURN_OFF = ("bench healthy", "file config/scenarios/burn_off.yaml", "samples thermal")
@@ -84,6 +85,10 @@ PICTURES = {
         "printf 'timeline: [{{at: 0.5, over: 6.0, set: {{operating.speed: 150.0}}}}]' > run_up.yaml && dcrb simulate outer_ring_defect"
         " --set operating.speed=40 --scenario run_up.yaml --duration 8 -o run_up && dcrb view run_up --screenshot {file}",
         ("bench outer_ring_defect", "samples oiled_outer_ring_defect", DETECTOR, "drawing dcrb_ros/viewer/order_map.py", *VIEW),
+    ),
+    "rerun-vehicle": Picture(
+        "dcrb simulate --vehicle bogie --duration 4 -o run && dcrb view run --screenshot {file}",
+        ("file config/vehicles/bogie.yaml", "bench outer_ring_defect", "samples oiled_outer_ring_defect", DETECTOR, *VEHICLE_VIEW),
     ),
     "rerun-burn-off": Picture(
         BURN_OFF_RUN + "dcrb view burn_off --screenshot {file}", (*BURN_OFF, DETECTOR, *VIEW, "drawing dcrb_ros/viewer/summary.py")
