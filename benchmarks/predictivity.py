@@ -7,6 +7,7 @@ docs/results/predictivity.md. A second call reads simulated recordings and answe
 from __future__ import annotations
 
 import argparse
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -50,11 +51,16 @@ def page(comparisons: dict[str, Comparison]) -> str:
     whole = comparisons[list(comparisons)[-1]]
     parts = [(name, *rows(one.families[:1])[0][1:]) for name, one in comparisons.items()]
     members = [(name, *rows(one.members[:1])[0][1:]) for name, one in comparisons.items()]
+    commit = subprocess.run(
+        ["git", "rev-parse", "--short=8", "HEAD"], stdout=subprocess.PIPE, text=True, check=True, cwd=ROOT
+    ).stdout.strip()
+    date = time.strftime("%d %B %Y", time.gmtime()).lstrip("0")
     return "\n".join(
         [
             "# Predictivity of the exam",
             "",
-            f"Written by `make predictivity` on {time.strftime('%d %B %Y', time.gmtime()).lstrip('0')}, model `{model_fingerprint()}`.",
+            f"Written by `make predictivity` on {date}, model `{model_fingerprint()}`. "
+            f"The shipped detector has the rules of commit `{commit}`.",
             "[Does an exam predict your rig?](../how-to/predict-your-rig.md) explains the method and the figures. The priors were not",
             "tuned on these recordings.",
             "",

@@ -13,6 +13,7 @@ from mkdocs.exceptions import PluginError
 
 from dcrb_ros.cli.app import app
 from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
 from dcrb_ros.exam.replica_priors import prior_table
 from dcrb_ros.messages.topics import table_of, topic_table
 from dcrb_ros.messages.topics.vehicle import VEHICLE
@@ -21,6 +22,7 @@ from dcrb_ros.settings.documentation import parameter_table
 
 PARAMETERS = "<!-- parameters -->"
 DETECTOR_PARAMETERS = "<!-- detector parameters -->"
+VEHICLE_DETECTOR_PARAMETERS = "<!-- vehicle detector parameters -->"
 COMMANDS = "<!-- commands -->"
 PRIORS = "<!-- priors -->"
 TOPICS = "<!-- topics -->"
@@ -37,6 +39,8 @@ def on_page_markdown(markdown: str, **_: Any) -> str:
         markdown = markdown.replace(PARAMETERS, parameter_table(Configuration))
     if DETECTOR_PARAMETERS in markdown:
         markdown = markdown.replace(DETECTOR_PARAMETERS, parameter_table(DetectorParameters))
+    if VEHICLE_DETECTOR_PARAMETERS in markdown:
+        markdown = markdown.replace(VEHICLE_DETECTOR_PARAMETERS, parameter_table(VehicleDetectorParameters))
     if TOPICS in markdown:
         markdown = markdown.replace(TOPICS, topic_table())
     if VEHICLE_TOPICS in markdown:

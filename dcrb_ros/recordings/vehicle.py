@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import shutil
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -213,8 +214,10 @@ class VehicleRecording:
         Refusal: it cannot be read, is that of a bench, or its parameters were changed.
     """
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    def __init__(self, path: str | Path) -> None:
+        if not isinstance(path, (str, os.PathLike)):
+            raise Refusal(f"{path!r} is not the path of a recording: give a folder made by dcrb simulate or dcrb bench --vehicle")
+        self.path = path = Path(path)
         self._files, self._flaws = valid_files(path)
         records = {record.name: record for file in self._files for record in file.metadata()}
         names = boxes_in(records)

@@ -326,6 +326,12 @@ def test_one_recording_holds_every_box_with_equal_stamps(run: Path) -> None:
     assert all(times == stamps["axle_1.left"] for times in stamps.values())
 
 
+def test_a_recording_is_opened_by_a_string_and_refuses_what_is_no_path(run: Path) -> None:
+    assert VehicleRecording(str(run)).parameters == VehicleRecording(run).parameters
+    with pytest.raises(Refusal, match=r"^7 is not the path of a recording: give a folder"):
+        VehicleRecording(7)  # type: ignore[arg-type]
+
+
 def test_a_recording_holds_the_vehicle_and_its_commands(run: Path) -> None:
     recording = VehicleRecording(run)
     assert [(command.time_ns, command.name, command.value) for command in recording.commands()] == [

@@ -7,6 +7,7 @@ removes the gain of the sensor and most of the response of the structure.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
@@ -52,11 +53,18 @@ class OrderLevel(NamedTuple):
 
 
 def prominences(spectrum: OrderSpectrum, orders: npt.ArrayLike) -> Floats:
-    """Return the amplitude of the line at each order over the median of the amplitudes beside it, shape of ``orders`` [dB]."""
+    """Return the amplitude of the line at each order over the median of the amplitudes beside it, shape of ``orders`` [dB].
+
+    It is 0 dB outside the spectrum.
+    """
     wanted = np.asarray(orders, np.float64)
     first, last = (np.searchsorted(spectrum.orders, wanted + side * BESIDE) for side in (-1.0, 1.0))
-    noise = np.array([float(medians(spectrum.amplitude[begin:end])) for begin, end in zip(first, last, strict=True)])
-    return np.asarray(20.0 * np.log10(np.maximum(spectrum.lines(wanted), 1e-12) / np.maximum(noise, 1e-12)), np.float64)
+    found = np.zeros(len(wanted))
+    for place, (line, begin, end) in enumerate(zip(spectrum.lines(np.nan_to_num(wanted)), first, last, strict=True)):
+        if end > begin:
+            noise = float(medians(spectrum.amplitude[begin:end]))
+            found[place] = 20.0 * math.log10(max(float(line), 1e-12) / max(noise, 1e-12))
+    return found
 
 
 def levels(spectrum: OrderSpectrum) -> list[OrderLevel]:
@@ -76,7 +84,7 @@ def polygons(contacts: Mapping[str, Contact], parameters: VehicleDetectorParamet
 
     Where other boxes have the line as well, it is no wheel's: resonances and the rail make such lines, too.
     """
-    spectra = {name: contact.spectrum for name, contact in contacts.items() if contact.spectrum is not None}
+    spectra = _spectra(contacts)
     turns = {name: abs(contacts[name].shaft_frequency) for name in spectra}
     statuses = {}
     for name, spectrum in spectra.items():
@@ -123,20 +131,21 @@ def meshes(description: VehicleDescription, contacts: Mapping[str, Contact]) -> 
     """Return the mesh of each driven wheelset whose boxes both have a spectrum that reaches it."""
     found = {}
     for axle in description.axles:
-        own = _spectra(contacts, axle.name)
+        own = _spectra(_of_axle(contacts, axle.name))
         if not axle.driven or len(own) < len(SIDES) or not axle.gear_teeth <= HIGHEST - 1.0 - MESH_NEIGHBOURS[-1]:
             continue
         teeth = float(axle.gear_teeth)
         here = {name: float(prominences(spectrum, [teeth])[0]) for name, spectrum in own.items()}
         levels = {name: here[name] - float(np.median(prominences(own[name], teeth + MESH_NEIGHBOURS))) for name in own}
         sidebands = max(
-            20.0 * np.log10(float(np.divide(s.lines(teeth + SIDEBANDS).max(), s.lines([teeth])[0] + 1e-12))) for s in own.values()
+            20.0 * np.log10(max(float(s.lines(teeth + SIDEBANDS).max()), 1e-12) / max(float(s.lines([teeth])[0]), 1e-12))
+            for s in own.values()
         )
         turn = abs(contacts[next(iter(own))].shaft_frequency)
         elsewhere = {
             other.name: np.mean([_at_frequency(contacts[name], spectrum, teeth * turn) for name, spectrum in spectra.items()])
             for other in description.axles
-            if other.name != axle.name and (spectra := _spectra(contacts, other.name))
+            if other.name != axle.name and (spectra := _spectra(_of_axle(contacts, other.name)))
         }
         rival = max(elsewhere, key=lambda name: elsewhere[name], default="")
         ahead = float(np.mean(list(here.values())) - elsewhere[rival]) if rival else 0.0
@@ -144,10 +153,18 @@ def meshes(description: VehicleDescription, contacts: Mapping[str, Contact]) -> 
     return found
 
 
-def _spectra(contacts: Mapping[str, Contact], axle: str) -> dict[str, OrderSpectrum]:
-    """Return the spectra of the boxes of a wheelset."""
-    measured = {f"{axle}/{side}": contacts.get(f"{axle}/{side}") for side in SIDES}
-    return {name: contact.spectrum for name, contact in measured.items() if contact is not None and contact.spectrum is not None}
+def _spectra(contacts: Mapping[str, Contact]) -> dict[str, OrderSpectrum]:
+    """Return the spectra of boxes whose wheelset turned throughout the window."""
+    return {
+        name: contact.spectrum
+        for name, contact in contacts.items()
+        if contact.spectrum is not None and math.isfinite(contact.shaft_frequency) and contact.shaft_frequency != 0.0
+    }
+
+
+def _of_axle(contacts: Mapping[str, Contact], axle: str) -> dict[str, Contact]:
+    """Return the boxes of a wheelset."""
+    return {name: contact for name, contact in contacts.items() if name.rpartition("/")[0] == axle}
 
 
 def _at_frequency(contact: Contact, spectrum: OrderSpectrum, frequency: float) -> float:

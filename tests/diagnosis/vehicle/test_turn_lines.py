@@ -111,6 +111,16 @@ def test_a_gear_waits_for_both_boxes() -> None:
     assert statuses(signals)["axle_1/gear"].verdict == "waiting"
 
 
+def test_a_hop_without_angle_and_a_slow_wheelset_are_no_failure() -> None:
+    signals = bogie(polygons={"axle_1/left": (18, 3.0)}, mesh={"axle_1/left": 1.0, "axle_1/right": 1.0})
+    acceleration, angle = signals["axle_1/right"]
+    signals["axle_1/right"] = acceleration, np.where(np.arange(len(angle)) // HOP == 1, np.nan, angle).astype(np.float32)
+    acceleration, angle = signals["axle_2/left"]
+    signals["axle_2/left"] = acceleration, np.mod(0.3 * np.unwrap(angle.astype(np.float64)), TURN).astype(np.float32)
+    found = statuses(signals)
+    assert (found["axle_1/left/wheel"].verdict, found["axle_1/gear"].verdict) == ("polygon", "gear")
+
+
 def test_an_order_above_the_spectrum_is_not_judged() -> None:
     axles = (dataclasses.replace(DESCRIPTION.axles[0], gear_teeth=213), DESCRIPTION.axles[1])
     found = statuses(bogie(), dataclasses.replace(DESCRIPTION, axles=axles))["axle_1/gear"]
