@@ -29,7 +29,10 @@ def bench(
     scenario: Scenario = None,
     vehicle: Annotated[
         str | None,
-        typer.Option(help="Run the axle boxes of a vehicle instead: a YAML file or a shipped name, such as bogie."),
+        typer.Option(
+            help="Run the axle boxes of a vehicle instead: a YAML file or a shipped name, such as bogie.",
+            autocompletion=completion.vehicles,
+        ),
     ] = None,
     detector: DetectorFile = None,
     settings: Settings = None,

@@ -16,7 +16,7 @@ def _shipped(kind: str) -> Callable[[str], list[str]]:
     return names
 
 
-configurations, exams, scenarios, sweeps = map(_shipped, ("configuration", "exam", "scenario", "sweep"))
+configurations, exams, scenarios, sweeps, vehicles = map(_shipped, ("configuration", "exam", "scenario", "sweep", "vehicle"))
 """Each returns the shipped names that begin with a text."""
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -11,6 +12,7 @@ import typer
 from dcrb_ros.cli.options import Bag
 
 if TYPE_CHECKING:
+    from rich.console import Console
     from rich.table import Table
 
     from dcrb_ros.recordings.digest import SampleDigests
@@ -70,10 +72,7 @@ def info(
         shown.print(_table(f"commands: {len(commands)}", ("simulated time [s]", "command"), first))
     if recording.configured:
         shown.print(_table("configuration, where it differs from the default", ("parameter", "value"), _changed(recording)))
-    for description in damage:
-        shown.print(f"damaged: {description}", soft_wrap=True)
-    if damage:
-        shown.print("the counts above are of the readable part; dcrb recover writes it to a complete recording", soft_wrap=True)
+    _print_damage(shown, damage)
 
 
 def vehicle_info(bag: Path, *, as_json: bool) -> None:
@@ -96,13 +95,23 @@ def vehicle_info(bag: Path, *, as_json: bool) -> None:
         mismatches += [f"{name}: {mismatch}"] if mismatch else []
     damage = [*recording.damage, *([flaw] if flaw else []), *mismatches]
     if as_json:
-        about = {"vehicle": recording.parameters, "boxes": boxes, "commands": commands, "messages": counts, "damage": damage}
+        about = {
+            "vehicle": recording.parameters,
+            "scenario": recording.scenario,
+            "boxes": boxes,
+            "commands": commands,
+            "messages": counts,
+            "damage": damage,
+        }
         print(json.dumps(about, indent=2))
         return
     from dcrb_ros.runtime.terminal import console
 
     shown = console()
-    shown.print(f"the recording of a vehicle with {len(boxes)} boxes, {recording.sampling_rate} Hz; dcrb info {bag / next(iter(boxes))}")
+    shown.print(f"the recording of a vehicle with {len(boxes)} boxes, sampling rate: {recording.sampling_rate} Hz", soft_wrap=True)
+    shown.print(f"a box by itself: dcrb info {bag / next(iter(boxes))}", soft_wrap=True)
+    if recording.scenario is not None:
+        shown.print(f"scenario: {json.dumps(recording.scenario)}", soft_wrap=True)
     agreed = {True: "as stated", False: "NOT as stated", None: "none stated"}
     rows = [
         (name, box["samples"], str(box["sha256"])[:16], agreed[box["match"]], ", ".join(box["faults"]) or "none")
@@ -114,8 +123,14 @@ def vehicle_info(bag: Path, *, as_json: bool) -> None:
         first = [(f"{time:.6f}", name, value) for time, name, value in commands[:SHOWN_COMMANDS]]
         shown.print(_table(f"commands to the vehicle: {len(commands)}", ("simulated time [s]", "command", "value"), first))
     shown.print(_table("vehicle", ("parameter", "value"), recording.parameters.items()))
+    _print_damage(shown, damage)
+
+
+def _print_damage(shown: Console, damage: Sequence[str]) -> None:
     for description in damage:
         shown.print(f"damaged: {description}", soft_wrap=True)
+    if damage:
+        shown.print("the counts above are of the readable part; dcrb recover writes it to a complete recording", soft_wrap=True)
 
 
 def _lines(recording: Recording) -> list[str]:

@@ -65,7 +65,10 @@ def simulate(
     ] = None,
     vehicle: Annotated[
         str | None,
-        typer.Option(help="Simulate the axle boxes of a vehicle instead: a YAML file or a shipped name, such as bogie."),
+        typer.Option(
+            help="Simulate the axle boxes of a vehicle instead: a YAML file or a shipped name, such as bogie.",
+            autocompletion=completion.vehicles,
+        ),
     ] = None,
     force: Force = False,
     quiet: Quiet = False,
@@ -114,7 +117,7 @@ def simulate(
             progress = _run(path.name, simulation.blocks(seconds), seconds, recorder.write, quiet=quiet, partial=True)
     if as_json:
         outcome = recorder.outcome
-        _print_json(path, progress, outcome.samples, outcome.sha256)
+        _print_object(path, progress, samples=outcome.samples, sha256=outcome.sha256)
         return
     print(f"{path}: {progress}")
     if not quiet:
@@ -129,9 +132,7 @@ def reproduce(source: Path, output: Path | None, *, quiet: bool, as_json: bool) 
 
     recording = Recording(source)
     reproduction = Reproduction(recording)
-    difference = reproduction.difference()
-    if difference:
-        typer.echo(f"dcrb: {source}: {difference}; the samples may differ", err=True)
+    _warn_of_difference(source, reproduction.difference())
     scenario = recording.manifest.get("scenario")
     simulation = _simulation(reproduction.configuration, scenario, f"{source}: scenario")
     with ExitStack() as stack:
@@ -142,7 +143,7 @@ def reproduce(source: Path, output: Path | None, *, quiet: bool, as_json: bool) 
     reproduction.check()
     samples = reproduction.samples
     if as_json:
-        _print_json(output, progress, samples.count, samples.sha256)
+        _print_object(output, progress, samples=samples.count, sha256=samples.sha256)
     else:
         print(f"{source}: {progress}; the same {samples.count} samples, sha256 {samples.sha256[:16]}")
 
@@ -172,7 +173,7 @@ def simulate_vehicle(
         progress = _run(path.name, simulation.blocks(seconds), seconds, recorder.write, quiet=quiet, partial=True)
     if as_json:
         boxes = {name: {"samples": outcome.samples, "sha256": outcome.sha256} for name, outcome in recorder.outcomes.items()}
-        print(json.dumps({"recording": str(path), "simulated": progress.simulated, "boxes": boxes}, indent=2))
+        _print_object(path, progress, boxes=boxes)
         return
     print(f"{path}: {progress}, {len(recorder.outcomes)} boxes")
     if not quiet:
@@ -186,6 +187,7 @@ def reproduce_vehicle(source: Path, output: Path | None, *, force: bool, quiet: 
 
     recording = VehicleRecording(source)
     reproduction = VehicleReproduction(recording)
+    _warn_of_difference(source, reproduction.difference())
     simulation = simulation_of(recording.parameters, str(source), recording.scenario, f"{source}: scenario")
     with ExitStack() as stack:
         write = None
@@ -195,20 +197,20 @@ def reproduce_vehicle(source: Path, output: Path | None, *, force: bool, quiet: 
         progress = _run(source.name, reproduction.blocks(simulation), recording.duration, write, quiet=quiet)
     reproduction.check()
     if as_json:
-        print(json.dumps({"recording": str(source), "simulated": progress.simulated, "same": True}, indent=2))
+        boxes = {name: {"samples": samples.count, "sha256": samples.sha256} for name, samples in reproduction.samples.items()}
+        _print_object(output, progress, boxes=boxes)
     else:
         print(f"{source}: {progress}; the same samples in {len(recording.boxes)} boxes")
 
 
-def _print_json(path: Path | None, progress: Progress, samples: int, sha256: str) -> None:
-    about = {
-        "recording": None if path is None else str(path),
-        "simulated": progress.simulated,
-        "real_time_factor": progress.factor,
-        "samples": samples,
-        "sha256": sha256,
-    }
-    print(json.dumps(about, indent=2))
+def _warn_of_difference(source: Path, difference: str) -> None:
+    if difference:
+        typer.echo(f"dcrb: {source}: {difference}; the samples may differ", err=True)
+
+
+def _print_object(path: Path | None, progress: Progress, **samples: Any) -> None:
+    about = {"recording": None if path is None else str(path), "simulated": progress.simulated, "real_time_factor": progress.factor}
+    print(json.dumps(about | samples, indent=2))
 
 
 def _simulation(configuration: Configuration, scenario: Mapping[str, Any] | None, source: str) -> Simulation:

@@ -25,8 +25,9 @@ from dcrb_ros.settings.files import load_configuration, read_parameters, validat
 from dcrb_ros.settings.shipped import find_configuration, shipped_folder
 from dcrb_ros.simulation.scenario import read_scenario, read_scenario_file
 from dcrb_ros.text.files import checked_path, is_file
-from dcrb_ros.vehicle.file import read_vehicle
-from dcrb_ros.vehicle.scenario import vehicle_scenario
+from dcrb_ros.vehicle.file import read_parameters as parameters_of_vehicle
+from dcrb_ros.vehicle.file import read_vehicle, vehicle_of
+from dcrb_ros.vehicle.scenario import starting_parameters, vehicle_scenario
 
 PACKAGE = "dcrb_ros"
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
@@ -177,10 +178,12 @@ def vehicle_parameters(argument: str, given: Mapping[str, Any], keys: Mapping[st
         Refusal: there is no such file, or it is invalid; the sentence names the argument.
     """
     with naming(argument, given[argument]):
-        vehicle = read_vehicle(given[argument])
+        read_vehicle(given[argument])
     if scenario is not None:
         with naming("scenario", scenario):
-            vehicle_scenario(read_scenario_file(Path(scenario)), vehicle, scenario)
+            tree = read_scenario_file(Path(scenario))
+            start = starting_parameters(tree, parameters_of_vehicle(given[argument]), scenario)
+            vehicle_scenario(tree, vehicle_of(start, given[argument]), scenario)
     set_by = {name: {key: given[name]} for name, key in keys.items() if given[name] is not None}
     for name, change in set_by.items():
         with naming(name, given[name]):

@@ -11,7 +11,7 @@ from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.description import decode_frame, sensor_text
 from dcrb_ros.messages.plain import encode_text
 from dcrb_ros.messages.points import decode_vibration
-from dcrb_ros.messages.topics import SENSOR, SIMULATED, TRANSFORMS, VIBRATION, Message, Topic
+from dcrb_ros.messages.topics import DETECTED, SENSOR, SIMULATED, TRANSFORMS, VIBRATION, Message, Topic
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DETECTED
 from dcrb_ros.messages.vehicle import box_path
 from dcrb_ros.messages.vehicle_encoder import BESIDE
@@ -58,16 +58,14 @@ class Replay:
         chosen = sorted(chosen_topics(parameters.topics), key=lambda topic: topic.name) if parameters.topics else list(SIMULATED)
         if isinstance(self.recording, VehicleRecording):
             below = [(topic, topic.below(box_path(name)), box) for name, box in self.recording.boxes.items() for topic in chosen]
-            detected = () if not parameters.topics else VEHICLE_DETECTED
+            detected = VEHICLE_DETECTED if set(chosen) & set(DETECTED) else ()
             self.topics: tuple[Topic, ...] = (*(topic for _, topic, _ in below), *BESIDE, *detected)
         else:
             below = [(topic, topic, self.recording) for topic in chosen]
             self.topics = tuple(chosen)
         self.waveforms = tuple(topic for plain, topic, _ in below if plain == VIBRATION)
         """The topics of the waveforms, which say when a bundle is due."""
-        self._descriptions = {topic: _described(box, topic) for plain, topic, box in below if plain == SENSOR} or {
-            SENSOR: _described(below[0][2], SENSOR)
-        }
+        self._descriptions = {topic: _described(box, topic) for plain, topic, box in below if plain == SENSOR}
         """The description of the sensor that was sent last, by topic."""
         self.frame = decode_frame(next(iter(self._descriptions.values())).data)
         """Frame id of the sensor, the first one of a vehicle."""
@@ -128,9 +126,10 @@ class Replay:
 
 
 def _described(recording: Recording, topic: Topic) -> Message:
-    """Return the description of the sensor that precedes the first block; without a manifest, the first one that was recorded."""
-    recorded = next(recording.messages((SENSOR,)), None) if recording.described else None
-    return recorded or Message(topic, 0, encode_text(_sensor(recording)))
+    """Return the description of the sensor that precedes the first block, as recorded or from the manifest."""
+    # Without a manifest, the description that takes its place is the first one.
+    recorded = None if recording.described else next(recording.messages((SENSOR,)), None)
+    return Message(topic, recorded.time_ns, recorded.data) if recorded else Message(topic, 0, encode_text(_sensor(recording)))
 
 
 def _sensor(recording: Recording) -> str:

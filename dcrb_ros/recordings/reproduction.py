@@ -127,10 +127,15 @@ class Reproduction:
 
     def difference(self) -> str:
         """Return how model, software or processor differ from those that made the recording; the empty string if they do not."""
-        manifest = self.recording.manifest
-        reasons = [_model_difference(manifest), _software_difference(manifest)]
-        reasons.append(processor_difference(manifest.get("processor"), processor()))
-        return "; ".join(reason for reason in reasons if reason)
+        return origin_difference(self.recording)
+
+
+def origin_difference(recording: Recording) -> str:
+    """Return how model, software or processor differ from those that made a recording; the empty string if they do not."""
+    manifest = recording.manifest
+    reasons = [_model_difference(manifest), _software_difference(manifest)]
+    reasons.append(processor_difference(manifest.get("processor"), processor()))
+    return "; ".join(reason for reason in reasons if reason)
 
 
 def _model_difference(manifest: Mapping[str, Any]) -> str:

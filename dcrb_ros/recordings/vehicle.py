@@ -21,25 +21,24 @@ from dcrb_ros.messages.vehicle_encoder import BESIDE, VehicleEncoder, box_topics
 from dcrb_ros.recordings.digest import digest_mismatch
 from dcrb_ros.recordings.manifest import OUTCOME, Outcome, now, opening
 from dcrb_ros.recordings.mcap_writer import Channel
-from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.recordings.reader import DAMAGE, Recording
 from dcrb_ros.recordings.recorder import channel_of, chosen_topics
-from dcrb_ros.recordings.reproduction import NotReproduced, recorded_samples
+from dcrb_ros.recordings.reproduction import ALIKE, NotReproduced, origin_difference, recorded_samples
 from dcrb_ros.recordings.splitting import SECOND, Bag, RecordingFailed, Splitting
-from dcrb_ros.recordings.storage import valid_files
+from dcrb_ros.recordings.storage import StoredFile, valid_files
 from dcrb_ros.recordings.vehicle_folder import VEHICLE, VEHICLE_OUTCOME, boxes_in, record_name
 from dcrb_ros.runtime.version import __version__
+from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.simulation.ground_truth import commands_in as changes_in
 from dcrb_ros.stream.events import CommandSchedule, TimedCommand
 from dcrb_ros.stream.vehicle_description import VehicleDescription
 from dcrb_ros.text.json import parsed_json
-from dcrb_ros.vehicle.changes import RANGES
+from dcrb_ros.vehicle.changes import RANGES, checked_command
 from dcrb_ros.vehicle.simulation import VehicleBlock, VehicleSimulation
 
 FORMAT = 2
-"""Format of the record `VEHICLE`; the first was a file beside the recordings of the boxes."""
-DAMAGE = (ValueError, KeyError, TypeError, RecursionError)
-"""Exceptions that a damaged record may raise."""
+"""Format of the record `VEHICLE`."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +58,7 @@ class VehicleCommand:
             Refusal: the vehicle of the simulation does not take it.
         """
         if self.name in RANGES:
-            simulation.command(**{self.name: float(self.value)})
+            simulation.command(**{self.name: checked_command(self.name, self.value)})
         else:
             simulation.change({self.name: self.value})
 
@@ -211,7 +210,7 @@ class VehicleRecording:
     """The recording of a vehicle: its parameters, and a `Recording` of each box.
 
     Raises:
-        Refusal: it cannot be read, is that of a bench, or its parameters were changed.
+        Refusal: it cannot be read, is that of a bench, its parameters were changed, or its folder has a file of another recording.
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -228,6 +227,7 @@ class VehicleRecording:
             raise Refusal(f"{path}: the record {VEHICLE} is damaged: it does not have the form that the bench writes")
         if about.pop("sha256", None) != _digest(about):
             raise Refusal(f"{path}: the parameters of the vehicle were changed: their digest does not match; simulate it again")
+        _refuse_foreign(path, self._files)
         self.parameters: Mapping[str, Any] = about["vehicle"]
         """Parameters of the vehicle by dotted keys."""
         self.scenario: Any = about.get("scenario")
@@ -253,7 +253,7 @@ class VehicleRecording:
     @property
     def damage(self) -> list[str]:
         """A sentence for each part that could not be read so far."""
-        return list(dict.fromkeys([*self._flaws, *(sentence for box in self.boxes.values() for sentence in box.damage)]))
+        return list(dict.fromkeys([*map(printable, self._flaws), *(sentence for box in self.boxes.values() for sentence in box.damage)]))
 
     @property
     def sampling_rate(self) -> int:
@@ -296,8 +296,9 @@ class VehicleReproduction:
             Refusal: it has no samples, or they do not match its own digest.
         """
         self._recording = recording
-        self._samples = {name: recorded_samples(box) for name, box in recording.boxes.items()}
-        if not any(samples.count for samples in self._samples.values()):
+        self.samples = {name: recorded_samples(box) for name, box in recording.boxes.items()}
+        """Number and digest of the recorded samples of each box."""
+        if not any(samples.count for samples in self.samples.values()):
             raise Refusal(f"{recording.path} contains no samples to reproduce")
         for name, box in recording.boxes.items():
             if mismatch := digest_mismatch(box):
@@ -322,7 +323,7 @@ class VehicleReproduction:
 
     def _compare(self, block: VehicleBlock) -> None:
         for name, box in block.boxes.items():
-            skipped = max(0, self._samples[name].first_index - box.index)
+            skipped = max(0, self.samples[name].first_index - box.index)
             if skipped < len(box.shaft_angle) and not box.lost:
                 self._digests[name].update(packed(box.acceleration[skipped:], box.shaft_angle[skipped:]))
 
@@ -332,9 +333,26 @@ class VehicleReproduction:
         Raises:
             NotReproduced: those of a box differ.
         """
-        different = [name for name, digest in self._digests.items() if digest.hexdigest() != self._samples[name].sha256]
+        different = [name for name, digest in self._digests.items() if digest.hexdigest() != self.samples[name].sha256]
         if different:
-            raise NotReproduced(f"{self._recording.path}: the samples of {', '.join(different)} differ from the recorded ones")
+            reason = self.difference() or ALIKE
+            raise NotReproduced(f"{self._recording.path}: the samples of {', '.join(different)} differ from the recorded ones: {reason}")
+
+    def difference(self) -> str:
+        """Return how model, software or processor differ from those that made the recording; the empty string if they do not."""
+        return origin_difference(next(iter(self._recording.boxes.values())))
+
+
+def _refuse_foreign(path: Path, files: Iterable[StoredFile]) -> None:
+    """Refuse the files of a recording unless all have the same record `VEHICLE`."""
+    records = {file.path.name: next((r.metadata for r in file.metadata() if r.name == VEHICLE), None) for file in files}
+    first = next(name for name, record in records.items() if record is not None)
+    foreign = next((name for name, record in records.items() if record != records[first]), None)
+    if foreign is not None:
+        raise Refusal(
+            f"{path} has files of more than one recording: the record {VEHICLE} of {foreign} is missing or not that of {first}; "
+            "move the files of the other recording out of the folder"
+        )
 
 
 def _digest(about: Mapping[str, Any]) -> str:

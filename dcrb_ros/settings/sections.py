@@ -16,7 +16,7 @@ KEY = "ros__parameters"
 """The key below the name of a node in a ROS parameter file."""
 BENCH = "/dcrb"
 """Namespace of the bench."""
-NODES = ("simulator", "fault_detector", "hot_box_detector", "replayer", "viewer")
+NODES = ("simulator", "fault_detector", "hot_box_detector", "replayer", "viewer", "vehicle_simulator", "vehicle_detector")
 """Nodes of the bench."""
 ALL = "/**"
 """Section for every node."""

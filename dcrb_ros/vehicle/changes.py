@@ -70,7 +70,7 @@ def sorted_changes(vehicle: Vehicle, wheels: Mapping[str, Wheel], changes: Mappi
         side, _, parameter = rest.partition(".")
         name = f"{axle}.{side}"
         if axle in axles and rest == "slide":
-            if isinstance(value, bool) or not 0.0 <= finite_number(f"{where}{key} =", value, "-") <= MOST_SLIDING:
+            if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 <= value <= MOST_SLIDING:
                 raise Refusal(f"{where}{key} = {value} is outside 0 .. {MOST_SLIDING:g}: give the share by which the wheels turn slower")
             sorted_.slides[axle] = float(value)
             continue
@@ -80,6 +80,9 @@ def sorted_changes(vehicle: Vehicle, wheels: Mapping[str, Wheel], changes: Mappi
         owner = made_by_vehicle(parameter)
         if owner:
             raise Refusal(f"{where}'{key}' belongs to the vehicle: it follows from {owner}; command {', '.join(RANGES)}")
+        if parameter == "wheel":
+            defects = ", ".join(f"{key}.{defect}" for defect in Wheel.model_fields)
+            raise Refusal(f"{where}'{key}' is a group of parameters: give one of {defects}")
         if parameter == SWAPPED:
             raise Refusal(f"{where}'{key}' cannot change during a run: give it in the vehicle's file")
         if parameter.startswith("wheel."):

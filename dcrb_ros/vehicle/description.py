@@ -6,6 +6,7 @@ Y is z.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -222,7 +223,7 @@ def places(text: str, where: str) -> list[tuple[float, str]]:
             place = float(match[1]) if match else -1.0
         except ValueError:
             place = -1.0
-        if match is None or place < 0.0:
+        if match is None or not 0.0 <= place < math.inf:
             raise Refusal(f"{where}: '{part}' is not a place with a rail: give for example '350 left, 900 right' [m]")
         listed.append((place, match[2]))
     return listed

@@ -226,15 +226,17 @@ class VehicleSimulation:
         """
         for name, value in commands.items():
             checked_command(name, value, end="; the previous command remains in effect")
-        self._enqueue({name: float(value) for name, value in commands.items()})
+        with self._lock:
+            self._check_room()
+            self._pending.extend((name, float(value)) for name, value in commands.items())
 
     def _apply_commands(self) -> tuple[tuple[str, Any], ...]:
         """Give the pending commands and changes to the model, and return them."""
-        with self._lock:
+        with self._lock:  # `worn` must find a change either pending or in effect
             commands = tuple(self._pending)
             self._pending.clear()
-        for name, value in commands:
-            self._give(name, value)
+            for name, value in commands:
+                self._give(name, value)
         return commands
 
     def _give(self, name: str, value: Any) -> None:
@@ -262,17 +264,18 @@ class VehicleSimulation:
         asked = sorted_changes(self.vehicle, self._wheels, changes)
         for name, changed in asked.boxes.items():
             altered(self.simulations[name].configuration, changed)
-        for name, changed in asked.boxes.items():
-            self.simulations[name].change(changed)
         model = {key: value for key, value in changes.items() if sorted_changes(self.vehicle, self._wheels, {key: value}).of_model}
-        self._enqueue(model)
-
-    def _enqueue(self, requests: Mapping[str, Any]) -> None:
-        """Keep commands and changes for the model until the next block."""
         with self._lock:
-            if len(self._pending) >= MAX_PENDING:
-                raise Refusal(f"{MAX_PENDING} commands are already waiting for the next block; send this one again once the bench runs")
-            self._pending.extend(requests.items())
+            if model:
+                self._check_room()
+            for name, changed in asked.boxes.items():
+                self.simulations[name].change(changed)
+            self._pending.extend(model.items())
+
+    def _check_room(self) -> None:
+        """Refuse requests to the model while too many are waiting."""
+        if len(self._pending) >= MAX_PENDING:
+            raise Refusal(f"{MAX_PENDING} commands are already waiting for the next block; send this one again once the bench runs")
 
     def _apply(self, changes: VehicleChanges) -> None:
         """Give the model changes of wheels and slides."""
@@ -342,21 +345,27 @@ class VehicleSimulation:
         return VehicleBlock(boxes, truth, self.time_ns)
 
     def _connected(self, boxes: Mapping[str, Block]) -> dict[str, Block]:
-        """Return the blocks with the waveforms of swapped accelerometers; a box that is swapped with a silent one is silent, too."""
+        """Return the blocks with the waveforms of swapped accelerometers; a box that is swapped with a silent one is silent, too.
+
+        Raises:
+            ModelFailure: no box is left.
+        """
         connected = {}
         for box in self.vehicle.boxes:
             if box.name not in boxes or (box.swapped_with and box.swapped_with not in boxes):
                 continue
             block, other = boxes[box.name], boxes[box.swapped_with or box.name]
             connected[box.name] = replace(block, **{name: getattr(other, name) for name in MEASURED})
+        if not connected:
+            raise ModelFailure(f"every box has failed, or is swapped with one that has: {'; '.join(self._silent.values())}")
         return connected
 
     def worn(self) -> dict[str, Any]:
         """Return the parameters of wheels and the slides by their keys, as `change` takes them; those that are pending are left out."""
         with self._lock:
             pending = {key for key, _ in self._pending}
-        wheels = {f"{name}.wheel.{key}": value for name, wheel in self._wheels.items() for key, value in wheel.model_dump().items()}
-        slides = {f"{axle.name}.slide": float(self._model.slides[p]) for p, axle in enumerate(self.vehicle.axles)}
+            wheels = {f"{name}.wheel.{key}": value for name, wheel in self._wheels.items() for key, value in wheel.model_dump().items()}
+            slides = {f"{axle.name}.slide": float(self._model.slides[p]) for p, axle in enumerate(self.vehicle.axles)}
         return {key: value for key, value in (wheels | slides).items() if key not in pending}
 
     @property

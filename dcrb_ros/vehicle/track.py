@@ -144,7 +144,7 @@ class Rails:
         self._crossings = places(track.crossings, "track.crossings")
         self._corrugation: tuple[float, float, str] | None = None
         if track.corrugation:
-            *values, side = track.corrugation.split()
+            *values, side = track.corrugation.split() or [""]
             if side not in SIDES:
                 raise Refusal(f"track.corrugation = '{track.corrugation}' names no rail: give for example '0.05 10e-6 left' [m]")
             wavelength, amplitude = numbers(" ".join(values), 2, "track.corrugation")

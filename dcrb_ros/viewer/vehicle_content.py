@@ -13,7 +13,7 @@ from dcrb_ros.messages.points import decode_waveform
 from dcrb_ros.messages.statuses import Status, decode_diagnostics
 from dcrb_ros.messages.topics import FEATURES, VIBRATION, Topic
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DIAGNOSIS, VEHICLE_TRUTH
-from dcrb_ros.messages.vehicle import encode_vehicle_diagnosis
+from dcrb_ros.messages.vehicle import box_path, encode_vehicle_diagnosis
 from dcrb_ros.recordings.vehicle import VehicleRecording
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
@@ -97,7 +97,7 @@ def read_vehicle_content(recording: VehicleRecording) -> VehicleContent:
 
 def shown_topics(boxes: Iterable[str]) -> list[Topic]:
     """Return the topics that are shown of a vehicle with some boxes."""
-    each = [topic.below(name.replace(".", "/")) for name in boxes for topic in (VIBRATION, FEATURES)]
+    each = [topic.below(box_path(name)) for name in boxes for topic in (VIBRATION, FEATURES)]
     return [*each, VEHICLE_DESCRIPTION, VEHICLE_TRUTH, VEHICLE_DIAGNOSIS]
 
 

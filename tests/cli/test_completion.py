@@ -27,6 +27,7 @@ def completed(line: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest
         ("dcrb score smo", ["smoke"]),
         ("dcrb score --exam smo", ["smoke"]),
         ("dcrb sweep two", ["two_hundred"]),
+        ("dcrb bench --vehicle healthy_b", ["healthy_bogie"]),
         ("dcrb simulate no_such", []),
     ],
 )

@@ -638,9 +638,9 @@ def test_the_command_evaluates_an_exam(tmp_path: Path, capsys: pytest.CaptureFix
     [
         (
             [],
-            "give an exam (blind, full, graded, hours, lubrication, smoke, standard or a YAML file), or recordings",
+            "give an exam (blind, bogie, full, graded, hours, lubrication, smoke, standard or a YAML file), or recordings",
         ),
-        (["smok"], "give a YAML file or one of blind, full, graded, hours, lubrication, smoke, standard; did you mean 'smoke'?"),
+        (["smok"], "give a YAML file or one of blind, bogie, full, graded, hours, lubrication, smoke, standard; did you mean 'smoke'?"),
         (["smoke", "standard"], "2 exams are given (smoke, standard): give one at a time"),
         (["smoke", "bags/healthy"], "smoke is not a recording but bags/healthy is"),
         (["bags/healthy", "bags/healthy"], "is given twice"),

@@ -226,6 +226,17 @@ def test_a_vehicle_that_cannot_be_started_is_refused_by_its_argument(
     assert str(refused.value).startswith(sentence)
 
 
+def test_the_scenario_of_a_vehicle_is_checked_from_its_own_start(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    vehicle, ride = tmp_path / "fast.yaml", tmp_path / "ride.yaml"
+    vehicle.write_text("{vehicle: {speed_kmh: 300.0}, axle_1: {left: {}, right: {}}}")
+    ride.write_text("start: {vehicle.speed_kmh: 72.0}\ntimeline: [{at: 1.0, over: 10.0, set: {vehicle.speed_kmh: 120.0}}]")
+    simulator, _ = started("vehicle", monkeypatch, vehicle=str(vehicle), scenario=str(ride))
+    assert simulator.arguments == ["--vehicle", str(vehicle), "--scenario", str(ride)]
+    ride.write_text("start: {vehicle.speed_kmh: 500.0}\ntimeline: [{at: 1.0, set: {vehicle.speed_kmh: 120.0}}]")
+    with pytest.raises(Refusal, match=r"scenario:=.*speed_kmh = 500"):
+        started("vehicle", monkeypatch, vehicle=str(vehicle), scenario=str(ride))
+
+
 def test_the_viewer_is_started_on_request(monkeypatch: pytest.MonkeyPatch) -> None:
     nodes = started("bench", monkeypatch, rerun="true", namespace="wagon/box1")
     assert (nodes[0].executable, nodes[0].namespace) == ("viewer", "wagon/box1")

@@ -180,3 +180,9 @@ def test_a_later_part_of_a_split_recording_can_be_replayed_alone(tmp_path: Path)
     part = Replay(ReplayParameters(bag=str(bag / "bag_1.mcap")))
     assert decode_range(part.start()[0].data) == 5000.0
     assert next(part.bundles()).begin_ns == 1_500_000_000
+
+
+def test_a_later_part_of_a_split_recording_begins_with_its_own_range(tmp_path: Path) -> None:
+    bag = narrowed(tmp_path / "bag", 110, at=20, limit=20.0, split_duration=1.5)
+    part = Replay(ReplayParameters(bag=str(bag / "bag_1.mcap")))
+    assert [decode_range(message.data) for message in part.start()] == [20.0]

@@ -40,9 +40,9 @@ def recorded(path: Path, count: int, *, events: Mapping[int, Event] | None = Non
     return path
 
 
-def narrowed(path: Path, count: int, *, at: int, limit: float) -> Path:
+def narrowed(path: Path, count: int, *, at: int, limit: float, **recording: object) -> Path:
     """Record blocks of dull noise, 10 m/s^2 rms, whose sensor has a smaller range from block ``at`` on, at which it clips now and then."""
-    with Recorder(path, Configuration(), BODIES) as recorder:
+    with Recorder(path, Configuration.model_validate({"recording": recording}), BODIES) as recorder:
         for number, block in enumerate(blocks(count)):
             dull = np.stack([np.convolve(column, np.full(16, 0.25), "same") for column in block.acceleration.T], axis=1)
             span = limit if number >= at else 5000.0

@@ -287,6 +287,8 @@ def test_a_millimetre_of_radius_drifts_by_a_turn_in_460() -> None:
     [
         ({"track.corrugation": "0.05 left"}, "is not 2 numbers"),
         ({"track.corrugation": "0.05 1e-5 middle"}, "names no rail"),
+        ({"track.corrugation": "  "}, "names no rail"),
+        ({"track.crossings": "1e999 left"}, "is not a place with a rail"),
         ({"track.crossings": "350"}, "is not a place with a rail"),
         ({"paths.diagonal": "-38, -24"}, "is not 5 numbers"),
         ({"paths.diagonal": "-38, -24, -40, -45, 3"}, "outside -120"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -14,15 +15,17 @@ from same_process import dcrb
 from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.messages.plain import decode_text
 from dcrb_ros.messages.topics import VIBRATION
-from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_TRUTH
+from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DIAGNOSIS, VEHICLE_TRUTH
 from dcrb_ros.recordings.digest import digest_mismatch
 from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.recordings.replay import Replay, ReplayParameters
 from dcrb_ros.recordings.reproduction import NotReproduced
 from dcrb_ros.recordings.vehicle import VehicleRecorder, VehicleRecording, VehicleReproduction
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.settings.shipped import shipped
-from dcrb_ros.simulation.loop import ModelFailure, Simulation
+from dcrb_ros.simulation.loop import MAX_PENDING, ModelFailure, Simulation
 from dcrb_ros.stream.events import ParameterChange
 from dcrb_ros.stream.vehicle_description import VehicleDescription
 from dcrb_ros.vehicle.description import described
@@ -158,6 +161,17 @@ def test_a_change_that_cannot_be_is_refused_and_changes_nothing(changes: dict[st
     assert not any(event for block in simulation.blocks(0.05) for event in block.truth.events)
 
 
+def test_a_change_beyond_the_full_queue_changes_no_box() -> None:
+    simulation = bogie(SMOOTH)
+    for _ in range(MAX_PENDING):
+        simulation.command(wind=0.0)
+    with pytest.raises(Refusal, match="are already waiting"):
+        simulation.change({"axle_1.left.faults.outer_1.width": 0.002, "axle_2.slide": 0.1})
+    assert not simulation.simulations["axle_1.left"].has_pending
+    simulation.change({"axle_1.left.faults.outer_1.width": 0.002})
+    assert simulation.simulations["axle_1.left"].has_pending
+
+
 def test_loads_follow_a_commanded_curve() -> None:
     simulation = bogie(SMOOTH)
     run = simulation.blocks()
@@ -234,6 +248,14 @@ def test_the_others_go_on_where_the_file_asks_for_it(swapped: dict[str, str], le
     assert set(blocks[0].boxes) == {"axle_1.left", "axle_1.right", "axle_2.left", "axle_2.right"}
     assert set(blocks[-1].boxes) == left
     assert blocks[-1].truth.silent == ("axle_2.left",)
+
+
+def test_a_run_in_which_every_channel_is_silent_ends_with_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
+    pair = {"axle_1.left.sensor.swapped_with": "axle_1.right", "axle_1.right": {}, "vehicle.on_failure": "continue"}
+    simulation = VehicleSimulation(vehicle_of({**DRY, **pair}, "pair"))
+    monkeypatch.setattr(Simulation, "step_to", failing(Simulation.step_to, simulation.simulations["axle_1.left"], 600))
+    with pytest.raises(ModelFailure, match=r"is swapped with one that has: axle_1\.left: the model failed on purpose"):
+        list(simulation.blocks(DURATION))
 
 
 @pytest.mark.parametrize(
@@ -347,6 +369,11 @@ def test_a_recording_holds_the_vehicle_and_its_commands(run: Path) -> None:
 def test_a_recording_is_simulated_again_with_its_commands(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert dcrb("simulate", "--from", str(run), "--quiet") == 0
     assert "the same samples in 4 boxes" in capsys.readouterr().out
+    assert dcrb("simulate", "--from", str(run), "--quiet", "--json") == 0
+    about = json.loads(capsys.readouterr().out)
+    assert (about["recording"], about["simulated"]) == (None, 0.2)
+    assert {box["samples"] for box in about["boxes"].values()} == {10240}
+    assert about["boxes"].keys() == set(BOXES)
     assert dcrb("simulate", "--from", str(run / "axle_1.left"), "--quiet") == 2
     assert "is a box of the vehicle in" in capsys.readouterr().err
 
@@ -356,7 +383,7 @@ def test_a_box_of_another_run_is_found_out(run: Path, monkeypatch: pytest.Monkey
     monkeypatch.setattr(VehicleRecording, "commands", lambda self: [])
     for _ in reproduction.blocks(VehicleSimulation(vehicle_of(VehicleRecording(run).parameters, "test"))):
         pass
-    with pytest.raises(NotReproduced, match=r"the samples of axle_1\.left, .* differ"):
+    with pytest.raises(NotReproduced, match=r"the samples of axle_1\.left, .* differ .*a command is missing"):
         reproduction.check()
 
 
@@ -382,6 +409,35 @@ def test_changed_parameters_are_found_out(run: Path, tmp_path: Path) -> None:
     file.write_bytes(data.replace(b'"vehicle.speed_kmh": 100.0', b'"vehicle.speed_kmh": 101.0'))
     with pytest.raises(Refusal, match="their digest does not match"):
         VehicleRecording(changed)
+
+
+@pytest.mark.parametrize("name", ["a_0.mcap", "z_0.mcap"])
+@pytest.mark.parametrize("vehicle", [True, False])
+def test_a_file_of_another_recording_is_refused(
+    run: Path, tmp_path: Path, name: str, vehicle: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mixed, other = tmp_path / "mixed", tmp_path / "other"
+    shutil.copytree(run, mixed)
+    if vehicle:
+        parameters = read_parameters("healthy_bogie", DRY)
+        VehicleRecorder(other, parameters, VehicleSimulation(vehicle_of(parameters, "test"))).close()
+    else:
+        configuration = load_configuration("dry")
+        Recorder(other, configuration, Simulation(configuration).bodies).close()
+    (file,) = other.glob("*.mcap")
+    shutil.copy(file, mixed / name)
+    assert dcrb("simulate", "--from", str(mixed), "--quiet") == 2
+    assert "has files of more than one recording" in capsys.readouterr().err
+
+
+def test_the_files_of_a_split_recording_belong_together(tmp_path: Path) -> None:
+    parameters = read_parameters("healthy_bogie", {**DRY, "recording.split_duration": 0.1})
+    simulation = VehicleSimulation(vehicle_of(parameters, "test"), threads=2)
+    with VehicleRecorder(tmp_path / "split", parameters, simulation) as recorder:
+        for block in simulation.blocks(0.14):
+            recorder.write(block)
+    assert len(list((tmp_path / "split").glob("*.mcap"))) > 1
+    assert VehicleRecording(tmp_path / "split").duration == pytest.approx(0.14, abs=1e-4)
 
 
 def test_a_recording_that_was_cut_off_is_recovered_with_all_boxes(run: Path, tmp_path: Path) -> None:
@@ -410,6 +466,12 @@ def test_a_replay_sends_the_blocks_of_all_boxes_together(run: Path) -> None:
     }
     blocks = [[m.time_ns for m in bundle.messages if m.topic in replay.waveforms] for bundle in replay.bundles()]
     assert [times for times in blocks if times] == [[20_000_000 * k] * 4 for k in range(10)]
+
+
+@pytest.mark.parametrize(("topics", "detected"), [("outer_ring/vibration", False), ("outer_ring/vibration, diagnosis", True)])
+def test_recorded_verdicts_on_a_vehicle_are_replayed_with_those_on_its_boxes(run: Path, topics: str, detected: bool) -> None:
+    """A comparing detector that listens to a replay without them publishes its own."""
+    assert (VEHICLE_DIAGNOSIS in Replay(ReplayParameters(bag=str(run), topics=topics)).topics) is detected
 
 
 def test_simulate_refuses_what_it_cannot_record(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
