@@ -1,4 +1,4 @@
-"""Synthetic signals of the four boxes of a bogie: bearings with cross-talk, flats, joints and one rail under all wheels."""
+"""Synthetic signals of the four boxes of a bogie: bearings with cross-talk, wheels, a gear, joints and one rail under all wheels."""
 
 from __future__ import annotations
 
@@ -17,12 +17,13 @@ RADIUS, HALF = 0.46, 1.28
 """Radius of the wheels and half the distance of the wheelsets [m]."""
 FREQUENCY = 20.0
 """[Hz]"""
+TEETH = 87
 SECONDS = 3.0
 LAG = 2.0 * HALF / (TURN * FREQUENCY * RADIUS)
 """Time from the leading to the trailing wheelset [s]."""
 DESCRIPTION = VehicleDescription(
     RATE,
-    (AxleDescription("axle_1", HALF, RADIUS, 87), AxleDescription("axle_2", -HALF, RADIUS)),
+    (AxleDescription("axle_1", HALF, RADIUS, TEETH), AxleDescription("axle_2", -HALF, RADIUS)),
     tuple(
         BoxDescription(f"{axle}/{side}", axle, side, ORDERS.as_dict(), {})  # type: ignore[arg-type]
         for axle in ("axle_1", "axle_2")
@@ -52,11 +53,14 @@ def bogie(
     joints: Sequence[float] = (),
     joint_sides: Sequence[int] = (0, 1),
     joint: float = 400.0,
+    polygons: Mapping[str, tuple[int, float]] | None = None,
+    mesh: Mapping[str, float] | None = None,
 ) -> Boxes:
     """Return the signals of all boxes.
 
     ``damage`` has the impacts of `synthetic` by box. The other box of the wheelset measures them with a gain ``across``, those of the other
     wheelset with ``along``. ``flats`` are impacts once in a turn by box, ``joints`` are times at the leading wheelset [s].
+    ``polygons`` have an order and an amplitude by box, ``mesh`` has the amplitude of the mesh of 87 teeth by box [m/s^2].
     """
     time = np.arange(round(SECONDS * RATE)) / RATE
     turns = FREQUENCY * time
@@ -74,6 +78,9 @@ def bogie(
             acceleration += _transfer(source, name, across, along) * motion
         for source, level in (flats or {}).items():
             acceleration[:, 1] += _transfer(source, name, 0.4, 0.1) * flat(turns, level)
+        for source, (order, amplitude) in (polygons or {}).items():
+            acceleration[:, 1] += _transfer(source, name, 0.25, 0.1) * amplitude * np.cos(TURN * order * turns)
+        acceleration[:, 1] += (mesh or {}).get(name, 0.0) * (1.0 + 0.2 * np.cos(TURN * turns)) * np.cos(TURN * TEETH * turns)
         for axle, heard in enumerate((1.0, 0.3) if not trailing else (0.3, 1.0)):
             for begin in joints if side in joint_sides else ():
                 acceleration[:, 1] += heard * kink(time, begin + LAG * axle, joint)

@@ -15,8 +15,10 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.diagnosis.demodulation import Band, Demodulator
+from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum
 from dcrb_ros.diagnosis.order_tracking import bin_means
 from dcrb_ros.diagnosis.segments import Segment, Segmenter
+from dcrb_ros.diagnosis.vehicle.turn_spectrum import TurnSpectrum
 from dcrb_ros.diagnosis.window import margin_samples
 from dcrb_ros.schema.arrays import Floats
 
@@ -68,6 +70,8 @@ class Contact:
     """In the band of the kinks."""
     motion: Floats
     """Vertical acceleration, means over equal times, shape (values,) [m/s^2]."""
+    spectrum: OrderSpectrum | None
+    """That acceleration over orders of the wheelset [m/s^2]; None without a shaft angle or enough turns."""
 
     @property
     def motion_rate(self) -> float:
@@ -107,6 +111,7 @@ class ContactMonitor:
         self._demodulator = Demodulator(bands, rate, hop + 2 * self._margin)
         self._bins = max(1, round(hop / rate * BIN_RATE))
         self._windows: deque[_ContactHop] = deque(maxlen=hops)
+        self._spectrum = TurnSpectrum(hop, self._margin, hops)
         self._turned = self._began = 0.0
 
     def add(self, index: int, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any] | None) -> list[Contact]:
@@ -115,6 +120,7 @@ class ContactMonitor:
 
     def _measured(self, segment: Segment) -> Contact:
         end = segment.last - self._margin
+        self._spectrum.add(segment)
         if segment.first:
             self._windows.clear()
             self._turned, self._began = 0.0, (end + 1 - self._hop) / self._rate
@@ -137,7 +143,8 @@ class ContactMonitor:
         peak, level, angle = _around(wheel, turns)
         impacts = _impacts(kink, times, self._event, self._began + SETTLING)
         turned = float(turns[-1] - turns[0]) * len(turns) / max(len(turns) - 1, 1)
-        return Contact(last, float(np.median(wheel)), peak, level, angle, turned, seconds, impacts, np.asarray(motion, np.float64))
+        wave, spectrum = np.asarray(motion, np.float64), self._spectrum.spectrum()
+        return Contact(last, float(np.median(wheel)), peak, level, angle, turned, seconds, impacts, wave, spectrum)
 
 
 def _around(envelope: npt.NDArray[Any], turns: npt.NDArray[Any]) -> tuple[float, float, float]:

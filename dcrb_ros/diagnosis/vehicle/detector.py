@@ -17,8 +17,8 @@ from dcrb_ros.diagnosis.rule import LEAST_EXCESS
 from dcrb_ros.diagnosis.vehicle.box_watch import BoxHop, BoxWatch
 from dcrb_ros.diagnosis.vehicle.causes import clock_differences, flats, lags, silent_boxes, swapped_sides, track
 from dcrb_ros.diagnosis.vehicle.comparison import NOT_OWN, Compared, Judgement, compare
-from dcrb_ros.diagnosis.vehicle.contact import Contact
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
+from dcrb_ros.diagnosis.vehicle.turn_lines import gears, meshes, polygons
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.schema.verdicts import COMPONENTS, TROUBLES, Component, is_alarm
 from dcrb_ros.stream.vehicle_description import VehicleDescription
@@ -98,8 +98,8 @@ class VehicleDetector:
         self._decided, self._undecided = hystereses(), hystereses()
         self._hop = max(1, round(p.hop * description.sampling_rate))
         self._patience = round(parameters.patience * description.sampling_rate)
-        self._confirmed = {name: Suspicion() for name in self._boxes}
-        """How long each wheel has had a flat."""
+        self._confirmed: dict[tuple[str, str], Suspicion] = {}
+        """How long each wheel or gear has had a verdict, by both."""
 
     def add(self, blocks: Mapping[str, BlockLike]) -> VehicleDiagnosis | None:
         """Take a block of some or all boxes, by name such as ``axle_1/left``; return a diagnosis if they complete a hop of all boxes.
@@ -157,7 +157,9 @@ class VehicleDetector:
         contacts = {name: hop.contact for name, hop in hops.items() if hop.contact is not None}
         measured = {name: contact for name, contact in contacts.items() if hops[name].diagnosis.verdict != "sensor"}
         quiet = silent_boxes(contacts, q)
-        wheels = self._wheels({name: contact for name, contact in measured.items() if name not in quiet})
+        rolling = {name: contact for name, contact in measured.items() if name not in quiet}
+        struck = flats(rolling, q)
+        wheels = self._wheels(struck, polygons(rolling, q))
         sides = lags(self.description, measured, q.lag_tolerance)
         swapped = swapped_sides(sides)
         compared = compare({name: hop.judgement for name, hop in hops.items() if hop.judgement is not None and name not in quiet}, q)
@@ -177,24 +179,36 @@ class VehicleDetector:
                     indicators[f"{name}/{component}/contrast"] = evidence.contrast
             if name in contacts:
                 indicators[f"{name}/wheel/level"] = contacts[name].level
-        for axle in self.description.axles:
-            if axle.driven:
-                statuses[f"{axle.name}/gear"] = Status("waiting", "gears and motors are not judged")
-        statuses["track"] = track(self.description, measured, wheels, q)
+        found = meshes(self.description, rolling)
+        for axle_name, status in gears(self.description, found, q).items():
+            statuses[f"{axle_name}/gear"] = self._lasting(f"{axle_name}/gear", status, "gear")
+        indicators |= {f"{axle_name}/gear/level": mesh.level for axle_name, mesh in found.items()}
+        statuses["track"] = track(self.description, measured, struck, q)
         indicators |= {f"{axle}/clock": difference for axle, difference in clocks.items()}
         for side, lag in sides.items():
             indicators |= {f"{side}/lag": lag.found, f"{side}/lag/correlation": lag.forward}
         diagnoses = {name: hop.diagnosis for name, hop in hops.items()}
         return VehicleDiagnosis(index, index / self.description.sampling_rate, statuses, indicators, diagnoses)
 
-    def _wheels(self, contacts: Mapping[str, Contact]) -> dict[str, Status]:
-        """Return the status of each wheel; a flat must be present in consecutive hops."""
-        p, wheels = self.box_parameters, flats(contacts, self.parameters)
-        for name, status in wheels.items():
-            present = status.verdict == "flat"
-            if not self._confirmed[name].count(present=present, absent=not present, confirm=p.confirm, release=p.release) and present:
-                wheels[name] = Status("waiting", f"to be confirmed by the next hop: {status.reason}", 0.0, status.score)
+    def _wheels(self, struck: Mapping[str, Status], uneven: Mapping[str, Status]) -> dict[str, Status]:
+        """Return the status of each wheel: that by flats unless it is healthy, else that by polygons.
+
+        A flat makes lines at all orders, so that orders count only without one.
+        """
+        wheels = {}
+        for name, status in struck.items():
+            flat = self._lasting(name, status, "flat")
+            polygon = self._lasting(name, uneven.get(name, status), "polygon")
+            wheels[name] = flat if status.verdict != "healthy" or polygon.verdict == "healthy" else polygon
         return wheels
+
+    def _lasting(self, name: str, status: Status, verdict: str) -> Status:
+        """Return the status of a part; a ``verdict`` on it must be present in consecutive hops."""
+        p, present = self.box_parameters, status.verdict == verdict
+        suspicion = self._confirmed.setdefault((name, verdict), Suspicion())
+        if not suspicion.count(present=present, absent=not present, confirm=p.confirm, release=p.release) and present:
+            return Status("waiting", f"to be confirmed by the next hop: {status.reason}", 0.0, status.score)
+        return status
 
     def _bearing(self, name: str, hop: BoxHop | None, compared: Mapping[Component, Compared] | None, quiet: Mapping[str, float]) -> Status:
         """Return the status of a bearing."""

@@ -33,6 +33,10 @@ class VehicleDetectorParameters(Group):
     flat: float = quantity(
         8.0, "dB", "Squared envelope at one angle of the wheel over its median around the wheel that indicates a flat", 1.0, 40.0
     )
+    polygon: float = quantity(
+        15.0, "dB", "Prominence of an order of the wheel over that of its neighbours that indicates a polygon", 1.0, 60.0
+    )
+    gear: float = quantity(8.0, "dB", "Prominence of the order of the mesh over that of its neighbours in both boxes", 1.0, 60.0)
     event: float = quantity(
         6.0, "dB", "Squared envelope over the one exceeded in 2 % of the time that indicates a kink of the rail", 1.0, 40.0
     )
