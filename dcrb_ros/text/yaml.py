@@ -25,6 +25,9 @@ MOST_EXPANDED = 2
 """Limit of the characters and values of a text after its aliases are expanded, relative to those of a text without aliases."""
 DEEPEST = 100
 """Deepest nesting [-], with aliases expanded."""
+TOO_DEEP = f"it is nested too deeply: more than {DEEPEST} levels"
+NESTED_FOR_LIBYAML = "exceeded maximum nesting depth"
+"""What libyaml 0.2.6 says of flow collections nested more than 1000 deep, which it meets before it gives an event."""
 MOST_BITS = 1000
 """Longest integer [bits] that converts to a float and that Python prints."""
 MOST_DIGITS = 1000
@@ -67,7 +70,7 @@ class _Loader(_PARSER):
         if characters > MOST_EXPANDED * self.largest:
             _refuse(f"its aliases expand to more than {MOST_EXPANDED * self.largest} characters", node)
         if depth > DEEPEST:
-            _refuse(f"it is nested too deeply: more than {DEEPEST} levels", node)
+            _refuse(TOO_DEEP, node)
         return node
 
     def construct_object(self, node: yaml.Node, deep: bool = False) -> Any:
@@ -176,6 +179,10 @@ def parsed(text: str, largest: int = LARGEST_TEXT) -> Any:
             loader.dispose()
     except RecursionError:
         raise yaml.MarkedYAMLError(problem="it is nested too deeply") from None
+    except yaml.MarkedYAMLError as error:
+        if error.problem != NESTED_FOR_LIBYAML:
+            raise
+        raise yaml.MarkedYAMLError(problem=TOO_DEEP, problem_mark=error.problem_mark) from None
     except (ValueError, OverflowError):
         raise yaml.MarkedYAMLError(problem="it names a character that does not exist") from None
 
@@ -206,5 +213,5 @@ def _count_aliases(text: str, most: int) -> int:
         if values > most:
             raise yaml.MarkedYAMLError(problem=f"it has more than {most} values", problem_mark=event.start_mark)
         if depth > DEEPEST:
-            raise yaml.MarkedYAMLError(problem=f"it is nested too deeply: more than {DEEPEST} levels", problem_mark=event.start_mark)
+            raise yaml.MarkedYAMLError(problem=TOO_DEEP, problem_mark=event.start_mark)
     return aliases
