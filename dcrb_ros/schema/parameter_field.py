@@ -139,9 +139,10 @@ def wrong_type(field: ParameterField, value: Any) -> str:
 
 def flaw_of(field: ParameterField, value: Any) -> str:
     """Return why a value has the wrong type for a parameter, or is outside its range or choices, or an empty string."""
+    if flaw := wrong_type(field, value):
+        return flaw
     outside = field.low is not None and field.high is not None and not (isinstance(value, str) or field.low <= value <= field.high)
-    valid = not outside and (not field.choices or value in field.choices)
-    return wrong_type(field, value) or ("" if valid else _refused(field, value))
+    return _refused(field, value) if outside or (field.choices and value not in field.choices) else ""
 
 
 def _refused(field: ParameterField, value: Any) -> str:

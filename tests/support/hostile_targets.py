@@ -161,9 +161,6 @@ def targets(material: Material) -> dict[str, Target]:
     add("detector", (shipped / "detector.yaml").read_bytes(), changed_yaml(), ("detect", "LONG", "--detector", INPUT))
     add("baseline", material.read("baseline.yaml"), changed_yaml(), ("detect", "LONG", "--baseline", INPUT))
     add("description", material.read("about.yaml"), changed_yaml(), ("import", "WAVE", "--about", INPUT, "-o", NEW))
-    for about in ("cwru-12k", "paderborn", "xjtu-sy"):
-        content = (shipped / "about" / f"{about}.yaml").read_bytes()
-        add(f"description {about}", content, changed_yaml(frozenset({"source"})), ("import", "WAVE", "--about", INPUT, "-o", NEW))
     add("replica", material.read("replica.yaml"), changed_yaml(frozenset({"tags"})), ("score", INPUT, "--list"))
     add("template", material.read("template.yaml"), changed_yaml(), ("exam", "seal", INPUT, "-o", NEW, "--secret", f"{NEW}.s"))
     add(
