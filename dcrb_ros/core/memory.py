@@ -1,4 +1,4 @@
-"""Memory that a later step reads."""
+"""A hint to the processor about memory that a later step reads."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ else:
 
     @intrinsic
     def prefetch(typingctx: Any, array: Any, index: Any) -> Any:
-        """Let the processor load an element of an array into its cache meanwhile; no element need lie at the index."""
+        """Ask the processor to load an element of an array into its cache; the index may lie outside of the array."""
 
         def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
             data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
             number, byte = ir.IntType(32), cgutils.voidptr_t
-            signature = ir.FunctionType(ir.VoidType(), [byte, number, number, number])
-            function = cgutils.get_or_insert_function(builder.module, signature, "llvm.prefetch.p0")
-            # To be read, into the nearest cache, of data.
+            takes = ir.FunctionType(ir.VoidType(), [byte, number, number, number])
+            function = cgutils.get_or_insert_function(builder.module, takes, "llvm.prefetch.p0")  # type: ignore[no-untyped-call]
+            # Data that will be read, for the nearest cache.
             how = [number(0), number(3), number(1)]
             builder.call(function, [builder.bitcast(builder.gep(data, [arguments[1]]), byte), *how])
             return context.get_dummy_value()

@@ -156,6 +156,7 @@ def add_inner_profile(profile: Profile, payload: Payload, state: State, work: Wo
         step.node[k], step.way[k] = place_of(azimuth - turn, raceway_nodes)
         step.roller_node[k], step.roller_way[k] = place_of(azimuth + 0.5 * TURN - rotation, roller_nodes)
     least, ahead = open_below(payload, raceway_site(payload, state, YES)), nodes_ahead(speed)
+    # The inner ring turns faster than the rollers orbit: on it, contacts move back.
     for k in range(end):
         if contact.penetration[k] > least:
             row, c = np.uint64(bound.row[k]), np.uint64(bound.roller[k])
