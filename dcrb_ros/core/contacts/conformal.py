@@ -65,9 +65,9 @@ def find_bars(payload: Payload, state: State, work: Workspace, count: int) -> in
     """Write how bound rollers lie to bars in reach, as conformal contacts from ``count`` on; return how many there are then."""
     bound, contacts, law, radius, h = work.bound[0], work.conformal[0], payload.cage_traction_law, payload.roller_radius, payload.step
     for k in range(work.row_ends[work.row_ends.size - 1]):
-        c, row = bound.roller[k], bound.row[k]
-        if work.rollers[0].near_bar[c] <= 0.0:
+        if bound.near_bar[k] <= 0.0:
             continue
+        c, row = bound.roller[k], bound.row[k]
         tx, ty = bound.tangent_x[k], bound.tangent_y[k]
         ax, ay = bound.x[k] - state.position[CAGE + row, 0], bound.y[k] - state.position[CAGE + row, 1]
         along = ax * tx + ay * ty

@@ -134,6 +134,8 @@ class BoundRollers:
     tangent_x: Lanes
     """Pocket tangent [-]."""
     tangent_y: Lanes
+    near_bar: Lanes
+    """Above zero where the contact with a bar is closed or may close within the step [m]."""
     bar_film: Lanes
     """As in `RollerStep`."""
     spin_drag: Lanes

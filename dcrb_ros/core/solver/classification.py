@@ -134,8 +134,9 @@ def gather_bound(payload: Payload, state: State, work: Workspace, end: int) -> i
         bound.roller[k], bound.row[k] = bound.roller[end - 1], bound.row[end - 1]
     for k in range(count):
         c = bound.roller[k]
-        bound.free[k], bound.x[k], bound.y[k] = rollers.free[c], step.x[c], step.y[c]
-        bound.tangent_x[k], bound.tangent_y[k] = step.tangent_x[c], step.tangent_y[c]
+        bound.second_row[k], bound.free[k] = 1.0 if bound.row[k] > 0 else 0.0, rollers.free[c]
+        bound.x[k], bound.y[k] = step.x[c], step.y[c]
+        bound.tangent_x[k], bound.tangent_y[k], bound.near_bar[k] = step.tangent_x[c], step.tangent_y[c], step.near_bar[c]
         bound.vx[k], bound.vy[k], bound.spin[k] = rollers.vx[c], rollers.vy[c], rollers.spin[c]
         bound.change_vx[k], bound.change_vy[k] = rollers.change_vx[c], rollers.change_vy[c]
         bound.change_spin[k] = rollers.change_spin[c]
@@ -161,7 +162,6 @@ def predict_bound(payload: Payload, state: State, work: Workspace, count: int) -
     bound, radius, pitch = work.bound[0], payload.roller_radius, payload.pitch_radius
     cages, old_cages, fall = of_cages(work.mean_velocity), of_cages(state.velocity), 0.5 * payload.step * payload.gravity
     for k in range(count):
-        bound.second_row[k] = 1.0 if bound.row[k] > 0 else 0.0
         free, tx, ty = bound.free[k] > 0.0, bound.tangent_x[k], bound.tangent_y[k]
         old_x, old_y, old_turn = of_row(old_cages, bound.second_row[k])
         mean_x, mean_y, mean_turn = of_row(cages, bound.second_row[k])
