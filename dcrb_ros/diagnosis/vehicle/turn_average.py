@@ -10,7 +10,7 @@ from collections import deque
 from typing import NamedTuple
 
 import numpy as np
-from scipy.ndimage import map_coordinates
+from scipy.ndimage import map_coordinates, maximum_filter1d
 
 from dcrb_ros.diagnosis.order_tracking import bin_edges, reverses
 from dcrb_ros.diagnosis.segments import Segment
@@ -21,13 +21,16 @@ FEWEST_TURNS = 4.0
 MOST_BINS = 1 << 15
 """Most bins of a turn [-]; they are at least as dense as samples, so that a wheelset below 1.6 Hz at 51.2 kHz is not averaged."""
 
+REACH = 8
+"""Samples beside a missing one in which a spline still rings [-]."""
+
 
 class _Sums(NamedTuple):
     """A hop over the angle of the wheelset."""
 
     total: Floats
     """Sum of the samples at each angle, shape (bins, axes) [m/s^2]."""
-    count: Floats
+    samples: Floats
     """Their number, shape (bins,) [-]."""
     turns: float
     """[-]"""
@@ -66,23 +69,24 @@ class TurnAverage:
             self._bins = bins
         forward = np.maximum.accumulate(turns if self._forward else -turns)
         forward += self._turned - forward[self._margin]
-        self._hops.append(self._summed(segment.acceleration, forward, abs(net)))
+        self._hops.append(self._summed(segment, forward, abs(net)))
         self._turned += abs(net)
         if sum(hop.turns for hop in self._hops) < FEWEST_TURNS:
             return segment
         return segment._replace(acceleration=np.where(segment.missing[:, None], 0.0, segment.acceleration - self._at(forward)))
 
-    def _summed(self, acceleration: Floats, turns: Floats, net: float) -> _Sums:
-        """Return the sums of the samples within the hop, by cubic splines between them."""
+    def _summed(self, segment: Segment, turns: Floats, net: float) -> _Sums:
+        """Return the sums of the samples within the hop, by cubic splines between them; those near missing ones are left out."""
         angles = bin_edges(self._turned, self._turned + net, self._bins)[1:]
         positions = np.interp(angles, turns, np.arange(len(turns), dtype=np.float64))
-        bins = np.rint(angles * self._bins).astype(np.int64) % self._bins
-        total = [np.bincount(bins, map_coordinates(axis, [positions], order=3), self._bins) for axis in acceleration.T]
+        known = ~maximum_filter1d(segment.missing, 2 * REACH + 1)[np.rint(positions).astype(np.int64)]
+        bins = np.rint(angles[known] * self._bins).astype(np.int64) % self._bins
+        total = [np.bincount(bins, map_coordinates(axis, [positions[known]], order=3), self._bins) for axis in segment.acceleration.T]
         return _Sums(np.array(total).T, np.bincount(bins, minlength=self._bins).astype(np.float64), net)
 
     def _at(self, turns: Floats) -> Floats:
         """Return the average at ``turns``, shape (samples, axes) [m/s^2]."""
-        count = np.maximum(sum(hop.count for hop in self._hops), 1.0)
+        count = np.maximum(sum(hop.samples for hop in self._hops), 1.0)
         mean = sum(hop.total for hop in self._hops) / count[:, None]
         positions = np.mod(turns, 1.0) * self._bins
         return np.column_stack([map_coordinates(axis, [positions], order=3, mode="grid-wrap") for axis in mean.T])
