@@ -23,7 +23,7 @@ from dcrb_ros import DataSet, Refusal
 from dcrb_ros.cli.app import app
 from dcrb_ros.sweep.data_set import open_data_set
 from dcrb_ros.sweep.execution import run_task
-from dcrb_ros.sweep.lives.plan import plan_of
+from dcrb_ros.sweep.kinds import plan_of
 from dcrb_ros.sweep.loader import read_sweep, sweep_of
 from dcrb_ros.sweep.store import Store
 from dcrb_ros.sweep.sums import SUMS

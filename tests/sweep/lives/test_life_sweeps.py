@@ -22,7 +22,8 @@ from dcrb_ros.settings.shipped import shipped_folder
 from dcrb_ros.sweep.cluster import ClusterWorkers
 from dcrb_ros.sweep.data_set import open_data_set
 from dcrb_ros.sweep.execution import common_settings, run_task
-from dcrb_ros.sweep.lives.plan import LifePlan, plan_of
+from dcrb_ros.sweep.kinds import plan_of
+from dcrb_ros.sweep.lives.plan import LifePlan
 from dcrb_ros.sweep.lives.sweep import LifeSweep
 from dcrb_ros.sweep.loader import read_sweep, sweep_of
 from dcrb_ros.sweep.store import Store
