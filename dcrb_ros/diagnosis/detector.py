@@ -270,21 +270,6 @@ class FaultDetector:
         bands = [BandEvidence(band, search, number) for number, band in enumerate(self._bands)]
         return Evidence(bands, self.band, self._high, frequency, self.parameters.hop)
 
-    def limited_evidence(self, share: float) -> tuple[Evidence, dict[Component, Finding]] | None:
-        """Return the evidence of the present window with rare impacts limited, and the findings in it; None without a judgement.
-
-        No squared envelope counts with more than the value that it exceeds in a ``share`` of the time [-]. Kinks of a rail are rarer than
-        the impacts of a damaged bearing, but larger.
-        """
-        if self._flawed_hops or self._what_is_missing() or not self._window.tracked:
-            return None
-        envelopes, missing = self._window.envelopes()
-        most = np.quantile(envelopes[:, ~missing], 1.0 - share, axis=1).astype(np.float32)
-        highest = max(self._highest_order, highest_searched(self.orders, self.parameters.slip))
-        spectra = order_spectra(np.minimum(envelopes, most[:, None]), missing, self._window.bins_per_turn, highest)
-        evidence = self._evidence(spectra, self._window.frequency)
-        return evidence, self._combination.findings(evidence)
-
     @property
     def rules(self) -> Sequence[BearingRule[Any]]:
         """Rules for the bearing."""
