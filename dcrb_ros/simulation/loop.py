@@ -23,6 +23,7 @@ from dcrb_ros.core.layout.state import SHAFT_SPEED, copy_of
 from dcrb_ros.core.layout.workspace import workspace
 from dcrb_ros.core.solver.step import advance
 from dcrb_ros.measurement.sensor import Sensor
+from dcrb_ros.schema.arguments import of_type, optional
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.numbers import finite_number
 from dcrb_ros.schema.refusal import Refusal
@@ -95,6 +96,8 @@ class Simulation:
         """
         if not isinstance(configuration, Configuration):
             raise Refusal(f"{configuration!r} is not a Configuration: give dcrb_ros.load_configuration('healthy') or another one")
+        of_type(bool)("waveform_only", waveform_only)
+        optional(of_type(Drive))("drive", drive)
         changes = tuple(scenario) if isinstance(scenario, Iterable) else (scenario,)
         if not all(isinstance(change, ScheduledChange) for change in changes):
             raise Refusal(
