@@ -184,9 +184,24 @@ class Simulation:
         if not changes:
             return
         with self._lock:
-            altered(self.configuration, {**self._requested, **changes})
-            self._enqueue(ParameterChange(changes))
+            self._check_change(changes)
+            self._pending.append(ParameterChange(changes))
             self._requested.update(changes)
+
+    def check_change(self, changes: Mapping[str, Any]) -> None:
+        """Check a change as `change` does, and change nothing.
+
+        Raises
+        ------
+        Refusal
+            `change` would refuse it.
+        """
+        with self._lock:
+            self._check_change(changes)
+
+    def _check_change(self, changes: Mapping[str, Any]) -> None:
+        altered(self.configuration, {**self._requested, **changes})
+        self._check_room()
 
     def fork(self) -> Simulation:
         """Return an independent copy that continues from the present state; without further commands both yield the same samples.
@@ -212,11 +227,15 @@ class Simulation:
 
     def _enqueue(self, command: Command) -> None:
         """Keep a command for the next block, which may be far away while the bench is paused."""
+        self._check_room()
+        self._pending.append(command)
+
+    def _check_room(self) -> None:
+        """Refuse commands while too many are waiting."""
         if len(self._pending) >= MAX_PENDING:
             raise Refusal(
                 f"{MAX_PENDING} commands are already waiting for the next block; this one is refused, send it again once the bench runs"
             )
-        self._pending.append(command)
 
     def blocks(self, duration: float | None = None) -> Iterator[Block]:
         """Yield blocks until ``duration`` [s] of samples is reached, endlessly without one.
