@@ -31,6 +31,7 @@ from dcrb_ros.diagnosis.segments import Segment, Segmenter
 from dcrb_ros.diagnosis.speed_estimation import estimated_frequency
 from dcrb_ros.diagnosis.trend import Trend
 from dcrb_ros.diagnosis.window import MOST_BINS, REFERENCE_FREQUENCY, Hop, Window, margin_samples
+from dcrb_ros.schema.arguments import checked_arguments, of_type
 from dcrb_ros.schema.numbers import sampling_rate
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.verdicts import CHARACTERISTIC, Component, Verdict
@@ -53,6 +54,7 @@ class FaultDetector:
     that `update` returns only the last one of a block that is longer than a hop.
     """
 
+    @checked_arguments(orders=of_type(Orders), parameters=of_type(DetectorParameters), baseline=of_type(HealthyBaseline, type(None)))
     def __init__(
         self,
         orders: Orders,

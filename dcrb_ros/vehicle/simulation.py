@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dcrb_ros.bearing.runtime_change import altered
 from dcrb_ros.core.layout.state import TARGET_SPEED, TARGET_X, TARGET_Y, State
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.schema.arrays import Floats
@@ -262,12 +261,12 @@ class VehicleSimulation:
             A key names no box or wheelset, belongs to the vehicle or cannot change, or a box refuses the change; nothing is changed.
         """
         asked = sorted_changes(self.vehicle, self._wheels, changes)
-        for name, changed in asked.boxes.items():
-            altered(self.simulations[name].configuration, changed)
         model = {key: value for key, value in changes.items() if sorted_changes(self.vehicle, self._wheels, {key: value}).of_model}
         with self._lock:
             if model:
                 self._check_room()
+            for name, changed in asked.boxes.items():
+                self.simulations[name].check_change(changed)
             for name, changed in asked.boxes.items():
                 self.simulations[name].change(changed)
             self._pending.extend(model.items())
