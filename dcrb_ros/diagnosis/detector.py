@@ -32,6 +32,7 @@ from dcrb_ros.diagnosis.sensor_check import SegmentInside, SensorCheck
 from dcrb_ros.diagnosis.speed_estimation import estimated_frequency
 from dcrb_ros.diagnosis.trend import Trend
 from dcrb_ros.diagnosis.window import MOST_BINS, REFERENCE_FREQUENCY, Hop, Window, margin_samples
+from dcrb_ros.schema.arguments import checked_arguments, of_type
 from dcrb_ros.schema.numbers import sampling_rate
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.verdicts import CHARACTERISTIC, Component, Verdict
@@ -54,6 +55,7 @@ class FaultDetector:
     that `update` returns only the last one of a block that is longer than a hop.
     """
 
+    @checked_arguments(orders=of_type(Orders), parameters=of_type(DetectorParameters), baseline=of_type(HealthyBaseline, type(None)))
     def __init__(
         self,
         orders: Orders,
@@ -240,21 +242,6 @@ class FaultDetector:
         search = SharedSearch(spectra, self.orders, self.parameters.slip)
         bands = [BandEvidence(band, search, number) for number, band in enumerate(self._bands)]
         return Evidence(bands, self.band, self._high, frequency, self.parameters.hop)
-
-    def limited_evidence(self, share: float) -> tuple[Evidence, dict[Component, Finding]] | None:
-        """Return the evidence of the present window with rare impacts limited, and the findings in it; None without a judgement.
-
-        No squared envelope counts with more than the value that it exceeds in a ``share`` of the time [-]. Kinks of a rail are rarer than
-        the impacts of a damaged bearing, but larger.
-        """
-        if self._sensor.flaw or self._what_is_missing() or not self._window.tracked:
-            return None
-        envelopes, missing = self._window.envelopes()
-        most = np.quantile(envelopes[:, ~missing], 1.0 - share, axis=1).astype(np.float32)
-        highest = max(self._highest_order, highest_searched(self.orders, self.parameters.slip))
-        spectra = order_spectra(np.minimum(envelopes, most[:, None]), missing, self._window.bins_per_turn, highest)
-        evidence = self._evidence(spectra, self._window.frequency)
-        return evidence, self._combination.findings(evidence)
 
     @property
     def rules(self) -> Sequence[BearingRule[Any]]:

@@ -15,9 +15,10 @@ from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DETECT
 from dcrb_ros.messages.vehicle import box_path, decode_description
 from dcrb_ros.messages.vehicle_encoder import BESIDE
 from dcrb_ros.recordings.digest import digest_mismatch
+from dcrb_ros.recordings.foreign_files import refuse_foreign
 from dcrb_ros.recordings.reader import DAMAGE, Recording
 from dcrb_ros.recordings.reproduction import ALIKE, NotReproduced, origin_difference, recorded_samples
-from dcrb_ros.recordings.storage import StoredFile, valid_files
+from dcrb_ros.recordings.storage import valid_files
 from dcrb_ros.recordings.vehicle_folder import VEHICLE, VEHICLE_OUTCOME, boxes_in
 from dcrb_ros.recordings.vehicle_recorder import FORMAT, VehicleCommand, commands_in, digest
 from dcrb_ros.schema.printable import printable
@@ -50,7 +51,7 @@ class VehicleRecording:
             raise Refusal(f"{path}: the record {VEHICLE} is damaged: it does not have the form that the bench writes")
         if about.pop("sha256", None) != digest(about):
             raise Refusal(f"{path}: the parameters of the vehicle were changed: their digest does not match; simulate it again")
-        _refuse_foreign(path, self._files)
+        refuse_foreign(path, self._files)
         self.parameters: Mapping[str, Any] = about["vehicle"]
         """Parameters of the vehicle by dotted keys."""
         self.scenario: Any = about.get("scenario")
@@ -164,15 +165,3 @@ class VehicleReproduction:
     def difference(self) -> str:
         """Return how model, software or processor differ from those that made the recording; the empty string if they do not."""
         return origin_difference(next(iter(self._recording.boxes.values())))
-
-
-def _refuse_foreign(path: Path, files: Iterable[StoredFile]) -> None:
-    """Refuse the files of a recording unless all have the same record `VEHICLE`."""
-    records = {file.path.name: next((r.metadata for r in file.metadata() if r.name == VEHICLE), None) for file in files}
-    first = next(name for name, record in records.items() if record is not None)
-    foreign = next((name for name, record in records.items() if record != records[first]), None)
-    if foreign is not None:
-        raise Refusal(
-            f"{path} has files of more than one recording: the record {VEHICLE} of {foreign} is missing or not that of {first}; "
-            "move the files of the other recording out of the folder"
-        )

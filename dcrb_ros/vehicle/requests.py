@@ -7,7 +7,6 @@ from collections import deque
 from collections.abc import Mapping
 from typing import Any
 
-from dcrb_ros.bearing.runtime_change import altered
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.simulation.loop import MAX_PENDING, Simulation
 from dcrb_ros.vehicle.changes import RANGES, checked_command, sorted_changes
@@ -45,12 +44,12 @@ class VehicleRequests:
             Refusal: a key or a value is invalid, a box refuses its changes, or too many requests are waiting; nothing is changed.
         """
         asked = sorted_changes(self._vehicle, self._wheels, changes)
-        for name, changed in asked.boxes.items():
-            altered(simulations[name].configuration, changed)
         model = {key: value for key, value in changes.items() if sorted_changes(self._vehicle, self._wheels, {key: value}).of_model}
         with self._lock:
             if model:
                 self._check_room()
+            for name, changed in asked.boxes.items():
+                simulations[name].check_change(changed)
             for name, changed in asked.boxes.items():
                 simulations[name].change(changed)
             self._pending.extend(model.items())

@@ -71,6 +71,22 @@ def test_threads_and_blocks_change_no_bit() -> None:
         assert np.array_equal(expected, four[name])
 
 
+def test_a_change_that_a_later_box_refuses_changes_no_box() -> None:
+    simulation = bogie(SMOOTH)
+    first, last = (simulation.simulations[name] for name in ("axle_1.left", "axle_2.right"))
+    for number in range(MAX_PENDING):
+        last.change({"faults.outer_1.width": 0.001 + 1e-6 * number})
+    changes = {"axle_1.left.faults.outer_1.width": 0.002, "axle_2.slide": 0.1, "axle_2.right.faults.outer_1.width": 0.003}
+    with pytest.raises(Refusal, match="commands are already waiting"):
+        simulation.change(changes)
+    assert not first.has_pending
+    next(simulation.blocks())
+    assert first.configuration.faults.outer_1.width == 0.0
+    simulation.change(changes)
+    assert first.has_pending
+    assert last.has_pending
+
+
 def test_both_boxes_of_a_wheelset_have_one_angle_and_all_boxes_one_clock() -> None:
     blocks = list(bogie({"axle_2.radius": 0.459}).blocks(DURATION))
     angles = {name: np.concatenate([block.boxes[name].shaft_angle for block in blocks]) for name in blocks[0].boxes}
