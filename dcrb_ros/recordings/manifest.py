@@ -70,8 +70,18 @@ def model_fingerprint() -> str:
 
     Equal sources produce equal samples with equal software on processors of one kind.
     """
+    return _fingerprint(*MODEL)
+
+
+@functools.cache
+def vehicle_fingerprint() -> str:
+    """Return a short hash of the sources of the vehicle's model, without those of the bearings."""
+    return _fingerprint("vehicle")
+
+
+def _fingerprint(*folders: str) -> str:
     package, digest = Path(__file__).parents[1], hashlib.sha256()
-    for folder in MODEL:
+    for folder in folders:
         for source in sorted((package / folder).rglob("*.py")):
             digest.update(source.read_bytes())
     return digest.hexdigest()[:16]

@@ -16,6 +16,7 @@ from dcrb_ros.messages.vehicle import box_path, decode_description
 from dcrb_ros.messages.vehicle_encoder import BESIDE
 from dcrb_ros.recordings.digest import digest_mismatch
 from dcrb_ros.recordings.foreign_files import refuse_foreign
+from dcrb_ros.recordings.manifest import vehicle_fingerprint
 from dcrb_ros.recordings.reader import DAMAGE, Recording
 from dcrb_ros.recordings.reproduction import ALIKE, NotReproduced, origin_difference, recorded_samples
 from dcrb_ros.recordings.storage import valid_files
@@ -54,6 +55,8 @@ class VehicleRecording:
         refuse_foreign(path, self._files)
         self.parameters: Mapping[str, Any] = about["vehicle"]
         """Parameters of the vehicle by dotted keys."""
+        self.model = str(about.get("model", ""))
+        """Fingerprint of the model of the vehicle; empty in a recording of an earlier version."""
         self.scenario: Any = about.get("scenario")
         """The scenario as parsed from YAML; None without one."""
         self.namespace = str(about.get("namespace", NAMESPACE))
@@ -164,4 +167,6 @@ class VehicleReproduction:
 
     def difference(self) -> str:
         """Return how model, software or processor differ from those that made the recording; the empty string if they do not."""
-        return origin_difference(next(iter(self._recording.boxes.values())))
+        made, present = self._recording.model, vehicle_fingerprint()
+        vehicles = f"the model of the vehicle was {made} and is {present}" if made not in ("", present) else ""
+        return "; ".join(filter(None, (vehicles, origin_difference(next(iter(self._recording.boxes.values()))))))

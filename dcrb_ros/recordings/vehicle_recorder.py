@@ -13,7 +13,7 @@ from dcrb_ros.messages.topics import GROUND_TRUTH, MANIFEST, NAMESPACE, VIBRATIO
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DETECTED, VEHICLE_TRUTH
 from dcrb_ros.messages.vehicle import GIVEN, box_path, decode_vehicle_commands
 from dcrb_ros.messages.vehicle_encoder import BESIDE, VehicleEncoder, box_topics
-from dcrb_ros.recordings.manifest import OUTCOME, Outcome, now, opening
+from dcrb_ros.recordings.manifest import OUTCOME, Outcome, now, opening, vehicle_fingerprint
 from dcrb_ros.recordings.recorder import RunRecorder, chosen_topics
 from dcrb_ros.recordings.vehicle_folder import VEHICLE, VEHICLE_OUTCOME, record_name
 from dcrb_ros.runtime.version import __version__
@@ -146,7 +146,8 @@ class VehicleRecorder(RunRecorder):
 def _opening(simulation: VehicleSimulation, parameters: Mapping[str, Any], namespace: str) -> dict[str, dict[str, str]]:
     """Return the metadata records at the beginning of every file."""
     vehicle, bodies = simulation.vehicle, {name: box.bodies for name, box in simulation.simulations.items()}
-    about = {"format": FORMAT, "dcrb_ros": __version__, "vehicle": dict(parameters), "namespace": namespace, "recorded": now()}
+    about = {"format": FORMAT, "dcrb_ros": __version__, "model": vehicle_fingerprint(), "vehicle": dict(parameters)}
+    about |= {"namespace": namespace, "recorded": now()}
     if simulation.scenario.content is not None:
         about["scenario"] = simulation.scenario.content
     records = {VEHICLE: {"vehicle": json.dumps({**about, "sha256": digest(about)})}}

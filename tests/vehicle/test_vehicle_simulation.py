@@ -403,6 +403,9 @@ def test_a_box_of_another_run_is_found_out(run: Path, monkeypatch: pytest.Monkey
         pass
     with pytest.raises(NotReproduced, match=r"the samples of axle_1\.left, .* differ .*a command is missing"):
         reproduction.check()
+    monkeypatch.setattr("dcrb_ros.recordings.vehicle.vehicle_fingerprint", lambda: "another")
+    with pytest.raises(NotReproduced, match=r"the model of the vehicle was [0-9a-f]{16} and is another"):
+        reproduction.check()
 
 
 @pytest.mark.parametrize("command", ["plot", "export"])

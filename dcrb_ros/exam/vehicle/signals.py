@@ -6,7 +6,6 @@ stepped once and mixed anew for each of them, which gives the same bits as a sim
 
 from __future__ import annotations
 
-import functools
 import hashlib
 from collections import OrderedDict
 from collections.abc import Iterator, Mapping, Sequence
@@ -19,7 +18,7 @@ import numpy as np
 from dcrb_ros.diagnosis.vehicle.detector import BoxBlock
 from dcrb_ros.exam.case import canonical
 from dcrb_ros.measurement.sensor import Measurement, Sensor
-from dcrb_ros.recordings.manifest import model_fingerprint, software
+from dcrb_ros.recordings.manifest import model_fingerprint, software, vehicle_fingerprint
 from dcrb_ros.schema.arrays import Floats, Samples
 from dcrb_ros.simulation.block_queue import wrapped
 from dcrb_ros.simulation.loop import Simulation
@@ -151,17 +150,8 @@ def kept_signal(parameters: Mapping[str, Any], duration: float, folder: Path, me
 
 def signal_path(parameters: Mapping[str, Any], duration: float, folder: Path) -> Path:
     """Return the file of a vehicle's signal; its name is a hash of everything on which the samples depend."""
-    about = canonical([dict(parameters), duration, model_fingerprint(), _vehicle_fingerprint(), software()])
+    about = canonical([dict(parameters), duration, model_fingerprint(), vehicle_fingerprint(), software()])
     return folder / f"{hashlib.sha256(about.encode()).hexdigest()[:24]}.npz"
-
-
-@functools.cache
-def _vehicle_fingerprint() -> str:
-    """Return a hash of the sources of the vehicle's model."""
-    digest = hashlib.sha256()
-    for source in sorted((Path(__file__).parents[2] / "vehicle").glob("*.py")):
-        digest.update(source.read_bytes())
-    return digest.hexdigest()
 
 
 def _on_which_motion_depends(vehicle: Vehicle, box: Box) -> list[Any]:
