@@ -29,7 +29,8 @@ from dcrb_ros.messages.topics.vehicle import (
 from dcrb_ros.messages.vehicle import decode_description
 from dcrb_ros.nodes.publisher import message_class, qos
 from dcrb_ros.recordings.reader import Recording
-from dcrb_ros.recordings.vehicle import VehicleRecorder, VehicleRecording
+from dcrb_ros.recordings.vehicle import VehicleRecording
+from dcrb_ros.recordings.vehicle_recorder import VehicleRecorder
 from dcrb_ros.vehicle.file import read_parameters, vehicle_of
 from dcrb_ros.vehicle.simulation import VehicleSimulation
 
@@ -205,7 +206,7 @@ def test_a_recorded_run_has_the_samples_of_simulate_and_the_verdicts_of_the_dete
     recording = VehicleRecording(bag)
     for name, box in recording.boxes.items():
         assert box.outcome is not None
-        assert box.outcome["sha256"] == recorder.outcomes[name].sha256
+        assert box.outcome["sha256"] == recorder.outcome.boxes[name].sha256
         assert box.outcome["samples"] == 153600
         assert box.complete
     assert next(recording.messages((VEHICLE_DIAGNOSIS,)), None) is not None
