@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 from typing import Annotated
 from warnings import catch_warnings, simplefilter
@@ -14,7 +15,9 @@ from dcrb_ros.schema.refusal import Refusal
 def collect(
     table: Annotated[Path, typer.Argument(metavar="LIST.csv", help="CSV file with the columns file and fault, and others if known.")],
     output: Annotated[Path, typer.Option("-o", "--output", help="New folder of the data set.")],
-    about: Annotated[str, typer.Option(help="Description of the files whose row names none: a YAML file or the name of a public data set, as of import.")] = "",
+    about: Annotated[
+        str, typer.Option(help="Description of the files whose row names none: a YAML file or the name of a public data set, as of import.")
+    ] = "",
     window: Annotated[int, typer.Option(min=16, max=10_000_000, help="Samples in a window.")] = 4096,
     overlap: Annotated[float, typer.Option(min=0.0, max=0.99, help="Overlap of windows as a share of their length.")] = 0.0,
     rate: Annotated[int, typer.Option(min=0, help="Decimate all recordings to this sampling rate in Hz; 0 leaves them.")] = 0,
@@ -35,7 +38,13 @@ def collect(
         raise Refusal(f"there is no list {table}: give a CSV file with the columns file and fault")
     runs = (MeasuredRun(run.name, run.waveform, source=run.source, **run.fields) for run in listed_runs(table, about, rate))
     shape = Windows(length=window, overlap=overlap, kind="parquet")
-    counts = write_measured_set(runs, Store(str(output)), title=title, licence=licence, windows=shape)
+    fresh = not output.exists() or (output.is_dir() and not any(output.iterdir()))
+    try:
+        counts = write_measured_set(runs, Store(str(output)), title=title, licence=licence, windows=shape)
+    except BaseException:
+        if fresh:  # otherwise the same command would refuse its own remains
+            shutil.rmtree(output, ignore_errors=True)
+        raise
     with catch_warnings(record=True) as warned:
         simplefilter("always")
         DataSet(output)  # reads what was written, and compares it with its hashes
