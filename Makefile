@@ -71,7 +71,6 @@ bench: environment ## Speed, some minutes on a machine that does nothing else
 	$(BIN)/python benchmarks/start.py
 	$(BIN)/python benchmarks/recording.py
 	$(BIN)/python benchmarks/node.py
-	$(BIN)/python benchmarks/live_view.py
 
 MEASURED ?= ../shared/measured
 sim_to_real: environment ## Train on simulated bearings, test on measured ones in MEASURED, half an hour (SIM_TO_REAL='--machines 64 --seconds 8')

@@ -1,4 +1,4 @@
-"""The page of results of the exam bogie: which box, false alarms and masked spalls, of three detectors.
+"""The page of results of the exam bogie: which box, false alarms and masked spalls, of three detectors, and the causes that are named.
 
     python benchmarks/bogie.py --recordings FOLDER [--kept] > table.md
 
@@ -20,33 +20,50 @@ from dcrb_ros.exam.statistics import share
 from dcrb_ros.exam.vehicle.exam_file import VehicleCase, read_vehicle_exam
 from dcrb_ros.exam.vehicle.signals import MotionMemory, VehicleSignal, kept_signal, signal_path
 from dcrb_ros.schema.verdicts import BEARING_FAULTS
+from dcrb_ros.stream.vehicle_diagnosis import UNDECIDED, VEHICLE_VERDICTS, kind_of
 
 GROUPS = {
     "one damaged box, -10 dB": ("outer", "inner", "roller"),
     "two damaged boxes on an axle": ("two_outer_inner", "two_roller_outer"),
-    "spall under a rough and corrugated rail": ("masked_outer", "masked_inner", "masked_roller"),
     "flats": ("flat",),
     "joints": ("joints",),
 }
 """Kinds of scenarios by the row in which they are; every other kind has a row of its own."""
+CAUSES = {verdict for kind in ("wheel", "sensor", "gear", "track") for verdict in VEHICLE_VERDICTS[kind]} | {UNDECIDED}
+"""Verdicts of the comparing detector besides those on bearings; ``undecided`` bearings are counted, too."""
 DETECTORS = ("comparing", "each box alone", "loudest")
 
 
-def alarms(signal: VehicleSignal) -> dict[str, dict[str, str]]:
-    """Return the bearing alarms that each detector raised at any time, by box."""
+Alarms = Mapping[str, Mapping[str, str]]
+"""Bearing alarms by detector and box."""
+
+
+def alarms(signal: VehicleSignal) -> tuple[Alarms, set[str]]:
+    """Return the bearing alarms that each detector raised at any time, and the other causes that the comparing one named."""
     detector = VehicleDetector(signal.description)
     found: dict[str, dict[str, str]] = {name: {} for name in DETECTORS}
+    causes: set[str] = set()
     for blocks in signal.blocks():
         diagnosis = detector.add(blocks)
         if diagnosis is None:
             continue
         found["comparing"].update(diagnosis.damaged())
         found["each box alone"].update({name: d.verdict for name, d in diagnosis.boxes.items() if d.verdict in BEARING_FAULTS})
+        causes |= {f"{kind_of(name)} {status.verdict}" for name, status in diagnosis.statuses.items() if status.verdict in CAUSES}
     named = found["each box alone"]
     if named:
         loudest = max(named, key=lambda name: float(np.square(signal.acceleration[name]).mean()))
         found["loudest"] = {loudest: named[loudest]}
-    return found
+    return found, causes
+
+
+def row_of(case: VehicleCase) -> str:
+    """Return the row of the tables in which a vehicle is counted."""
+    kind, level = case.tags["kind"], case.tags.get("variant", "").replace("dB", " dB")
+    if kind.startswith("masked"):
+        return f"masked spall, {case.parameters['track.roughness']:g} dB at {case.parameters['vehicle.speed_kmh']:g} km/h"
+    row = next((name for name, kinds in GROUPS.items() if kind in kinds), kind)
+    return f"one damaged box, -{level}" if row.startswith("one") else row
 
 
 def outcome(found: Mapping[str, str], case: VehicleCase) -> tuple[bool, bool]:
@@ -63,17 +80,27 @@ def main() -> None:
     given = parser.parse_args()
     exam, memory = read_vehicle_exam("bogie"), MotionMemory()
     rows: dict[str, list[dict[str, tuple[bool, bool]]]] = defaultdict(list)
+    causes: dict[str, list[set[str]]] = defaultdict(list)
     for case in exam.cases:
         if given.kept and not signal_path(case.parameters, case.duration, given.recordings).is_file():
             continue
-        found = alarms(kept_signal(case.parameters, case.duration, given.recordings, memory))
-        row = next((name for name, kinds in GROUPS.items() if case.tags["kind"] in kinds), case.tags["kind"])
-        if row.startswith("one"):
-            row = f"one damaged box, -{case.tags['variant'].replace('dB', ' dB')}"
-        rows[row].append({name: outcome(found[name], case) for name in DETECTORS})
+        found, named = alarms(kept_signal(case.parameters, case.duration, given.recordings, memory))
+        rows[row_of(case)].append({name: outcome(found[name], case) for name in DETECTORS})
+        causes[row_of(case)].append(named)
+    print_tables(rows, causes)
+
+
+def print_tables(rows: Mapping[str, list[dict[str, tuple[bool, bool]]]], causes: Mapping[str, list[set[str]]]) -> None:
+    """Print right boxes, wrong boxes, and the other causes that the comparing detector named."""
     for number, title in enumerate(("vehicles with alarms on the damaged boxes and no other", "vehicles with an alarm on a healthy box")):
         print(f"\nNumber of {title}, with its interval of 95 %:\n")
         _print_table(rows, number)
+    columns = sorted({cause for vehicles in causes.values() for named in vehicles for cause in named})
+    print("\nNumber of vehicles in which the comparing detector named a cause at any time:\n")
+    print(f"| scenario | vehicles | {' | '.join(columns)} |")
+    print(f"|---|---|{'---|' * len(columns)}")
+    for row, vehicles in causes.items():
+        print(f"| {row} | {len(vehicles)} | {' | '.join(str(sum(cause in named for named in vehicles)) for cause in columns)} |")
 
 
 def _print_table(rows: Mapping[str, list[dict[str, tuple[bool, bool]]]], number: int) -> None:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from dcrb_ros.exam.exam_file import Exam
     from dcrb_ros.exam.limits import Limits
     from dcrb_ros.exam.report import Report
+    from dcrb_ros.exam.vehicle.evaluation import VehicleCandidate
     from dcrb_ros.exam.vehicle.exam_file import VehicleExam
     from dcrb_ros.recordings.reader import Recording
 
@@ -71,6 +72,18 @@ class DetectorOptions(NamedTuple):
 
         return shipped_detector(self.parameters, self.name)
 
+    def vehicle_candidate(self) -> VehicleCandidate:
+        """Return the detector for the signals of a vehicle."""
+        from dcrb_ros.exam.vehicle.evaluation import ProcessVehicleDetector, shipped_vehicle_detector
+
+        if self.node is not None:
+            from dcrb_ros.nodes.external_vehicle_detector import ExternalVehicleDetector
+
+            return ExternalVehicleDetector(self.node, name=self.name, rate=self.rate, patience=self.patience)
+        if self.python is not None:
+            return ProcessVehicleDetector(self.name, self.python, self.limits)
+        return shipped_vehicle_detector(self.parameters, self.name)
+
 
 def evaluate_measured_folder(folder: Path, options: DetectorOptions, speed: str, workers: int, *, quiet: bool) -> Report:
     """Return the report of measured recordings."""
@@ -97,22 +110,12 @@ def evaluate_exam(exam: Exam, options: DetectorOptions, recordings: Path | None,
 
 
 def evaluate_vehicle_exam(exam: VehicleExam, options: DetectorOptions, recordings: Path | None, *, quiet: bool) -> Report:
-    """Return the report of the exam of a vehicle.
-
-    Raises:
-        Refusal: the detector is a node.
-    """
+    """Return the report of the exam of a vehicle."""
     from dcrb_ros.exam.recording_cache import checked_folder, default_folder
-    from dcrb_ros.exam.vehicle.evaluation import ProcessVehicleDetector, evaluate_vehicles, shipped_vehicle_detector
+    from dcrb_ros.exam.vehicle.evaluation import evaluate_vehicles
 
-    if options.node is not None:
-        raise Refusal(f"{exam.name} is the exam of a vehicle, which has no node yet: give the detector as a Python class with --python")
     folder = checked_folder(recordings or default_folder() / "vehicles")
-    candidate = (
-        shipped_vehicle_detector(options.parameters, options.name)
-        if options.python is None
-        else ProcessVehicleDetector(options.name, options.python, options.limits)
-    )
+    candidate = options.vehicle_candidate()
     announce_compilation(quiet=quiet)
     return evaluate_vehicles(exam, candidate, folder, partial(progress_of, quiet=quiet))
 

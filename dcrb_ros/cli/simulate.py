@@ -163,7 +163,7 @@ def simulate_vehicle(
     as_json: bool,
 ) -> None:
     """Simulate a vehicle and write a recording with the topics of all its boxes."""
-    from dcrb_ros.recordings.vehicle import VehicleRecorder
+    from dcrb_ros.recordings.vehicle_recorder import VehicleRecorder
     from dcrb_ros.simulation.scenario import read_scenario_file
     from dcrb_ros.vehicle.file import read_parameters
     from dcrb_ros.vehicle.scenario import starting_parameters
@@ -185,7 +185,8 @@ def simulate_vehicle(
 
 def reproduce_vehicle(source: Path, output: Path | None, *, force: bool, quiet: bool, as_json: bool) -> None:
     """Simulate a vehicle's recording again and compare the samples of every box; write them if ``output`` is given."""
-    from dcrb_ros.recordings.vehicle import VehicleRecorder, VehicleRecording, VehicleReproduction
+    from dcrb_ros.recordings.vehicle import VehicleRecording, VehicleReproduction
+    from dcrb_ros.recordings.vehicle_recorder import VehicleRecorder
     from dcrb_ros.vehicle.simulation import simulation_of
 
     recording = VehicleRecording(source)

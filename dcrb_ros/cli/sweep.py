@@ -71,7 +71,7 @@ def sweep(
     installed("fsspec", "dcrb sweep needs fsspec: pip install fsspec")
     from dcrb_ros.runtime.processes import cores
     from dcrb_ros.sweep.division import warnings_of
-    from dcrb_ros.sweep.lives.plan import plan_of
+    from dcrb_ros.sweep.kinds import plan_of
     from dcrb_ros.sweep.loader import read_sweep
 
     plan = plan_of(read_sweep(sweep, machine))

@@ -76,7 +76,7 @@ class ThermalFaultDetector(FaultDetector):
         if not flaw:
             frequency = hop.turns * self.rate / self._hop if self._window.tracked else 0.0
             # The last of these bands lies below the band of the detector.
-            self._noise_finding = self._noise.finding(hop.powers[self._level_bands][:-1], frequency, self._hop / self.rate)
+            self._noise_finding = self._noise.finding(hop.powers[self._sensor.bands][:-1], frequency, self._hop / self.rate)
         return flaw
 
     def _with_heat(self, diagnosis: Diagnosis) -> Diagnosis:

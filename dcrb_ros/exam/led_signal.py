@@ -54,6 +54,10 @@ class JudgedRecording(Protocol):
     def orders(self) -> Orders:
         """Characteristic orders of the bearing."""
 
+    @property
+    def gains_differ(self) -> bool:
+        """Whether its level cannot be compared with that of another bearing of the machine."""
+
     def longest_part(self, seconds: float) -> Floats:
         """Return the acceleration of the first ``seconds`` [m/s^2], shape (samples,)."""
 
@@ -63,7 +67,10 @@ Judged = TypeVar("Judged", bound=JudgedRecording)
 
 @dataclass(frozen=True)
 class LedSignal(Generic[Judged]):
-    """A recording after a healthy one; the shaft turns on without a jump, at the speed of each."""
+    """A recording after a healthy one; the shaft turns on without a jump, at the speed of each.
+
+    Where gains differ, the healthy one is scaled to the rms of the recording, so that no detector is misled by the difference of levels.
+    """
 
     recording: Judged
     lead: Judged | None
@@ -109,7 +116,14 @@ class LedSignal(Generic[Judged]):
             return np.zeros(0)
         signal, rate = self.lead.longest_part(self.longest_lead), self.recording.rate
         common = gcd(self.lead.rate, rate)
-        return np.asarray(signal if self.lead.rate == rate else resample_poly(signal, rate // common, self.lead.rate // common), np.float64)
+        if self.lead.rate != rate:
+            signal = np.asarray(resample_poly(signal, rate // common, self.lead.rate // common))
+        return signal * self._scale(signal) if self.recording.gains_differ else signal
+
+    def _scale(self, lead: Floats) -> float:
+        """Return the factor that gives the healthy recording the rms of the other one; 1 if one of them is constant."""
+        healthy, judged = float(lead.std()), float(self.recording.longest_part(self.longest).std())
+        return judged / healthy if healthy > 0.0 and judged > 0.0 else 1.0
 
     def expectation(self) -> Expectation:
         """Return what is expected: an alarm in the healthy lead is false, and the last verdict after it counts."""

@@ -7,12 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from dcrb_ros.exam.measured import COLUMNS, OPTIONAL_COLUMNS, REPLICA_COLUMNS
+from dcrb_ros.exam.measured import COLUMNS, KNOWN, OPTIONAL_COLUMNS, REPLICA_COLUMNS
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.tables import read_rows
-
-GAINS = {"known": True, "unknown": False}
-"""Values of the column `gain`: whether all bearings of the machine were recorded with one gain."""
 
 
 @dataclass(frozen=True)
@@ -26,14 +23,14 @@ class ReplicaColumns:
     pitch_radius: float | None
     """Half of the column `pitch_diameter_mm` [m]."""
     gain_known: bool | None
-    """Whether all bearings of the machine were recorded with one gain, column `gain`: known or unknown."""
+    """Whether all bearings of the machine are known to have been recorded with one gain, column `gain`; None without it."""
 
 
 def read_replica_columns(table: Path) -> Mapping[str, ReplicaColumns]:
     """Return the optional columns by the name of the recording; the table has been read by `measured.read_table`.
 
     Raises:
-        Refusal: a value is not a number above 0, or a gain is neither known nor unknown.
+        Refusal: a value is not a number above 0.
     """
     rows = read_rows(table, COLUMNS, (*OPTIONAL_COLUMNS, *REPLICA_COLUMNS))
     return {row["name"]: _columns(table, line, row) for line, row in enumerate(rows, 2)}
@@ -42,13 +39,11 @@ def read_replica_columns(table: Path) -> Mapping[str, ReplicaColumns]:
 def _columns(table: Path, line: int, row: Mapping[str, str | None]) -> ReplicaColumns:
     where = f"{table}, line {line}"
     pitch, gain = _number(row, "pitch_diameter_mm", "mm", where), row.get("gain") or None
-    if gain is not None and gain not in GAINS:
-        raise Refusal(f"{where}: gain = {gain} is invalid: give known if all bearings of this rig were recorded with one gain, or unknown")
     return ReplicaColumns(
         _number(row, "seconds", "s", where) or math.inf,
         _number(row, "load", "N", where),
         None if pitch is None else 5e-4 * pitch,
-        None if gain is None else GAINS[gain],
+        None if gain is None else gain == KNOWN,
     )
 
 

@@ -86,14 +86,19 @@ def _points_template(kind: np.dtype[Any], count: int, frame: str) -> MessageTemp
 
 def encode_vibration(block: Block, acceleration: Samples, frame: str = FRAME) -> bytes:
     """Return the waveform of a block of two or three axes as a PointCloud2 with the fields of `sample_type`."""
+    return encode_waveform(block.index, block.rate, acceleration, block.shaft_angle, frame)
+
+
+def encode_waveform(index: int, rate: int, acceleration: Samples, shaft_angle: npt.NDArray[Any], frame: str = FRAME) -> bytes:
+    """Return samples from an ``index`` on at a ``rate`` [Hz] as a PointCloud2 with the fields of `sample_type`."""
     points = np.empty(len(acceleration), sample_type(acceleration.shape[1]))
     # The stamp is rounded down to nanoseconds; the times of the other samples include the remainder.
-    lost = block.index * 1_000_000_000 % block.rate
-    points["t"] = (lost + np.arange(len(acceleration), dtype=np.int64) * 1_000_000_000) // block.rate
+    stamp_ns, lost = divmod(index * 1_000_000_000, rate)
+    points["t"] = (lost + np.arange(len(acceleration), dtype=np.int64) * 1_000_000_000) // rate
     for name, column in zip(AXES, acceleration.T, strict=False):
         points[name] = column
-    points["shaft_angle"] = block.shaft_angle
-    return encode_points(points, block.stamp_ns, frame)
+    points["shaft_angle"] = shaft_angle
+    return encode_points(points, stamp_ns, frame)
 
 
 def decode_vibration(data: bytes) -> Vibration:

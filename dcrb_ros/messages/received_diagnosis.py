@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from dcrb_ros.messages.statuses import decode_diagnostics
@@ -61,15 +62,30 @@ def decode_diagnosis(data: bytes) -> ReceivedDiagnosis:
         raise Refusal(f"the status '{statuses[0].name}' on diagnosis has no value 'verdict': give one of {', '.join(VERDICTS)}")
     if verdict not in VERDICTS:
         raise Refusal(f"the verdict '{verdict}' is unknown: give one of {', '.join(VERDICTS)}{nearest(verdict, VERDICTS)}")
+    return ReceivedDiagnosis(checked_time(time_ns), verdict, score_of(verdict, values), values.get("reason", ""))
+
+
+def checked_time(time_ns: int) -> float:
+    """Return the stamp of a diagnosis [s].
+
+    Raises:
+        Refusal: it is not a simulated time.
+    """
     time = time_ns * 1e-9
     if not 0.0 <= time <= LATEST:
         raise Refusal(
             f"a diagnosis is stamped {time:.0f} s: the stamp must be the simulated time of the judged samples, from the block's header"
         )
-    return ReceivedDiagnosis(time, verdict, _score(verdict, values.get("score"), values.get("confidence")), values.get("reason", ""))
+    return time
 
 
-def _score(verdict: str, score: str | None, confidence: str | None) -> float | None:
+def score_of(verdict: str, values: Mapping[str, str]) -> float | None:
+    """Return the evidence for a fault in the values of a status: ``score``, or what follows from ``confidence``; None without either.
+
+    Raises:
+        Refusal: it is not a finite number.
+    """
+    score, confidence = values.get("score", values.get("score [dB]")), values.get("confidence")
     given = score if score is not None else confidence
     if given is None:
         return None

@@ -1,4 +1,4 @@
-"""A user's detector as a process in its own ROS domain, to which a recording is replayed as the live bench would publish it."""
+"""A user's detector as a process in its own ROS domain, to which a signal is played as the live bench would publish it."""
 
 from __future__ import annotations
 
@@ -7,17 +7,18 @@ import shlex
 import signal
 import subprocess
 import time
+from abc import ABC, abstractmethod
 from bisect import bisect_left
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from typing import Any
+from typing import Any, Protocol
 
 from dcrb_ros.exam.evaluation import CandidateRefusal, Outcome
 from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.received_diagnosis import decode_diagnosis
-from dcrb_ros.messages.topics import DIAGNOSIS, NAMESPACE, SENSOR, TEMPERATURES, VIBRATION, Topic
+from dcrb_ros.messages.topics import DIAGNOSIS, NAMESPACE, SENSOR, TEMPERATURES, VIBRATION, Message, Topic
 from dcrb_ros.nodes.other_publishers import OtherPublishers
 from dcrb_ros.nodes.pacing import Pacer
 from dcrb_ros.nodes.publisher import Publisher, message_class, qos
@@ -49,9 +50,31 @@ LOOK_EVERY = 50
 """Bundles between two looks for other publishers on the topics of the exam [-]."""
 
 
+class Feed(Protocol):
+    """A signal that is played to a detector, and the topic of its answers."""
+
+    @property
+    def topics(self) -> Sequence[Topic]:
+        """Topics that are published: the output of sensors, not the ground truth."""
+
+    @property
+    def awaited(self) -> Sequence[Topic]:
+        """Those of them to which the detector must subscribe."""
+
+    @property
+    def answer(self) -> Topic:
+        """Topic on which the detector publishes."""
+
+    def start(self) -> Iterable[Message]:
+        """Return the messages that precede the first bundle."""
+
+    def bundles(self) -> Iterator[Bundle]:
+        """Yield the signal."""
+
+
 @dataclass
-class Diagnoses(Outcome):
-    """The diagnoses that a detector published in a scenario."""
+class Answers(ABC):
+    """The messages of a detector in a scenario, and when the signal was sent to which they are the answer."""
 
     refused: list[str] = field(default_factory=list)
     """Why messages are invalid."""
@@ -59,6 +82,8 @@ class Diagnoses(Outcome):
     """Time of the first sample [s]."""
     received_at: float = 0.0
     """Wall time of the last message [s]."""
+    stamps: list[float] = field(default_factory=list)
+    """Stamps of the valid messages [s]."""
     _ends: list[float] = field(default_factory=list)
     """Time up to which the signal had been sent after each bundle [s]."""
     _sent_at: list[float] = field(default_factory=list)
@@ -70,18 +95,25 @@ class Diagnoses(Outcome):
         self._sent_at.append(time.monotonic())
 
     def receive(self, data: bytes) -> None:
-        """Take a message on `diagnosis`."""
+        """Take a message of the detector."""
         self.received_at = time.monotonic()
         try:
-            diagnosis = decode_diagnosis(data)
-            self.received.append(replace(diagnosis, signal_received=self._signal_received(diagnosis.time)))
+            self.stamps.append(self._taken(data))
         except Refusal as refusal:
             self.refused.append(str(refusal))
 
-    def _signal_received(self, stamp: float) -> float:
-        """Return the signal time at which a diagnosis counts as issued [s].
+    @abstractmethod
+    def _taken(self, data: bytes) -> float:
+        """Take a message and return its stamp [s].
 
-        This is its stamp, unless it arrived after a diagnosis with a later stamp or more than `PROMPT` after its signal.
+        Raises:
+            Refusal: it is invalid.
+        """
+
+    def _signal_received(self, stamp: float) -> float:
+        """Return the signal time at which a message counts as issued [s].
+
+        This is its stamp, unless it arrived after one with a later stamp or more than `PROMPT` after its signal.
 
         Raises:
             Refusal: the stamp is later than the signal sent.
@@ -98,18 +130,48 @@ class Diagnoses(Outcome):
 
     @property
     def latest(self) -> float:
-        """Latest stamp of a diagnosis [s]."""
-        return max((diagnosis.time for diagnosis in self.received), default=self.begin)
+        """Latest stamp [s]."""
+        return max(self.stamps, default=self.begin)
 
     @property
     def period(self) -> float:
-        """Longest time between two consecutive diagnoses, and before the first one [s]."""
-        times = sorted({self.begin, *(diagnosis.time for diagnosis in self.received)})
+        """Longest time between two consecutive stamps, and before the first one [s]."""
+        times = sorted({self.begin, *self.stamps})
         return max((later - earlier for earlier, later in pairwise(times)), default=0.0)
 
 
-class ExternalDetector:
-    """A detector given by its command as a candidate; the command is started anew for every scenario."""
+@dataclass
+class Diagnoses(Answers, Outcome):
+    """The diagnoses that a detector published in a scenario."""
+
+    def _taken(self, data: bytes) -> float:
+        diagnosis = decode_diagnosis(data)
+        self.received.append(replace(diagnosis, signal_received=self._signal_received(diagnosis.time)))
+        return diagnosis.time
+
+
+class _RecordingFeed:
+    """A recording of a bearing."""
+
+    answer = DIAGNOSIS
+    awaited = (VIBRATION,)
+
+    def __init__(self, recording: Recording) -> None:
+        given: tuple[Topic, ...] = (VIBRATION, *(TEMPERATURES if len(recording.temperatures()) else ()))
+        self.topics = (*given, SENSOR)
+        self._replay = Replay(ReplayParameters(bag=str(recording.path), topics=", ".join(topic.name for topic in given)))
+
+    def start(self) -> Iterable[Message]:
+        """Return the messages that precede the first bundle."""
+        return self._replay.start()
+
+    def bundles(self) -> Iterator[Bundle]:
+        """Yield the signal."""
+        return self._replay.bundles()
+
+
+class NodeProgram:
+    """A detector given by its command, which is started anew for every scenario."""
 
     parallel = False
 
@@ -135,86 +197,75 @@ class ExternalDetector:
         """ROS domain, reserved until this object is deleted."""
         return self._reservation.number
 
-    def diagnose(self, recording: Recording) -> Diagnoses:
-        """Return the diagnoses for a recording.
+    def play(self, feed: Feed, answers: Answers) -> str:
+        """Play a signal to the detector and collect its answers; return why it failed, or an empty text.
 
         Raises:
             CandidateRefusal: the program does not exist.
             RuntimeError: another node in the domain publishes on the topics of the exam.
         """
-        diagnoses = Diagnoses()
-        given: tuple[Topic, ...] = (VIBRATION, *(TEMPERATURES if len(recording.temperatures()) else ()))
-        replay = Replay(ReplayParameters(bag=str(recording.path), topics=", ".join(topic.name for topic in given)))
         with _node(self.domain) as (node, spin), ExitStack() as stack:
-            # Only the output of sensors is published, not the ground truth.
-            publisher = Publisher(node, [*given, SENSOR])
-            watch = _DomainWatch(node, [*given, SENSOR], self.domain)
+            publisher = Publisher(node, feed.topics)
+            watch = _DomainWatch(node, feed.topics, feed.answer, self.domain)
             watch.listen(spin)
             process, output = stack.enter_context(_process(self._command, self.domain))
             node.create_subscription(
-                message_class(DIAGNOSIS), DIAGNOSIS.name, lambda data: diagnoses.receive(bytes(data)), qos(DIAGNOSIS), raw=True
+                message_class(feed.answer), feed.answer.name, lambda data: answers.receive(bytes(data)), qos(feed.answer), raw=True
             )
-            publisher.write_messages(replay.start())
-            diagnoses.failure = self._connect(publisher, node, spin, process) or self._send(
-                replay, publisher, diagnoses, spin, process, watch
-            )
-            if not diagnoses.failure and diagnoses.refused:
-                diagnoses.failure = f"{len(diagnoses.refused)} messages on diagnosis are invalid, the first because {diagnoses.refused[0]}"
-            elif not diagnoses.failure and not diagnoses.received:
-                diagnoses.failure = (
-                    f"it published nothing on {DIAGNOSIS.resolved(NAMESPACE)}; publish a DiagnosticArray there at least once in "
+            publisher.write_messages(feed.start())
+            failure = self._connect(feed, publisher, node, spin, process) or self._send(feed, publisher, answers, spin, process, watch)
+            topic = feed.answer.resolved(NAMESPACE)
+            if not failure and answers.refused:
+                failure = f"{len(answers.refused)} messages on {feed.answer.name} are invalid, the first because {answers.refused[0]}"
+            elif not failure and not answers.stamps:
+                failure = (
+                    f"it published nothing on {topic}; publish a DiagnosticArray there at least once in "
                     "a few seconds of signal, with the value 'verdict' and the stamp of the samples judged; a container receives "
                     "samples only with --network host --ipc host"
                 )
             watch.check()
-            if diagnoses.failure:
+            if failure:
                 excess = f"; it printed more than {MOST_OUTPUT >> 20} MiB" if output.excessive else ""
-                diagnoses.failure += excess + (output.last_lines() or "; it printed nothing")
-        return diagnoses
+                failure += excess + (output.last_lines() or "; it printed nothing")
+        return failure
 
-    def _connect(self, publisher: Publisher, node: Any, spin: Any, process: subprocess.Popen[bytes]) -> str:
+    def _connect(self, feed: Feed, publisher: Publisher, node: Any, spin: Any, process: subprocess.Popen[bytes]) -> str:
         """Wait until the detector has subscribed and advertised its topic; return why it has not."""
-        deadline, topic = time.monotonic() + self._patience, DIAGNOSIS.resolved(NAMESPACE)
-        while not (publisher.subscribers(VIBRATION) and node.count_publishers(topic)):
+        deadline, topic = time.monotonic() + self._patience, feed.answer.resolved(NAMESPACE)
+        while (missing := [each for each in feed.awaited if not publisher.subscribers(each)]) or not node.count_publishers(topic):
             spin(0.05)
             if process.poll() is not None:
                 return f"it ended with status {process.returncode} before it subscribed"
             if time.monotonic() > deadline:
-                missing = f"subscribe to {VIBRATION.resolved(NAMESPACE)}" if not publisher.subscribers(VIBRATION) else f"advertise {topic}"
-                return f"it did not {missing} within {self._patience:g} s; do so, or allow more with --patience"
+                undone = f"subscribe to {missing[0].resolved(NAMESPACE)}" if missing else f"advertise {topic}"
+                return f"it did not {undone} within {self._patience:g} s; do so, or allow more with --patience"
         settled = time.monotonic() + SETTLING_TIME
         while time.monotonic() < settled:
             spin(0.05)
         return ""
 
     def _send(
-        self,
-        replay: Replay,
-        publisher: Publisher,
-        diagnoses: Diagnoses,
-        spin: Any,
-        process: subprocess.Popen[bytes],
-        watch: _DomainWatch,
+        self, feed: Feed, publisher: Publisher, answers: Answers, spin: Any, process: subprocess.Popen[bytes], watch: _DomainWatch
     ) -> str:
-        """Publish the recording and wait for the last diagnosis; return why the detector failed."""
+        """Publish the signal and wait for the last answer; return why the detector failed."""
         pacer, end = Pacer(self._rate, time.monotonic), 0.0
-        for number, bundle in enumerate(replay.bundles()):
+        for number, bundle in enumerate(feed.bundles()):
             if number == 0:
-                diagnoses.begin = bundle.begin_ns * 1e-9
+                answers.begin = bundle.begin_ns * 1e-9
             end = bundle.end_ns * 1e-9
-            self._wait(bundle, pacer, diagnoses, spin)
+            self._wait(bundle, pacer, answers, spin)
             if process.poll() is not None:
                 return f"it ended with status {process.returncode} at {end:.1f} s of the signal"
             publisher.write_messages(bundle.messages)
-            diagnoses.signal_sent(end)
+            answers.signal_sent(end)
             if number % LOOK_EVERY == 0:
                 watch.check()
-        diagnoses.received_at = time.monotonic()
-        while diagnoses.latest < end - diagnoses.period and time.monotonic() < diagnoses.received_at + DIAGNOSIS_TIMEOUT:
+        answers.received_at = time.monotonic()
+        while answers.latest < end - answers.period and time.monotonic() < answers.received_at + DIAGNOSIS_TIMEOUT:
             spin(0.05)
         return ""
 
-    def _wait(self, bundle: Bundle, pacer: Pacer, diagnoses: Diagnoses, spin: Any) -> None:
+    def _wait(self, bundle: Bundle, pacer: Pacer, answers: Answers, spin: Any) -> None:
         """Wait until a bundle may be sent: at its deadline if there is a rate, otherwise when the previous signal has been judged.
 
         Without a rate, the wait is no longer than the bundle itself, so that a detector with rare diagnoses is not waited for endlessly.
@@ -222,25 +273,35 @@ class ExternalDetector:
         begin, end = bundle.begin_ns * 1e-9, bundle.end_ns * 1e-9
         deadline = time.monotonic() + (pacer.until(begin, end) if self._rate else end - begin)
         spin(0.0)
-        while time.monotonic() < deadline and (self._rate or end > diagnoses.latest + diagnoses.period + LEAD):
+        while time.monotonic() < deadline and (self._rate or end > answers.latest + answers.period + LEAD):
             spin(min(0.005, max(0.0, deadline - time.monotonic())))
+
+
+class ExternalDetector(NodeProgram):
+    """A detector of a bearing given by its command as a candidate."""
+
+    def diagnose(self, recording: Recording) -> Diagnoses:
+        """Return the diagnoses for a recording; see `play` for the errors."""
+        diagnoses = Diagnoses()
+        diagnoses.failure = self.play(_RecordingFeed(recording), diagnoses)
+        return diagnoses
 
 
 class _DomainWatch:
     """Looks for other publishers on the topics of an exam: a second exam, or a bench, in the same ROS domain."""
 
-    def __init__(self, node: Any, topics: Sequence[Topic], domain: int) -> None:
-        self._node, self._domain, self._others = node, domain, list[str]()
+    def __init__(self, node: Any, topics: Sequence[Topic], answer: Topic, domain: int) -> None:
+        self._node, self._answer, self._domain, self._others = node, answer, domain, list[str]()
         self._publishers = OtherPublishers(node, topics, self._others.append)
-        self._detectors = OtherPublishers(node, [DIAGNOSIS], lambda _: None)
+        self._detectors = OtherPublishers(node, [answer], lambda _: None)
 
     def listen(self, spin: Any) -> None:
-        """Look for `LISTENING_TIME`, also on `diagnosis`; the detector has not started yet.
+        """Look for `LISTENING_TIME`, also on the topic of the answers; the detector has not started yet.
 
         Raises:
             RuntimeError: there is another publisher.
         """
-        detectors = OtherPublishers(self._node, [DIAGNOSIS], self._others.append)
+        detectors = OtherPublishers(self._node, [self._answer], self._others.append)
         deadline = time.monotonic() + LISTENING_TIME
         while time.monotonic() < deadline:
             spin(0.05)
@@ -248,7 +309,7 @@ class _DomainWatch:
             self.check()
 
     def check(self) -> None:
-        """Look once; more than one node on `diagnosis` are more than the detector.
+        """Look once; more than one node on the topic of the answers are more than the detector.
 
         Raises:
             RuntimeError: there is another publisher.
@@ -256,7 +317,7 @@ class _DomainWatch:
         self._publishers.look()
         self._detectors.look()
         if len(names := self._detectors.names) > 1:
-            self._others.append(f"one of {', '.join(names)}, each of which publishes on {DIAGNOSIS.resolved(NAMESPACE)}")
+            self._others.append(f"one of {', '.join(names)}, each of which publishes on {self._answer.resolved(NAMESPACE)}")
         if self._others:
             raise RuntimeError(f"ROS domain {self._domain} of the exam is used by another program: {self._others[0]}")
 

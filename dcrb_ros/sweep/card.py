@@ -27,12 +27,12 @@ def card(plan: Plan, tally: Tally) -> str:
 
 
 def _summary(sweep: Sweep, tally: Tally) -> str:
-    rate, file = sweep.base["sensor.sampling_rate"], sweep.file
+    rate, file = sweep.rate, sweep.file
     planned, done = sum(tally.statuses.values()), tally.statuses[DONE]
     outcomes = ", ".join(f"{count} {status}" for status, count in sorted(tally.statuses.items()))
     result = "and all of them succeeded" if done == planned else f"with the outcomes {outcomes}"
     left_out = f" The first {file.settle:g} s of a run are not recorded." if file.settle else ""
-    return f"""# Vibration of a simulated {_rows(sweep)} roller bearing
+    return f"""# Vibration of a simulated {sweep.subject}
 
 {done} runs of {file.duration:g} s, {tally.seconds:.6g} s in total, made by dcrb_ros {__version__} (model {model_fingerprint()}).
 {planned} runs were planned, {result}.
@@ -42,13 +42,6 @@ Every waveform is the output of an accelerometer on the outer ring, sampled at {
 The data are simulated, not measured. The model is planar and its rings are rigid; `base.yaml` has its parameters.
 
 Licence of the data: {file.licence}. The licence of the program, Apache-2.0, does not apply to the data."""
-
-
-def _rows(sweep: Sweep) -> str:
-    """Return the number of rows of the bearing as a word, or both words if the sweep varies it."""
-    axis = sweep.vary.get("bearing.rows", Choice((sweep.base["bearing.rows"],)))
-    rows = {int(count) for count in (axis.values if isinstance(axis, Choice) else (axis.low, axis.high))}
-    return " or ".join({1: "single-row", 2: "double-row"}[count] for count in sorted(rows))
 
 
 def _counts(plan: Plan, tally: Tally) -> str:

@@ -58,8 +58,7 @@ def estimate(plan: Plan) -> Cost:
     counts = Counter((run.split, run.case) for run in plan.runs())
     tasks = [task for task, _ in zip(plan.groups(), range(CALIBRATION_TASKS), strict=False)]
     file = plan.sweep.file
-    rate = float(plan.sweep.base["sensor.sampling_rate"])
-    window = file.windows.length / rate if file.windows else 0.0
+    window = file.windows.length / plan.sweep.rate if file.windows else 0.0
     _trial(plan, tasks[:1], SHORT_RUN)  # compiles the kernels and loads the modules
     short, long = _trial(plan, tasks, SHORT_RUN + window), _trial(plan, tasks, LONG_RUN + window)
     difference, runs = LONG_RUN - SHORT_RUN, sum(len(task) for task in tasks)

@@ -29,6 +29,9 @@ from dcrb_ros.sweep.label import DONE, ERROR, FAILED, REFUSED, base_label, fault
 from dcrb_ros.sweep.plan import PlannedRun, Task
 from dcrb_ros.sweep.store import PART, FileRecord, Store, StoreFailed, file_record, record_of
 from dcrb_ros.sweep.sweep_file import Sweep, SweepFile
+from dcrb_ros.sweep.vehicles.plan import BOX, DAMAGED, TOGETHER
+from dcrb_ros.sweep.vehicles.ride import Ride, ride
+from dcrb_ros.sweep.vehicles.sweep import VehicleSweep
 from dcrb_ros.sweep.verification import DIGEST, ERRORS, LABELS, digest_of, flaw, label_name, read_label
 from dcrb_ros.sweep.windows import cut_windows, waveform_file, window_labels, window_starts, windows_file
 
@@ -44,11 +47,13 @@ class CommonSettings:
     base: Mapping[str, Value]
     scenarios: Mapping[str, Any]
     file: SweepFile
+    vehicle: bool
+    """Whether the base is a vehicle, whose boxes are runs."""
 
 
 def common_settings(sweep: Sweep, store: Store) -> CommonSettings:
     """Return the common settings of a sweep."""
-    return CommonSettings(store, sweep.base, sweep.scenarios, sweep.file)
+    return CommonSettings(store, sweep.base, sweep.scenarios, sweep.file, isinstance(sweep, VehicleSweep))
 
 
 @dataclass(frozen=True)
@@ -75,11 +80,11 @@ def run_task(common: CommonSettings, task: Task) -> list[tuple[str, str]]:
     Raises:
         StoreFailed: the data set cannot be written.
     """
-    statuses, branch_point = [], _BranchPoint(common)
+    statuses, simulated = [], _Vehicles(common) if common.vehicle else _Bearings(common)
     for run in task:
         label = _existing_label(common.store, run)
         if label is None:
-            label = _label(common, run, branch_point)
+            label = _label(common, run, simulated)
             write_label(common.store, label)
         statuses.append((run.name, str(label["status"])))
     return statuses
@@ -101,10 +106,10 @@ def error_label(base: Mapping[str, Value], run: PlannedRun, reason: str) -> dict
     return {**base_label(run, base), "status": ERROR, "reason": reason}
 
 
-def _label(common: CommonSettings, run: PlannedRun, branch_point: _BranchPoint) -> dict[str, Any]:
+def _label(common: CommonSettings, run: PlannedRun, simulated: _Vehicles | _Bearings) -> dict[str, Any]:
     label = base_label(run, common.base)
     try:
-        return {**label, **_simulate(common, run, branch_point), "status": DONE, "reason": ""}
+        return {**label, **simulated.written(run), "status": DONE, "reason": ""}
     except (Refusal, ModelFailure) as failure:
         return {**label, "status": REFUSED if isinstance(failure, Refusal) else FAILED, "reason": str(failure)}
     except RecordingFailed as failure:
@@ -160,23 +165,67 @@ def _configured(common: CommonSettings, changes: Mapping[str, Value]) -> Configu
     return configuration.model_copy(update={"publishing": configuration.publishing.model_copy(update=WAVEFORM_PUBLISHING)})
 
 
-def _simulate(common: CommonSettings, run: PlannedRun, branch_point: _BranchPoint) -> dict[str, Any]:
-    """Simulate a run and write its waveform; return the part of its label that follows from the simulation."""
-    running = (branch_point.branch(run) if common.file.branch_at else _start(common, run)).skip(common.file.settle)
-    rate = running.start.sensor.sampling_rate
-    if common.file.output == "bag":
-        file = f"runs/{run.name}"
-        waveform, files = _record_bag(common, run, running)
-    else:
-        file = f"runs/{run.name}.{common.file.output}"
+class _Bearings:
+    """Runs of single bearings."""
+
+    def __init__(self, common: CommonSettings) -> None:
+        self._common, self._branch_point = common, _BranchPoint(common)
+
+    def written(self, run: PlannedRun) -> dict[str, Any]:
+        """Simulate a run and write its waveform; return the part of its label that follows from the simulation."""
+        common = self._common
+        running = (self._branch_point.branch(run) if common.file.branch_at else _start(common, run)).skip(common.file.settle)
+        if common.file.output == "bag":
+            waveform, files = _record_bag(common, run, running)
+            return _outcome(common, run, waveform, running.simulation.configuration, f"runs/{run.name}", files)
         waveform = _run_blocks(running.simulation.blocks(common.file.duration), running.truths, keep=True)
-        data = waveform_file(waveform.acceleration, waveform.shaft_angle, rate, waveform.first_index, common.file.output)
-        files = _written(common.store, file, data)
+        return _write_waveform(common, run, waveform, running.simulation.configuration)
+
+
+class _Vehicles:
+    """Runs of boxes; the last vehicle is kept for its other boxes."""
+
+    def __init__(self, common: CommonSettings) -> None:
+        self._common = common
+        self._last: tuple[str, Ride | Exception] | None = None
+
+    def written(self, run: PlannedRun) -> dict[str, Any]:
+        """Simulate the vehicle of a run and write the waveform of its box; return the part of the label that follows from it."""
+        together, box = str(run.truth[TOGETHER]), str(run.truth[BOX])
+        if self._last is None or self._last[0] != together:
+            self._last = together, self._ridden(run)
+        ridden = self._last[1]
+        if isinstance(ridden, Exception):
+            raise ridden
+        waveform = _run_blocks(ridden.blocks[box], ridden.before[box], keep=True)
+        return {**_write_waveform(self._common, run, waveform, ridden.configurations[box]), DAMAGED: ridden.damaged}
+
+    def _ridden(self, run: PlannedRun) -> Ride | Exception:
+        parameters = {**self._common.base, **{f"publishing.{key}": value for key, value in WAVEFORM_PUBLISHING.items()}, **run.changes}
+        try:
+            return ride(parameters, self._common.file.settle, self._common.file.duration)
+        except (Refusal, ModelFailure) as failure:
+            return failure
+
+
+def _write_waveform(common: CommonSettings, run: PlannedRun, waveform: RunWaveform, configuration: Configuration) -> dict[str, Any]:
+    """Write the waveform of a run in a file of its own; return the part of its label that follows from the simulation."""
+    file = f"runs/{run.name}.{common.file.output}"
+    rate = configuration.sensor.sampling_rate
+    data = waveform_file(waveform.acceleration, waveform.shaft_angle, rate, waveform.first_index, common.file.output)
+    return _outcome(common, run, waveform, configuration, file, _written(common.store, file, data))
+
+
+def _outcome(
+    common: CommonSettings, run: PlannedRun, waveform: RunWaveform, configuration: Configuration, file: str, files: dict[str, FileRecord]
+) -> dict[str, Any]:
+    """Write the windows of a run; return the part of its label that follows from the simulation."""
+    rate = configuration.sensor.sampling_rate
     about = {"file": file, "sampling_rate": rate, "first_index": waveform.first_index, "samples": waveform.samples}
     if common.file.windows is not None:
         files |= _write_windows(common, run, waveform, rate)
         about["windows"] = len(window_starts(waveform.samples, common.file.windows))
-    size = of_widest(running.simulation.configuration)
+    size = of_widest(configuration)
     return {**fault_label(waveform.truths), **size, **about, "clipped": waveform.clipped, "sha256": waveform.sha256, "files": files}
 
 

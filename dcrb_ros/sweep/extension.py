@@ -9,7 +9,7 @@ from typing import Any
 
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.sweep.design import GRID
-from dcrb_ros.sweep.lives.plan import plan_of
+from dcrb_ros.sweep.kinds import plan_of
 from dcrb_ros.sweep.machine import flatten_axes
 from dcrb_ros.sweep.plan import Plan
 from dcrb_ros.sweep.sweep_file import EXTENDED, Extent

@@ -6,22 +6,25 @@ import json
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from dcrb_ros.schema.parameter_field import ParameterField, flaw_of
+from dcrb_ros.schema.parameter_field import ParameterField
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.files import fields_by_key, flatten, load_configuration, overlaid, unknown_parameter
 from dcrb_ros.settings.shipped import find_configuration, find_shipped
 from dcrb_ros.settings.vehicle_speed import SPEED, SPEED_KMH
 from dcrb_ros.simulation.scenario import read_scenario_file
-from dcrb_ros.sweep.design import GRID, Axes, Axis, Choice, Span, Value
+from dcrb_ros.sweep.axes import choice_of, span_of, value_of
+from dcrb_ros.sweep.design import GRID, Axes, Axis, Choice
 from dcrb_ros.sweep.lives.loader import common_keys, life_sweep_of
 from dcrb_ros.sweep.lives.recipe import LIFE
 from dcrb_ros.sweep.machine import BASE, KEPT_BASE, MACHINE, around_machine, flatten_axes
-from dcrb_ros.sweep.sweep_file import NO_FAULTS, SCENARIO, Shares, Sweep, SweepFile, Windows
+from dcrb_ros.sweep.sweep_file import LONGEST_RUN, NO_FAULTS, SCENARIO, Shares, Sweep, SweepFile, Windows
+from dcrb_ros.sweep.vehicles.loader import vehicle_keys, vehicle_sweep_of
+from dcrb_ros.sweep.vehicles.sweep import VEHICLE
 from dcrb_ros.text.files import checked_path, is_file, read_text
 from dcrb_ros.text.yaml import read_yaml
 
@@ -29,9 +32,6 @@ CASE_GROUPS = ("faults", "background", "sensor")
 """Groups of parameters that a case may set: the faults and their measurement. All others are conditions of the bearing."""
 FIXED = "set"
 HEALTHY = "healthy"
-LONGEST_RUN = 600.0
-"""Longest run whose waveform is kept in memory [s]: 370 MB at 51.2 kHz."""
-MOST_VALUES = 10_000
 MOST_RUNS = 1_000_000
 """Runs of a sweep [-]; the plan of so many takes some 50 s and 0.3 GB."""
 SHORTEST_SETTLE = 0.005
@@ -53,6 +53,8 @@ def read_sweep(source: str | Path, machine: str | None = None) -> Sweep:
         fixed = keys.get(FIXED, {})
         if isinstance(fixed, Mapping):  # the path of the machine replaces that of the sweep, as its configuration replaces the base
             keys[FIXED] = {key: value for key, value in flatten(fixed).items() if not key.startswith("structure.")}
+        if VEHICLE in keys:
+            raise Refusal(f"{path} is a sweep over vehicles, which has no machine of a single bearing: leave out --machine")
         keys = {key: value for key, value in keys.items() if key != BASE} | {MACHINE: str(Path(machine).absolute())}
     return sweep_of(keys, str(path), path.parent, read_text(path))
 
@@ -63,6 +65,12 @@ GAP_PARAMETERS = ("publishing.loss_probability", "publishing.burst_period")
 
 def sweep_of(tree: Mapping[str, Any], source: str, folder: Path = Path(), text: str = "") -> Sweep:
     """Return the sweep described by a tree read from YAML; other files are also looked for relative to ``folder``."""
+    if VEHICLE in tree:
+        file = _file(vehicle_keys(tree, source), source)
+        fleet = vehicle_sweep_of(tree[VEHICLE], file, source, folder, text)
+        _check_design(fleet, source)
+        _check_windows(fleet, source)
+        return fleet
     if tree.get("kind", "") == LIFE:
         return life_sweep_of(tree, source, sweep_of(common_keys(tree, source), source, folder, text))
     if MACHINE in tree:
@@ -73,7 +81,9 @@ def sweep_of(tree: Mapping[str, Any], source: str, folder: Path = Path(), text: 
         raise Refusal(f"{source}: kind = {tree['kind']!r} is not {LIFE}: give {LIFE}, or leave it out for a design of single runs")
     file = _file(tree, source)
     fields = fields_by_key()
-    fixed = {key: _value(key, value, _known(key, fields, f"{source}: set"), f"{source}: set") for key, value in flatten(file.fixed).items()}
+    fixed = {
+        key: value_of(key, value, _known(key, fields, f"{source}: set"), f"{source}: set") for key, value in flatten(file.fixed).items()
+    }
     base = overlaid(flatten(load_configuration(_beside(file.base, folder)).model_dump()), fixed)
     vary = _axes(file.vary, file.design, fields, f"{source}: vary")
     cases = {name: _axes(case, file.design, fields, f"{source}: cases.{name}") for name, case in file.cases.items()} or {"base": {}}
@@ -87,7 +97,7 @@ def sweep_of(tree: Mapping[str, Any], source: str, folder: Path = Path(), text: 
 
 
 def _file(tree: Mapping[str, Any], source: str) -> SweepFile:
-    known = [*(info.alias or name for name, info in SweepFile.model_fields.items()), MACHINE]
+    known = [*(info.alias or name for name, info in SweepFile.model_fields.items()), MACHINE, VEHICLE]
     for key in tree:
         if key not in known:
             raise Refusal(f"{source}: unknown key '{key}'{nearest(key, known)}; a sweep has {', '.join(known)}")
@@ -116,58 +126,16 @@ def _known(key: str, fields: Mapping[str, ParameterField], source: str) -> Param
     return fields[key]
 
 
-def _value(key: str, given: Any, field: ParameterField, source: str) -> Value:
-    """Return a value converted to the type of its parameter and checked against its range."""
-    value: Any = float(given) if field.kind is float and type(given) is int else given
-    if flaw := flaw_of(replace(field, key=key), value):
-        raise Refusal(f"{source}: {flaw}")
-    return cast(Value, value)
-
-
 def _axes(tree: Mapping[str, Any], design: str, fields: Mapping[str, ParameterField], source: str) -> Axes:
     axes: dict[str, Axis] = {}
     for key, value in flatten_axes(tree).items():
         if key == SCENARIO:
-            axes[key] = _choice(key, value, None, source)
+            axes[key] = choice_of(key, value, None, source)
         elif isinstance(value, Mapping):
-            axes[key] = _span(key, value, _known(key, fields, source), design, source)
+            axes[key] = span_of(key, value, _known(key, fields, source), design, source)
         else:
-            axes[key] = _choice(key, value, _known(key, fields, source), source)
+            axes[key] = choice_of(key, value, _known(key, fields, source), source)
     return axes
-
-
-def _choice(key: str, value: Any, field: ParameterField | None, source: str) -> Choice:
-    values = value if isinstance(value, list) else [value]
-    if not values:
-        raise Refusal(f"{source}: {key} has an empty list, so there would be no run: give at least one value, or leave the key out")
-    if len(values) > MOST_VALUES:
-        raise Refusal(f"{source}: {key} has {len(values)} values, more than {MOST_VALUES}: give fewer, or a range")
-    if field is None:
-        for name in values:
-            if not isinstance(name, str):
-                raise Refusal(f"{source}: {key} = {name!r} is not the name of a scenario: give a name, or '' for no scenario")
-        return Choice(tuple(values))
-    return Choice(tuple(_value(key, value, field, source) for value in values))
-
-
-def _span(key: str, tree: Mapping[str, Any], field: ParameterField, design: str, source: str) -> Span:
-    known = ("low", "high", "scale", "count")
-    for name in tree:
-        if name not in known:
-            raise Refusal(f"{source}: {key}: unknown key '{name}'{nearest(str(name), known)}; a range has {', '.join(known)}")
-    if not {"low", "high"} <= set(tree) or field.kind not in (int, float):
-        raise Refusal(f"{source}: {key}: a range needs low and high, and applies to numeric parameters only")
-    low, high = (_value(f"{key} ({end})", tree[end], field, source) for end in ("low", "high"))
-    scale, count = tree.get("scale", "linear"), tree.get("count", 0)
-    if scale not in ("linear", "log"):
-        raise Refusal(f"{source}: {key}: scale = {scale!r} is not one of linear, log")
-    if not float(low) < float(high):
-        raise Refusal(f"{source}: {key}: low = {low!r} is not below high = {high!r}: swap them, or give a list of values")
-    if scale == "log" and not float(low) > 0.0:
-        raise Refusal(f"{source}: {key}: low = {low!r} is not above 0: a logarithmic scale needs a positive lower limit")
-    if type(count) is not int or (design == GRID and not 1 <= count <= MOST_VALUES):
-        raise Refusal(f"{source}: {key}: a grid needs the number of values of a range: give count, 1 .. {MOST_VALUES}, not {count!r}")
-    return Span(float(low), float(high), scale == "log", field.kind is int, count)
 
 
 def _beside(name: str, folder: Path) -> Path:
@@ -228,11 +196,16 @@ def _check_output(sweep: Sweep, source: str) -> None:
         raise Refusal(
             f"{source}: {gaps[0]} causes gaps, which waveform files and windows cannot represent: use 'output: bag' without windows"
         )
-    rate = sweep.base["sensor.sampling_rate"]
-    if file.windows is not None and "sensor.sampling_rate" not in sweep.vary and file.windows.length > file.duration * float(rate):
+    _check_windows(sweep, source)
+
+
+def _check_windows(sweep: Sweep, source: str) -> None:
+    """Refuse windows that are longer than a run."""
+    file = sweep.file
+    if file.windows is not None and "sensor.sampling_rate" not in sweep.vary and file.windows.length > file.duration * sweep.rate:
         raise Refusal(
             f"{source}: windows.length = {file.windows.length} samples is longer than a run of {file.duration:g} s, "
-            f"{round(file.duration * float(rate))} samples at {rate} Hz: shorten the windows or lengthen the runs"
+            f"{round(file.duration * sweep.rate)} samples at {sweep.rate} Hz: shorten the windows or lengthen the runs"
         )
 
 

@@ -25,8 +25,8 @@ from dcrb_ros.schema.parameter_field import first_problem
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.sweep.data_set import DIGESTS, known_inputs
 from dcrb_ros.sweep.execution import common_settings, run_task
+from dcrb_ros.sweep.kinds import plan_of
 from dcrb_ros.sweep.label import DONE
-from dcrb_ros.sweep.lives.plan import plan_of
 from dcrb_ros.sweep.loader import sweep_of
 from dcrb_ros.sweep.plan import Plan, Task
 from dcrb_ros.sweep.schema import SPLITS

@@ -10,8 +10,8 @@ from pydantic import Field, model_validator
 
 from dcrb_ros.faults import Faults
 from dcrb_ros.schema.fields import Group
-from dcrb_ros.settings.files import flatten
-from dcrb_ros.sweep.design import Axes, Value, size
+from dcrb_ros.settings.files import fields_by_key, flatten
+from dcrb_ros.sweep.design import Axes, Choice, Value, size
 
 Extent = int | dict[str, int]
 """Number of points or lives, or the number of values of each axis of a grid [-]."""
@@ -19,6 +19,8 @@ EXTENDED = "extended"
 """Key with the extents of the sweep before each extension."""
 SCENARIO = "scenario"
 """The only key of an axis that is not a parameter: the name or the file of a scenario."""
+LONGEST_RUN = 600.0
+"""Longest run whose waveform is kept in memory [s]: 370 MB at 51.2 kHz."""
 NO_FAULTS: Mapping[str, Value] = {f"faults.{key}": value for key, value in flatten(Faults().model_dump()).items()}
 """Values of all fault parameters without faults."""
 
@@ -109,6 +111,24 @@ class Sweep:
         """All inputs of the plan apart from base and scenarios, as written to the description of the data set."""
         inputs = self.file.model_dump(mode="json", by_alias=True)
         return inputs if self.file.extended else {key: value for key, value in inputs.items() if key != EXTENDED}
+
+    @property
+    def rate(self) -> int:
+        """Sampling rate of the base [Hz]."""
+        return int(self.base["sensor.sampling_rate"])
+
+    @property
+    def subject(self) -> str:
+        """What is simulated, in words."""
+        axis = self.vary.get("bearing.rows", Choice((self.base["bearing.rows"],)))
+        rows = {int(count) for count in (axis.values if isinstance(axis, Choice) else (axis.low, axis.high))}
+        return f"{' or '.join({1: 'single-row', 2: 'double-row'}[count] for count in sorted(rows))} roller bearing"
+
+    @property
+    def varied(self) -> Mapping[str, type]:
+        """Varied parameters, each of which has a column of the labels, with their types."""
+        keys = {key for axes in (self.vary, *self.cases.values()) for key in axes}
+        return {key: field.kind for key, field in fields_by_key().items() if key in keys}
 
     @property
     def seeds(self) -> int:

@@ -11,11 +11,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from dcrb_ros.schema.verdicts import FAULT_CLASSES
-from dcrb_ros.settings.files import fields_by_key
 from dcrb_ros.sweep.label import DONE, TEMPERATURES
 from dcrb_ros.sweep.plan import Plan, PlannedRun
 from dcrb_ros.sweep.store import Store, StoreFailed
-from dcrb_ros.sweep.sweep_file import SCENARIO, Sweep
 from dcrb_ros.sweep.verification import ERRORS, DamagedLabel, label_name, read_label
 
 LABELS = "labels.parquet"
@@ -89,12 +87,6 @@ class Tally:
         return label
 
 
-def varied(sweep: Sweep) -> dict[str, type]:
-    """Return the varied parameters, each of which has a column, with their types."""
-    keys = {key for axes in (sweep.vary, *sweep.cases.values()) for key in axes if key != SCENARIO}
-    return {key: field.kind for key, field in fields_by_key().items() if key in keys}
-
-
 def write_table(plan: Plan, store: Store) -> Tally:
     """Write the labels of a plan's runs to one table; return their counts.
 
@@ -104,7 +96,7 @@ def write_table(plan: Plan, store: Store) -> Tally:
     import pyarrow
     from pyarrow import parquet
 
-    columns, tally, stream = varied(plan.sweep), Tally(), io.BytesIO()
+    columns, tally, stream = plan.sweep.varied, Tally(), io.BytesIO()
     schema = parquet_schema({**COLUMNS, **plan.truth}, columns)
     with parquet.ParquetWriter(stream, schema, compression="zstd") as writer:
         labels = _labels(plan.runs(), store)
@@ -149,4 +141,4 @@ def _labels(runs: Iterator[PlannedRun], store: Store) -> Iterator[Mapping[str, A
 def _row(label: Mapping[str, Any], columns: Mapping[str, type], truth: Iterable[str]) -> dict[str, Any]:
     row = {name: label.get(name) for name in (*COLUMNS, *truth)}
     row |= {name: json.dumps(label[name]) for name, (kind, _) in COLUMNS.items() if kind is dict and name in label}
-    return row | {key: label["configuration"][key] for key in columns}
+    return row | {key: label["configuration"].get(key) for key in columns}

@@ -16,7 +16,7 @@ from dcrb_ros.cli.app import app
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.sweep.division import Unit, divided
 from dcrb_ros.sweep.identity import Groups
-from dcrb_ros.sweep.lives.plan import plan_of as plan_of_lives
+from dcrb_ros.sweep.kinds import plan_of as plan_of_lives
 from dcrb_ros.sweep.loader import read_sweep, sweep_of
 from dcrb_ros.sweep.plan import Plan
 from dcrb_ros.sweep.sweep_file import Shares

@@ -21,16 +21,18 @@ from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.recordings.replay import Replay, ReplayParameters
 from dcrb_ros.recordings.reproduction import NotReproduced
-from dcrb_ros.recordings.vehicle import VehicleRecorder, VehicleRecording, VehicleReproduction
+from dcrb_ros.recordings.vehicle import VehicleRecording, VehicleReproduction
+from dcrb_ros.recordings.vehicle_recorder import VehicleRecorder
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.settings.shipped import shipped
 from dcrb_ros.simulation.loop import MAX_PENDING, ModelFailure, Simulation
 from dcrb_ros.stream.events import ParameterChange
 from dcrb_ros.stream.vehicle_description import VehicleDescription
+from dcrb_ros.vehicle.block import VehicleBlock
 from dcrb_ros.vehicle.description import described
 from dcrb_ros.vehicle.file import read_parameters, read_vehicle, vehicle_of
-from dcrb_ros.vehicle.simulation import VehicleBlock, VehicleSimulation
+from dcrb_ros.vehicle.simulation import VehicleSimulation
 
 pytestmark = pytest.mark.slow
 DRY = {"vehicle.bench": "dry", "vehicle.speed_kmh": 100.0}

@@ -12,7 +12,7 @@ from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.demodulation import NYQUIST_SHARE, Band
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.rule import found_lines
-from dcrb_ros.diagnosis.thermal_detector import ThermalFaultDetector
+from dcrb_ros.diagnosis.vehicle.box_detector import BoxDetector
 from dcrb_ros.diagnosis.vehicle.comparison import Judgement
 from dcrb_ros.diagnosis.vehicle.contact import Contact, ContactMonitor
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
@@ -43,7 +43,7 @@ class BoxWatch:
 
     def __init__(self, box: BoxDescription, rate: int, parameters: VehicleDetectorParameters, box_parameters: DetectorParameters) -> None:
         """Prepare for the bearing of a box, sampled at ``rate`` [Hz]."""
-        self.name, self.detector = box.name, ThermalFaultDetector(Orders.from_dict(box.orders), rate, box_parameters)
+        self.name, self.detector = box.name, BoxDetector(Orders.from_dict(box.orders), rate, box_parameters)
         self.detector.take_bearing(box.bearing)
         self.detector.sensor_range = box.sensor_range
         p, q = box_parameters, parameters
@@ -75,11 +75,11 @@ class BoxWatch:
         self.hops.append(BoxHop(diagnosis, self._judged(diagnosis), self._latest(diagnosis.index)))
 
     def _judged(self, diagnosis: Diagnosis) -> Judgement | None:
-        """Return the evidence on the bearing with rare impacts limited; None without a judgement."""
-        limited = self.detector.limited_evidence(self._share) if diagnosis.verdict != "sensor" else None
-        if limited is None:
+        """Return the evidence on the bearing without wheels and kinks of the rail; None without a judgement."""
+        own = self.detector.own_evidence(self._share) if diagnosis.verdict != "sensor" else None
+        if own is None:
             return None
-        evidence, findings = limited
+        evidence, findings = own
         scores = {component: finding.excess for component, finding in findings.items()}
         lines = {component: found for component, finding in findings.items() if (found := found_lines(finding)) is not None}
         return Judgement(evidence, scores, lines, self.detector.rules)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
@@ -82,11 +83,11 @@ class Lag(NamedTuple):
 
 def lags(description: VehicleDescription, contacts: Mapping[str, Contact], tolerance: float) -> dict[str, Lag]:
     """Return the lag of each side whose boxes measure the rail; ``tolerance`` is the departure that is searched [s]."""
-    ahead, behind = _wheelsets(description)
+    ahead, behind = wheelsets(description)
     found = {}
     for side in SIDES:
         first, second = contacts.get(f"{ahead}/{side}"), contacts.get(f"{behind}/{side}")
-        expected = _expected_lag(description, contacts, side)
+        expected = expected_lag(description, contacts, side)
         if first is None or second is None or expected is None or len(first.motion) != len(second.motion):
             continue
         lag = correlated_lag(first.motion, second.motion, first.motion_rate, expected, tolerance)
@@ -114,12 +115,35 @@ def correlated_lag(first: Floats, second: Floats, rate: float, expected: float, 
     steps = np.arange(shift - reach, shift + reach + 1) * (1 if expected > 0.0 else -1)
     forward, backward = correlation[steps % length], correlation[-steps % length]
     best = int(np.argmax(forward))
-    return Lag(expected, float(steps[best]) / rate, float(forward[best]), float(backward.max()))
+    direction = 1 if expected > 0.0 else -1
+    before, here, after = (float(correlation[(steps[best] + step * direction) % length]) for step in (-1, 0, 1))
+    offset = 0.5 * (before - after) / min(before - 2.0 * here + after, -1e-12)
+    return Lag(expected, float(steps[best] + direction * np.clip(offset, -0.5, 0.5)) / rate, here, float(backward.max()))
 
 
 def swapped_sides(sides: Mapping[str, Lag]) -> tuple[str, ...]:
     """Return the sides on which the trailing wheelset meets the rail first: its sensors are swapped."""
     return tuple(side for side, lag in sides.items() if lag.backward >= SAME_RAIL and lag.forward < 0.5 * lag.backward)
+
+
+def crossed_rails(description: VehicleDescription, contacts: Mapping[str, Contact], tolerance: float) -> bool:
+    """Return whether the trailing boxes follow those across: left and right sensors of one wheelset are swapped.
+
+    The signals do not say of which one. With both wheelsets swapped, they are those of the same vehicle seen in a mirror.
+    """
+    ahead, behind = wheelsets(description)
+    found = {}
+    for first_side, second_side in itertools.product(SIDES, SIDES):
+        first, second = contacts.get(f"{ahead}/{first_side}"), contacts.get(f"{behind}/{second_side}")
+        expected = expected_lag(description, contacts, first_side)
+        if first is None or second is None or expected is None or len(first.motion) != len(second.motion):
+            return False
+        lag = correlated_lag(first.motion, second.motion, first.motion_rate, expected, tolerance)
+        if lag is None:
+            return False
+        found[first_side == second_side, first_side] = lag.forward
+    across, along = min(found[False, side] for side in SIDES), max(found[True, side] for side in SIDES)
+    return across >= SAME_RAIL and along < 0.5 * across
 
 
 def track(
@@ -130,7 +154,7 @@ def track(
     Boxes of both wheelsets measure each kink. Which of them has more of it depends on the structure, so that times count only. Boxes
     above a flat are left out, because it strikes in every turn.
     """
-    expected = next((lag for side in SIDES if (lag := _expected_lag(description, contacts, side)) is not None), None)
+    expected = next((lag for side in SIDES if (lag := expected_lag(description, contacts, side)) is not None), None)
     if expected is None:
         return Status("waiting", "two wheelsets with a shaft angle are needed")
     measured = {name: contact.impacts for name, contact in contacts.items() if name not in wheels or wheels[name].verdict == "healthy"}
@@ -147,15 +171,15 @@ def track(
     return Status("crossing", f"{again}, {abs(difference):.1f} dB more on the {side}", probability(score), score)
 
 
-def _wheelsets(description: VehicleDescription) -> tuple[str, str]:
+def wheelsets(description: VehicleDescription) -> tuple[str, str]:
     """Return the names of the leading and the trailing wheelset; empty without two."""
     ordered = sorted(description.axles, key=lambda axle: -axle.x)
     return (ordered[0].name, ordered[-1].name) if len(ordered) > 1 else ("", "")
 
 
-def _expected_lag(description: VehicleDescription, contacts: Mapping[str, Contact], side: str) -> float | None:
+def expected_lag(description: VehicleDescription, contacts: Mapping[str, Contact], side: str) -> float | None:
     """Return the distance of the wheelsets over the speed [s], negative backwards; None if the vehicle hardly moves."""
-    ahead, behind = _wheelsets(description)
+    ahead, behind = wheelsets(description)
     contact = contacts.get(f"{ahead}/{side}")
     if contact is None:
         return None
@@ -182,19 +206,3 @@ def _side_level(measured: Mapping[str, Sequence[Impact]], time: float, side: str
 
 def _is_at(impact: Impact, time: float) -> bool:
     return abs(impact.time - time) <= TOGETHER
-
-
-def clock_differences(description: VehicleDescription, contacts: Mapping[str, Contact]) -> dict[str, float]:
-    """Return by how much faster the clock of the left box of each wheelset is than that of the right one [ppm].
-
-    Both count the turns of one shaft. A fast clock takes more samples in a turn, so the shaft seems to turn more slowly.
-    """
-    differences = {}
-    for axle in description.axles:
-        left, right = (contacts.get(f"{axle.name}/{side}") for side in SIDES)
-        if left is None or right is None or left.seconds != right.seconds or not abs(left.turns) > 1.0:
-            continue
-        difference = 1e6 * (right.shaft_frequency / left.shaft_frequency - 1.0)
-        if math.isfinite(difference):
-            differences[axle.name] = difference
-    return differences

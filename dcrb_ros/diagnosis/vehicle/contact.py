@@ -64,6 +64,8 @@ class Contact:
     """That angle [turns]."""
     turns: float
     """Turns of the shaft within the window [-]; NaN without a shaft angle."""
+    first_turns: float
+    """Those of its first half [-]."""
     seconds: float
     """Length of the window [s]."""
     impacts: Sequence[Impact]
@@ -143,8 +145,10 @@ class ContactMonitor:
         peak, level, angle = _around(wheel, turns)
         impacts = _impacts(kink, times, self._event, self._began + SETTLING)
         turned = float(turns[-1] - turns[0]) * len(turns) / max(len(turns) - 1, 1)
+        step = turned / len(turns)
+        middle = float(np.interp(0.5 * len(turns) - 0.5, np.arange(len(turns)), turns) - turns[0]) + 0.5 * step
         wave, spectrum = np.asarray(motion, np.float64), self._spectrum.spectrum()
-        return Contact(last, float(np.median(wheel)), peak, level, angle, turned, seconds, impacts, wave, spectrum)
+        return Contact(last, float(np.median(wheel)), peak, level, angle, turned, middle, seconds, impacts, wave, spectrum)
 
 
 def _around(envelope: npt.NDArray[Any], turns: npt.NDArray[Any]) -> tuple[float, float, float]:

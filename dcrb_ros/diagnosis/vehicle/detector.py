@@ -15,9 +15,12 @@ from dcrb_ros.diagnosis.hysteresis import Hysteresis, Suspicion, confidence, lea
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.rule import LEAST_EXCESS
 from dcrb_ros.diagnosis.vehicle.box_watch import BoxHop, BoxWatch
-from dcrb_ros.diagnosis.vehicle.causes import clock_differences, flats, lags, silent_boxes, swapped_sides, track
+from dcrb_ros.diagnosis.vehicle.causes import Lag, crossed_rails, flats, lags, silent_boxes, swapped_sides, track
+from dcrb_ros.diagnosis.vehicle.clocks import clock_differences, clocks
 from dcrb_ros.diagnosis.vehicle.comparison import NOT_OWN, Compared, Judgement, compare
+from dcrb_ros.diagnosis.vehicle.contact import Contact
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
+from dcrb_ros.diagnosis.vehicle.rolling_lines import corrugation, motor
 from dcrb_ros.diagnosis.vehicle.turn_lines import gears, meshes, polygons
 from dcrb_ros.schema.arguments import checked_arguments, of_type
 from dcrb_ros.schema.refusal import Refusal, nearest
@@ -165,17 +168,15 @@ class VehicleDetector:
         struck = flats(rolling, q)
         wheels = self._wheels(struck, polygons(rolling, q))
         sides = lags(self.description, measured, q.lag_tolerance)
-        swapped = swapped_sides(sides)
+        sensors = self._sensors(contacts, measured, sides)
         compared = compare({name: hop.judgement for name, hop in hops.items() if hop.judgement is not None and name not in quiet}, q)
-        clocks = clock_differences(self.description, contacts)
         statuses: dict[str, Status] = {}
         indicators: dict[str, float] = {}
         for name in self._boxes:
             hop = hops.get(name)
             statuses[f"{name}/bearing"] = self._bearing(name, hop, compared.get(name), quiet)
             statuses[f"{name}/wheel"] = wheels.get(name, Status("waiting", "no turn of the wheel is known yet"))
-            clock = clocks.get(self.description.box(name).axle, 0.0)
-            statuses[f"{name}/sensor"] = _sensor(hop, quiet.get(name), self.description.box(name).side in swapped, clock, q.clock)
+            statuses[f"{name}/sensor"] = _sensor(hop, quiet.get(name), sensors.get(name))
             if hop is not None:
                 indicators |= {f"{name}/{line}": level for line, level in hop.diagnosis.levels.items()}
             for component, evidence in compared.get(name, {}).items():
@@ -185,14 +186,38 @@ class VehicleDetector:
                 indicators[f"{name}/wheel/level"] = contacts[name].level
         found = meshes(self.description, rolling)
         for axle_name, status in gears(self.description, found, q).items():
-            statuses[f"{axle_name}/gear"] = self._lasting(f"{axle_name}/gear", status, "gear")
+            meshing = self._lasting(f"{axle_name}/gear", status, "gear")
+            turning = self._lasting(f"{axle_name}/gear", motor(self.description.axle(axle_name), rolling, q) or status, "motor")
+            statuses[f"{axle_name}/gear"] = turning if turning.verdict == "motor" and meshing.verdict != "gear" else meshing
         indicators |= {f"{axle_name}/gear/level": mesh.level for axle_name, mesh in found.items()}
         statuses["track"] = track(self.description, measured, struck, q)
-        indicators |= {f"{axle}/clock": difference for axle, difference in clocks.items()}
+        waves = corrugation(self.description, rolling, q)
+        if waves is not None:
+            indicators |= waves[1]
+        if statuses["track"].verdict == "healthy":
+            status = waves[0] if waves is not None else statuses["track"]
+            statuses["track"] = self._lasting("track", status, "corrugation")
+        indicators |= {f"{axle}/clock": difference for axle, difference in clock_differences(self.description, contacts).items()}
         for side, lag in sides.items():
             indicators |= {f"{side}/lag": lag.found, f"{side}/lag/correlation": lag.forward}
         diagnoses = {name: hop.diagnosis for name, hop in hops.items()}
         return VehicleDiagnosis(index, index / self.description.sampling_rate, statuses, indicators, diagnoses)
+
+    def _sensors(self, contacts: Mapping[str, Contact], measured: Mapping[str, Contact], sides: Mapping[str, Lag]) -> dict[str, Status]:
+        """Return the status of each sensor that measures the rail, but another one or at another time."""
+        q, statuses = self.parameters, clocks(self.description, contacts, self.parameters)
+        swapped = swapped_sides(sides)
+        crossed = not swapped and crossed_rails(self.description, measured, q.lag_tolerance)
+        for box in self.description.boxes:
+            if box.side in swapped:
+                reason = "the trailing wheelset follows the rail first: the sensors of this side are swapped"
+                statuses[box.name] = Status("swapped", reason, 0.9)
+            elif crossed:
+                reason = (
+                    "boxes follow those across: left and right sensors of one wheelset are swapped, but the signals do not say of which"
+                )
+                statuses[box.name] = Status(UNDECIDED, reason)
+        return statuses
 
     def _wheels(self, struck: Mapping[str, Status], uneven: Mapping[str, Status]) -> dict[str, Status]:
         """Return the status of each wheel: that by flats unless it is healthy, else that by polygons.
@@ -258,21 +283,15 @@ def _reason(component: Component, compared: Mapping[Component, Compared], judgem
     return f"lines of the {component} {depth}{larger}"
 
 
-def _sensor(hop: BoxHop | None, below: float | None, swapped: bool, clock: float, most: float) -> Status:
-    """Return the status of a sensor; ``clock`` is the difference of the clocks of its wheelset, ``most`` what is allowed [ppm]."""
+def _sensor(hop: BoxHop | None, below: float | None, found: Status | None) -> Status:
+    """Return the status of a sensor; ``found`` says if it measures another rail, or at another time."""
     if hop is None:
         return Status("sensor", "no signal arrives", 0.99)
-    diagnosis = hop.diagnosis
-    if diagnosis.verdict == "sensor":
-        return Status("sensor", diagnosis.reason, 0.99)
+    if hop.diagnosis.verdict == "sensor":
+        return Status("sensor", hop.diagnosis.reason, 0.99)
     if below is not None:
         return Status("sensor", f"it measures the rail {below:.0f} dB weaker than the others", 0.99, below)
-    if swapped:
-        return Status("swapped", "the trailing wheelset follows the rail first: the sensors of this side are swapped", 0.9)
-    if abs(clock) >= most:
-        reason = f"the clocks of the two boxes of the wheelset differ by {abs(clock):.0f} ppm, and one of them is wrong"
-        return Status(UNDECIDED, reason, 0.0, abs(clock) / most)
-    return Status("healthy", "it measures the rail as the others do")
+    return found or Status("healthy", "it measures the rail as the others do")
 
 
 def _divided(blocks: Mapping[str, BlockLike], most: int) -> Iterator[dict[str, Samples]]:

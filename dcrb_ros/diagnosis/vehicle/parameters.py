@@ -37,6 +37,12 @@ class VehicleDetectorParameters(Group):
         15.0, "dB", "Prominence of an order of the wheel over that of its neighbours that indicates a polygon", 1.0, 60.0
     )
     gear: float = quantity(8.0, "dB", "Prominence of the order of the mesh over that of its neighbours in both boxes", 1.0, 60.0)
+    corrugation: float = quantity(
+        15.0, "dB", "Prominence of a line in all boxes of one side, at no whole order, that indicates a corrugated rail", 1.0, 60.0
+    )
+    motor: float = quantity(
+        15.0, "dB", "Prominence of a line in both boxes of a driven wheelset, at no whole order, that indicates its motor", 1.0, 60.0
+    )
     event: float = quantity(
         6.0, "dB", "Squared envelope over the one exceeded in 2 % of the time that indicates a kink of the rail", 1.0, 40.0
     )

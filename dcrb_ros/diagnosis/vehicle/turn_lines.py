@@ -84,7 +84,7 @@ def polygons(contacts: Mapping[str, Contact], parameters: VehicleDetectorParamet
 
     Where other boxes have the line as well, it is no wheel's: resonances and the rail make such lines, too.
     """
-    spectra = _spectra(contacts)
+    spectra = spectra_of(contacts)
     turns = {name: abs(contacts[name].shaft_frequency) for name in spectra}
     statuses = {}
     for name, spectrum in spectra.items():
@@ -131,7 +131,7 @@ def meshes(description: VehicleDescription, contacts: Mapping[str, Contact]) -> 
     """Return the mesh of each driven wheelset whose boxes both have a spectrum that reaches it."""
     found = {}
     for axle in description.axles:
-        own = _spectra(_of_axle(contacts, axle.name))
+        own = spectra_of(of_axle(contacts, axle.name))
         if not axle.driven or len(own) < len(SIDES) or not axle.gear_teeth <= HIGHEST - 1.0 - MESH_NEIGHBOURS[-1]:
             continue
         teeth = float(axle.gear_teeth)
@@ -143,9 +143,9 @@ def meshes(description: VehicleDescription, contacts: Mapping[str, Contact]) -> 
         )
         turn = abs(contacts[next(iter(own))].shaft_frequency)
         elsewhere = {
-            other.name: np.mean([_at_frequency(contacts[name], spectrum, teeth * turn) for name, spectrum in spectra.items()])
+            other.name: np.mean([at_frequency(contacts[name], spectrum, teeth * turn) for name, spectrum in spectra.items()])
             for other in description.axles
-            if other.name != axle.name and (spectra := _spectra(_of_axle(contacts, other.name)))
+            if other.name != axle.name and (spectra := spectra_of(of_axle(contacts, other.name)))
         }
         rival = max(elsewhere, key=lambda name: elsewhere[name], default="")
         ahead = float(np.mean(list(here.values())) - elsewhere[rival]) if rival else 0.0
@@ -153,7 +153,7 @@ def meshes(description: VehicleDescription, contacts: Mapping[str, Contact]) -> 
     return found
 
 
-def _spectra(contacts: Mapping[str, Contact]) -> dict[str, OrderSpectrum]:
+def spectra_of(contacts: Mapping[str, Contact]) -> dict[str, OrderSpectrum]:
     """Return the spectra of boxes whose wheelset turned throughout the window."""
     return {
         name: contact.spectrum
@@ -162,12 +162,12 @@ def _spectra(contacts: Mapping[str, Contact]) -> dict[str, OrderSpectrum]:
     }
 
 
-def _of_axle(contacts: Mapping[str, Contact], axle: str) -> dict[str, Contact]:
+def of_axle(contacts: Mapping[str, Contact], axle: str) -> dict[str, Contact]:
     """Return the boxes of a wheelset."""
     return {name: contact for name, contact in contacts.items() if name.rpartition("/")[0] == axle}
 
 
-def _at_frequency(contact: Contact, spectrum: OrderSpectrum, frequency: float) -> float:
+def at_frequency(contact: Contact, spectrum: OrderSpectrum, frequency: float) -> float:
     """Return the prominence of the line at a frequency [Hz] in a box [dB]."""
     return float(prominences(spectrum, [frequency / abs(contact.shaft_frequency)])[0])
 

@@ -31,8 +31,8 @@ from dcrb_ros.schema.verdicts import VERDICTS
 from dcrb_ros.stream.vehicle_description import VehicleDescription
 from dcrb_ros.text.json import parsed_json
 
-Statuses = Mapping[str, tuple[str, float]]
-"""Verdict and score [dB] by status."""
+Statuses = Mapping[str, tuple[str, float | None]]
+"""Verdict and score [dB] by status; the score is None if the detector gives none."""
 
 
 @dataclass
@@ -44,14 +44,14 @@ class VehicleOutcome:
     failure: str = ""
     """Why it failed; empty if it did not."""
 
-    def add(self, description: VehicleDescription, time: float, statuses: Statuses) -> None:
-        """Take the statuses at a time [s]."""
+    def add(self, description: VehicleDescription, time: float, statuses: Statuses, signal_received: float | None = None) -> None:
+        """Take the statuses at a time [s], which arrived when the signal had been received up to another one [s], if given."""
         for box in description.boxes:
             verdict, score = box_verdict(statuses, box.name)
-            self.received.setdefault(box.name, []).append(ReceivedDiagnosis(time, verdict, score))
+            self.received.setdefault(box.name, []).append(ReceivedDiagnosis(time, verdict, score, signal_received=signal_received))
 
 
-def box_verdict(statuses: Statuses, box: str) -> tuple[str, float]:
+def box_verdict(statuses: Statuses, box: str) -> tuple[str, float | None]:
     """Return the verdict on a box, and its score [dB]: that of the bearing unless the sensor is faulty; ``waiting`` if it is undecided."""
     if statuses.get(f"{box}/sensor", ("", 0.0))[0] == "sensor":
         return "sensor", 0.0

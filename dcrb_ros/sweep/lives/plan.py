@@ -16,16 +16,11 @@ from dcrb_ros.sweep.lives.life import Life
 from dcrb_ros.sweep.lives.sweep import LifeSweep
 from dcrb_ros.sweep.lives.table import TRUTH, lives_table
 from dcrb_ros.sweep.plan import SEED, Plan, PlannedRun, Task, digest
-from dcrb_ros.sweep.sweep_file import EXTENDED, Sweep
+from dcrb_ros.sweep.sweep_file import EXTENDED
 
 AMBIENT = "thermal.ambient"
 COLDEST_AND_HOTTEST = (-40.0, 60.0)
 """Range of that parameter [deg C]; a draw beyond it is set to the limit."""
-
-
-def plan_of(sweep: Sweep) -> Plan:
-    """Return the plan of a sweep of any kind."""
-    return LifePlan(sweep) if isinstance(sweep, LifeSweep) else Plan(sweep)
 
 
 class LifePlan(Plan):

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from synthetic_bogie import BOXES, DESCRIPTION, LAG, SECONDS, Boxes, bogie, diagnosed
+from synthetic_bogie import BOXES, DESCRIPTION, FREQUENCY, LAG, SECONDS, Boxes, bogie, diagnosed
 
 from dcrb_ros.diagnosis.vehicle.causes import correlated_lag
 from dcrb_ros.diagnosis.vehicle.detector import BoxBlock, VehicleDetector
@@ -145,6 +145,36 @@ def test_a_fast_clock_is_seen_in_the_turns() -> None:
     diagnosis = last(signals)
     assert diagnosis.indicators["axle_1/clock"] == pytest.approx(-100.0, abs=2.0)
     assert verdicts(diagnosis, "sensor") == {"axle_1/left": "undecided", "axle_1/right": "undecided"}
+
+
+@pytest.mark.parametrize(("box", "share"), [("axle_1/left", 3e-4), ("axle_1/right", -3e-4), ("axle_2/right", 3e-4)])
+def test_the_wrong_clock_is_that_whose_lag_drifts(box: str, share: float) -> None:
+    signals = bogie()
+    acceleration, angle = signals[box]
+    index = np.arange(len(angle), dtype=np.float64)
+    at = index / (1.0 + share)
+    turned = np.interp(at, index, np.unwrap(angle.astype(np.float64)))
+    skewed = np.column_stack([np.interp(at, index, axis) for axis in acceleration.T])
+    signals[box] = skewed.astype(np.float32), np.mod(turned, 2.0 * np.pi).astype(np.float32)
+    diagnosis = last(signals)
+    assert verdicts(diagnosis, "sensor") == {box: "clock"}
+
+
+def test_left_and_right_swapped_on_one_wheelset_are_undecided() -> None:
+    signals = bogie()
+    signals["axle_2/left"], signals["axle_2/right"] = signals["axle_2/right"], signals["axle_2/left"]
+    assert verdicts(last(signals), "sensor") == dict.fromkeys(BOXES, "undecided")
+
+
+def test_a_spall_under_rough_wheels_is_found() -> None:
+    signals = bogie({"axle_1/left": {"outer": 3.0}})
+    turn = round(51200 / FREQUENCY)
+    for number, (acceleration, _) in enumerate(signals.values()):
+        rough = np.random.default_rng(number).normal(scale=12.0, size=turn)
+        acceleration[:, 1] += np.resize(rough, len(acceleration)).astype(np.float32)
+    diagnosis = last(signals)
+    assert diagnosis.boxes["axle_1/left"].verdict == "healthy"
+    assert diagnosis.damaged() == {"axle_1/left": "outer_ring"}
 
 
 def test_a_healthy_bogie_has_no_verdict_but_healthy() -> None:

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from dcrb_ros.sweep.execution import common_settings, run_task
-from dcrb_ros.sweep.lives.plan import LifePlan, plan_of
+from dcrb_ros.sweep.kinds import plan_of
+from dcrb_ros.sweep.lives.plan import LifePlan
 from dcrb_ros.sweep.loader import read_sweep
 from dcrb_ros.sweep.store import Store
 

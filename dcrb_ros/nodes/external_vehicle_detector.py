@@ -1,0 +1,85 @@
+"""A user's detector of a vehicle as a process in its own ROS domain, to which the waveforms of all axle boxes are played."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from dcrb_ros.exam.evaluation import NoDiagnosis
+from dcrb_ros.exam.running_detector import checked_statuses
+from dcrb_ros.exam.vehicle.evaluation import VehicleOutcome
+from dcrb_ros.exam.vehicle.signals import VehicleSignal
+from dcrb_ros.messages.bundle import Bundle
+from dcrb_ros.messages.plain import encode_text
+from dcrb_ros.messages.points import encode_waveform
+from dcrb_ros.messages.received_diagnosis import checked_time, score_of
+from dcrb_ros.messages.statuses import decode_diagnostics
+from dcrb_ros.messages.topics import VIBRATION, Message
+from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DIAGNOSIS
+from dcrb_ros.nodes.external_detector import Answers, NodeProgram
+from dcrb_ros.stream.vehicle_description import VehicleDescription
+
+
+@dataclass
+class VehicleAnswers(Answers, VehicleOutcome):
+    """The diagnoses of a vehicle that a detector published in a scenario."""
+
+    description: VehicleDescription = field(kw_only=True)
+
+    def _taken(self, data: bytes) -> float:
+        time_ns, statuses = decode_diagnostics(data)
+        time = checked_time(time_ns)
+        checked_statuses({status.name: status.values.get("verdict") for status in statuses})
+        found = {status.name: (status.values["verdict"], score_of(status.values["verdict"], status.values)) for status in statuses}
+        self.add(self.description, time, found, self._signal_received(time))
+        return time
+
+
+class _VehicleFeed:
+    """The waveforms of the boxes of a vehicle, as the live vehicle publishes them."""
+
+    answer = VEHICLE_DIAGNOSIS
+
+    def __init__(self, signal: VehicleSignal) -> None:
+        self._signal = signal
+        self._waveforms = {box.name: VIBRATION.below(box.name) for box in signal.description.boxes}
+        self.awaited = tuple(self._waveforms.values())
+        self.topics = (*self.awaited, VEHICLE_DESCRIPTION)
+
+    def start(self) -> Iterable[Message]:
+        """Return the description of the vehicle."""
+        return [Message(VEHICLE_DESCRIPTION, 0, encode_text(self._signal.description.to_json()))]
+
+    def bundles(self) -> Iterator[Bundle]:
+        """Yield a block of every box at a time."""
+        rate, begin = self._signal.description.sampling_rate, 0
+        for blocks in self._signal.blocks():
+            messages = []
+            for name, block in blocks.items():
+                angle = block.shaft_angle if block.shaft_angle is not None else np.full(len(block.acceleration), np.nan)
+                data = encode_waveform(block.index, rate, block.acceleration, angle, f"{name}/outer_ring")
+                messages.append(Message(self._waveforms[name], block.index * 1_000_000_000 // rate, data))
+            end = max(block.index + len(block.acceleration) for block in blocks.values()) * 1_000_000_000 // rate
+            yield Bundle(begin, end, tuple(messages))
+            begin = end
+
+
+class ExternalVehicleDetector(NodeProgram):
+    """A detector of a vehicle given by its command as a candidate."""
+
+    _answered = False
+
+    def diagnose(self, signal: VehicleSignal) -> VehicleAnswers:
+        """Return the diagnoses for the signals of one vehicle; see `play` for further errors.
+
+        Raises:
+            NoDiagnosis: it failed with its first vehicle and published no diagnosis.
+        """
+        answers = VehicleAnswers(description=signal.description)
+        answers.failure = self.play(_VehicleFeed(signal), answers)
+        self._answered = self._answered or bool(answers.received)
+        if answers.failure and not self._answered:
+            raise NoDiagnosis(f"the detector '{self.name}' failed with the first vehicle: {answers.failure}")
+        return answers

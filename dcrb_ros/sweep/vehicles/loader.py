@@ -1,0 +1,113 @@
+"""Loading of a sweep over vehicles: every parameter is tried on the vehicle, and an invalid one is refused in one sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from dcrb_ros.schema.parameter_field import ParameterField
+from dcrb_ros.schema.refusal import Refusal, nearest
+from dcrb_ros.sweep.axes import choice_of, span_of
+from dcrb_ros.sweep.design import Axes, Axis, Choice, Span, Value
+from dcrb_ros.sweep.machine import flatten_axes
+from dcrb_ros.sweep.sweep_file import LONGEST_RUN, SweepFile
+from dcrb_ros.sweep.vehicles.sweep import BOX, VEHICLE, VehicleSweep, placed
+from dcrb_ros.text.files import checked_path, is_file
+from dcrb_ros.vehicle.file import read_parameters, vehicle_of
+
+ABSENT = ("base", "machine", "twins", "branch_at", "seeds")
+"""Keys of other sweeps that one over vehicles does not have."""
+TRIED = 20
+"""Values of a list that are tried on the vehicle before the first run, at most [-]; another one is refused with its runs."""
+
+
+def vehicle_keys(tree: Mapping[str, Any], source: str) -> dict[str, Any]:
+    """Return the keys of a sweep over vehicles that every sweep has.
+
+    Raises:
+        Refusal: a key that no sweep over vehicles has.
+    """
+    absent = next((key for key in ABSENT if key in tree), None)
+    if absent is not None:
+        reasons = {"base": "the vehicle is the base", "seeds": "its noise follows from vehicle.seed, which can be varied"}
+        raise Refusal(f"{source}: a sweep over vehicles has no '{absent}'{': ' + reasons[absent] if absent in reasons else ''}: remove it")
+    return {key: value for key, value in tree.items() if key != VEHICLE}
+
+
+def vehicle_sweep_of(given: Any, file: SweepFile, source: str, folder: Path, text: str) -> VehicleSweep:
+    """Return the sweep over vehicles of a file; ``given`` is the vehicle that it names.
+
+    Raises:
+        Refusal: the vehicle does not exist, a parameter is unknown or out of range, or the files of the data set cannot hold the runs.
+    """
+    if not isinstance(given, str) or not given:
+        raise Refusal(f"{source}: vehicle = {given!r} is not the name of a vehicle: give a shipped one, such as bogie, or a file")
+    if file.output == "bag":
+        raise Refusal(f"{source}: output = bag is for single bearings, a vehicle has npz or parquet: give one of them")
+    if file.split.apart:
+        raise Refusal(f"{source}: split.apart is for single bearings, a vehicle is in one split anyway: remove it")
+    beside = checked_path(folder / given)
+    base = read_parameters(beside if is_file(beside) else given, file.fixed)
+    vehicle = vehicle_of(base, f"{source}: set")
+    names = [box.name for box in vehicle.boxes]
+    if (total := file.duration * len(names)) > LONGEST_RUN:
+        raise Refusal(f"{source}: duration = {file.duration:g} s makes {total:g} s of all boxes, above {LONGEST_RUN:g} s: shorten the runs")
+    kinds: dict[str, type] = {}
+    vary = _axes(file.vary, file.design, f"{source}: vary", kinds)
+    cases = {name: _axes(case, file.design, f"{source}: cases.{name}", kinds) for name, case in file.cases.items()} or {"base": {}}
+    if BOX in vary or any(key.startswith(f"{BOX}.") for key in vary):
+        raise Refusal(f"{source}: vary: '{BOX}' is for cases: name the box, such as {names[0]}.surfaces.waviness")
+    for name, axes in cases.items():
+        _check_boxes(axes, names, f"{source}: cases.{name}")
+    for where, axes in (("vary", vary), *((f"cases.{name}", axes) for name, axes in cases.items())):
+        for values in _tried(axes):
+            try:
+                vehicle_of({**base, **placed(values)}, f"{source}: {where}")
+            except Refusal as refusal:
+                raise Refusal(str(refusal) if source in str(refusal) else f"{source}: {where}: {refusal}") from None
+    return VehicleSweep(file, text, base, vary, cases, {}, source=given, vehicle=vehicle, kinds=kinds)
+
+
+def _axes(tree: Mapping[str, Any], design: str, source: str, kinds: dict[str, type]) -> Axes:
+    axes: dict[str, Axis] = {}
+    for key, value in flatten_axes(tree).items():
+        listed = value if isinstance(value, list) else [value]
+        ends = [value[end] for end in ("low", "high") if end in value] if isinstance(value, Mapping) else listed
+        field = ParameterField(key, _kind(ends, f"{source}: {key}"), 0, None, None, "", "", "", "", run_time=False)
+        if not (key + ".").startswith(f"{BOX}."):
+            kinds[key] = field.kind
+        axes[key] = span_of(key, value, field, design, source) if isinstance(value, Mapping) else choice_of(key, value, field, source)
+    return axes
+
+
+def _kind(values: list[Any], where: str) -> type:
+    """Return the type of some values; whole numbers beside others are numbers."""
+    kinds = {type(value) for value in values} or {str}
+    if kinds <= {int, float}:
+        return int if kinds == {int} else float
+    kind = kinds.pop()
+    if kinds or kind not in (bool, str):
+        raise Refusal(f"{where} = {values!r} are not values of one parameter: give numbers, texts, or true and false")
+    return kind
+
+
+def _check_boxes(axes: Axes, names: list[str], source: str) -> None:
+    """Refuse a case whose box is not one of the vehicle's."""
+    axis = axes.get(BOX)
+    boxes = axis.values if isinstance(axis, Choice) else ()
+    unknown = next((box for box in boxes if box not in names), None)
+    if unknown is not None:
+        raise Refusal(f"{source}: there is no box '{unknown}'{nearest(str(unknown), names)} (known: {', '.join(names)})")
+    placeholder = next((key for key in axes if key.startswith(f"{BOX}.")), None)
+    if (placeholder is not None) != bool(boxes):
+        raise Refusal(f"{source}: '{placeholder or BOX}' needs both the boxes and a parameter: give {BOX}: [{names[0]}] and {BOX}.bench")
+
+
+def _tried(axes: Axes) -> Iterator[dict[str, Value]]:
+    """Yield values in which each axis has each of its ends or first values once; the others have their first value."""
+    ends = {key: [axis.at(0.0), axis.at(1.0)] if isinstance(axis, Span) else [*axis.values[:TRIED]] for key, axis in axes.items()}
+    first = {key: values[0] for key, values in ends.items()}
+    yield first
+    for key, values in ends.items():
+        yield from ({**first, key: value} for value in values[1:])

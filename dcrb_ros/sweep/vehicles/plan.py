@@ -1,0 +1,90 @@
+"""The plan of a sweep over vehicles: one run for each box of each vehicle, in one task."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.sweep.design import Point
+from dcrb_ros.sweep.division import splits
+from dcrb_ros.sweep.identity import BEARING_ID, MACHINE
+from dcrb_ros.sweep.identity import TRUTH as IDENTITY
+from dcrb_ros.sweep.plan import Plan, PlannedRun, Task, digest
+from dcrb_ros.sweep.vehicles.sweep import VehicleSweep, placed
+
+NOT_OF_VEHICLE = ("vehicle.speed_kmh", "vehicle.curvature", "vehicle.cant", "vehicle.wind", "vehicle.brake", "vehicle.ramp", "track.")
+"""Beginnings of keys that describe the ride, not the vehicle."""
+BOX, TOGETHER, DAMAGED = "box", "together", "damaged"
+"""Columns of the labels of boxes."""
+TRUTH: Mapping[str, tuple[type, str]] = {
+    **IDENTITY,
+    MACHINE: (str, "the vehicle: shared by its boxes on all rides; never in two splits"),
+    TOGETHER: (str, "shared by the boxes of one vehicle on one ride with one case, whose samples have one clock"),
+    BOX: (str, "the axle box, such as axle_1.left"),
+    DAMAGED: (str, "boxes with a damaged bearing and their faults, such as 'axle_1.left outer_ring'; empty if there are none"),
+}
+
+
+class VehiclePlan(Plan):
+    """The runs of a sweep over vehicles; a vehicle is in one split with all its boxes."""
+
+    unit, remedy = "vehicles", "vary vehicle.seed"
+
+    def __init__(self, sweep: VehicleSweep) -> None:
+        super().__init__(sweep)
+        self._boxes = [box.name for box in sweep.vehicle.boxes]
+        self._splits = {}
+        for points in self._point_batches():
+            vehicles = {self._vehicle(point) for point in points}
+            self._splits |= splits(vehicles - self._splits.keys(), sweep.file.split)
+        shares = sweep.file.split.model_dump(exclude={"apart"})
+        empty = [name for name, share in shares.items() if share > 0.0 and name not in self._splits.values()]
+        if empty:
+            raise Refusal(
+                f"the sweep has too few vehicles ({len(self._splits)}) for the split '{empty[0]}': vary vehicle.seed, or set "
+                f"split.{empty[0]} to 0"
+            )
+        self.conditions, self.shared = len(self._splits), {}
+
+    @property
+    def split_text(self) -> str:
+        """How the data are divided, for the data card."""
+        return "All boxes of a vehicle, on all its rides, are in one split."
+
+    @property
+    def truth(self) -> Mapping[str, tuple[type, str]]:
+        """Columns of the labels beside those of every sweep."""
+        return TRUTH
+
+    def groups(self) -> Iterator[Task]:
+        """Yield the boxes of each vehicle with each case as a group."""
+        known: set[str] = set()
+        position = 0
+        for point, cases in zip(self._points(), self._cases(), strict=False):
+            for case, values in cases:
+                changes = {**point, **placed(values)}
+                together = digest([self._common, self._difference(changes)])
+                if together not in known:
+                    known.add(together)
+                    yield tuple(self._box(position + k, box, together, case, point, changes) for k, box in enumerate(self._boxes))
+                    position += len(self._boxes)
+
+    def _box(self, position: int, box: str, together: str, case: str, point: Point, changes: Point) -> PlannedRun:
+        vehicle = self._vehicle(point)
+        return PlannedRun(
+            position,
+            digest([together, box]),
+            case,
+            digest([self._common, self._difference(point), box]),
+            digest([self._condition(point), box]),
+            self._splits[vehicle],
+            changes,
+            point,
+            "",
+            int({**self.sweep.base, **changes}.get("vehicle.seed", 1)),
+            {BEARING_ID: digest([vehicle, box]), MACHINE: vehicle, TOGETHER: together, BOX: box},
+        )
+
+    def _vehicle(self, point: Point) -> str:
+        """Return the hash of the parameters of the vehicle itself, whatever its ride is."""
+        return digest({key: value for key, value in {**self.sweep.base, **point}.items() if not key.startswith(NOT_OF_VEHICLE)})

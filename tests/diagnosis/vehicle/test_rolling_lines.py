@@ -1,0 +1,73 @@
+"""A corrugated rail and a motor in synthetic bogies: lines at no whole orders of a wheelset."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+from synthetic_bearing import TURN
+from synthetic_bogie import BOXES, LAG, Boxes, bogie, diagnosed
+
+from dcrb_ros.stream.vehicle_diagnosis import VehicleDiagnosis
+
+QUIET: Boxes = bogie()
+
+
+def with_line(order: float, amplitudes: Mapping[str, float]) -> Boxes:
+    """Return signals with a line at an order of the wheelsets; the trailing wheelset has it after the lag."""
+    changed = {}
+    for number, (name, (acceleration, angle)) in enumerate(QUIET.items()):
+        turns = np.unwrap(angle.astype(np.float64)) / TURN - (number // 2) * LAG * 20.0
+        louder = acceleration.copy()
+        louder[:, 1] += (amplitudes.get(name, 0.0) * np.cos(TURN * order * turns)).astype(np.float32)
+        changed[name] = louder, angle
+    return changed
+
+
+def last(signals: Boxes) -> VehicleDiagnosis:
+    return diagnosed(signals)[-1]
+
+
+def unusual(diagnosis: VehicleDiagnosis) -> dict[str, str]:
+    return {name: status.verdict for name, status in diagnosis.statuses.items() if status.verdict != "healthy"}
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_waves_of_one_rail_are_a_corrugation_of_their_length(side: str) -> None:
+    diagnosis = last(with_line(36.13, {name: 2.0 if name.endswith(side) else 0.3 for name in BOXES}))
+    assert unusual(diagnosis) == {"track": "corrugation"}
+    assert f"over the {side} rail" in diagnosis.statuses["track"].reason
+    assert diagnosis.indicators["track/corrugation"] == pytest.approx(TURN * 0.46 / 36.13, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("order", "amplitudes"),
+    [
+        (36.13, dict.fromkeys(BOXES, 2.0)),  # both rails
+        (36.0, {"axle_1/left": 2.0, "axle_2/left": 1.0}),  # a wheel that the other wheelset measures, too
+        (36.13, {"axle_2/left": 2.0}),  # one wheelset only
+    ],
+)
+def test_other_lines_are_no_corrugation(order: float, amplitudes: dict[str, float]) -> None:
+    assert last(with_line(order, amplitudes)).statuses["track"].verdict == "healthy"
+
+
+def test_a_line_in_both_boxes_of_the_driven_wheelset_is_the_motors() -> None:
+    diagnosis = last(with_line(4.14, {"axle_1/left": 4.0, "axle_1/right": 2.5, "axle_2/left": 0.3}))
+    assert unusual(diagnosis) == {"axle_1/gear": "motor"}
+    assert "order 4.14" in diagnosis.statuses["axle_1/gear"].reason
+
+
+@pytest.mark.parametrize(
+    ("order", "amplitudes"),
+    [
+        (4.14, {"axle_1/left": 4.0}),  # one box only
+        (4.0, {"axle_1/left": 4.0, "axle_1/right": 4.0}),  # a whole order
+        (4.14, dict.fromkeys(BOXES, 4.0)),  # both wheelsets
+        (4.14, {"axle_2/left": 4.0, "axle_2/right": 4.0}),  # a wheelset without a motor
+        (16.73, {"axle_1/left": 8.0, "axle_1/right": 0.8}),  # not alike
+    ],
+)
+def test_other_lines_are_no_motors(order: float, amplitudes: dict[str, float]) -> None:
+    assert last(with_line(order, amplitudes)).statuses["axle_1/gear"].verdict == "healthy"

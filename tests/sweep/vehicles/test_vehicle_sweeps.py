@@ -1,0 +1,130 @@
+"""Sweeps over vehicles: every box is a run with its own label, and a vehicle is in one split."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import dcrb_ros
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.sweep.data_set import open_data_set
+from dcrb_ros.sweep.estimate import estimate
+from dcrb_ros.sweep.execution import common_settings, run_task
+from dcrb_ros.sweep.kinds import plan_of
+from dcrb_ros.sweep.loader import read_sweep, sweep_of
+from dcrb_ros.sweep.store import Store
+from dcrb_ros.vehicle.file import read_parameters, vehicle_of
+from dcrb_ros.vehicle.simulation import VehicleSimulation
+
+BOXES = ("axle_1.left", "axle_1.right", "axle_2.left", "axle_2.right")
+TREE: dict[str, Any] = {
+    "vehicle": "healthy_bogie",
+    "set": {"vehicle.bench": "dry"},
+    "design": "random",
+    "points": 3,
+    "vary": {"vehicle.seed": {"low": 1, "high": 2000}, "vehicle.speed_kmh": [80.0, 160.0]},
+    "cases": {"healthy": {}, "outer": {"box": [*BOXES], "box.faults.outer_1.width": {"low": 0.001, "high": 0.003}}},
+    "duration": 0.05,
+    "settle": 0.01,
+}
+
+
+def tree(**changes: Any) -> dict[str, Any]:
+    return {key: value for key, value in {**TREE, **changes}.items() if value is not None}
+
+
+@settings(deadline=None, max_examples=10)
+@given(st.integers(0, 1000))
+def test_a_vehicle_is_in_one_split_on_all_its_rides(seed: int) -> None:
+    rides = {"vehicle.seed": [1, 2, 3, 4], "vehicle.speed_kmh": {"low": 80.0, "high": 160.0}}
+    runs = list(plan_of(sweep_of(tree(points=12, seed=seed, vary=rides), "sweep.yaml")).runs())
+    splits: dict[str, set[str]] = {}
+    for run in runs:
+        splits.setdefault(str(run.truth["machine"]), set()).add(run.split)
+    assert 3 <= len(splits) <= 4
+    assert all(len(names) == 1 for names in splits.values())
+    assert {run.split for run in runs} == {"train", "validation", "test"}
+
+
+def test_runs_have_names_of_their_own_and_the_boxes_of_a_vehicle_one_task() -> None:
+    plan = plan_of(sweep_of(tree(), "sweep.yaml"))
+    groups = list(plan.groups())
+    assert [[run.truth["box"] for run in group] for group in groups] == [[*BOXES]] * 6
+    runs = [run for group in groups for run in group]
+    assert len({run.name for run in runs}) == len(runs) == plan.sweep.count
+    assert len({run.truth["bearing_id"] for run in runs}) == 3 * len(BOXES)
+    assert len({run.twin for run in runs}) == len(runs) / 2  # healthy and damaged
+
+
+def test_the_samples_are_those_of_the_vehicle(tmp_path: Path) -> None:
+    plan = plan_of(sweep_of(tree(), "sweep.yaml"))
+    with open_data_set(plan, Store(str(tmp_path))) as data_set:
+        for task in plan.groups():
+            assert {status for _, status in run_task(common_settings(plan.sweep, data_set.store), task)} == {"done"}
+        data_set.finish()
+    labels = pd.read_parquet(tmp_path / "labels.parquet")
+    damaged = labels[labels["case"] == "outer"]
+    faulty = damaged[damaged["fault"] == "outer_ring"]
+    assert len(faulty) == 3  # one box of each vehicle
+    assert (faulty["damaged"] == faulty["box"] + " outer_ring").all()
+    assert set(labels[labels["case"] == "healthy"]["fault"]) == {"healthy"}
+    row = faulty.iloc[0]
+    run = next(run for run in plan.runs() if run.name == row["run"])
+    simulation = VehicleSimulation(vehicle_of(read_parameters("healthy_bogie", {"vehicle.bench": "dry", **run.changes}), "test"))
+    blocks = [block.boxes[row["box"]] for block in simulation.blocks(0.06)]
+    expected = np.concatenate([block.acceleration for block in blocks])[round(0.01 * row["sampling_rate"]) :]
+    np.testing.assert_array_equal(dcrb_ros.DataSet(tmp_path).waveform(row["run"]).acceleration, expected)
+
+
+def test_shipped_vehicles_and_their_cost() -> None:
+    plan = plan_of(read_sweep("twelve_vehicles"))
+    runs = list(plan.runs())
+    assert len(runs) == 12 * 6 * 4
+    assert len({run.truth["machine"] for run in runs}) == 12
+    cost = estimate(plan_of(sweep_of(tree(points=3, cases={"healthy": {}}), "sweep.yaml")))
+    assert (cost.runs, cost.refused) == (12, 0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"vehicle": "bogy"}, "bogy"),
+        ({"vehicle": 3}, "vehicle = 3 is not the name of a vehicle"),
+        ({"base": "healthy"}, "has no 'base': the vehicle is the base"),
+        ({"seeds": 2}, "has no 'seeds': its noise follows from vehicle.seed"),
+        ({"twins": True}, "has no 'twins'"),
+        ({"output": "bag"}, "output = bag is for single bearings"),
+        ({"split": {"apart": ["machine"]}}, "split.apart is for single bearings"),
+        ({"duration": 200.0}, "makes 800 s of all boxes"),
+        ({"vary": {"vehicle.sed": [1, 2, 3]}}, "unknown"),
+        ({"vary": {"vehicle.speed_kmh": [80.0, 1000.0]}}, "vary"),
+        ({"vary": {"vehicle.speed_kmh": {"low": 80.0}}}, "a range needs low and high"),
+        ({"vary": {"vehicle.seed": [1, "two"]}}, "are not values of one parameter"),
+        ({"vary": {"box": [*BOXES]}}, "'box' is for cases"),
+        ({"cases": {"outer": {"box": ["axle_3.left"], "box.bench": "outer_ring_defect"}}}, "there is no box 'axle_3.left'"),
+        ({"cases": {"outer": {"box.bench": "outer_ring_defect"}}}, "needs both the boxes and a parameter"),
+        ({"cases": {"outer": {"box": [*BOXES]}}}, "needs both the boxes and a parameter"),
+        ({"cases": {"outer": {"axle_1.left.bench": "outer_ring"}}}, "cases.outer"),
+        ({"set": {"operating.speed": 90.0}}, "unknown group 'operating'"),
+        ({"windows": {"length": 100000}}, "is longer than a run"),
+        ({"lives": 3}, "unknown key 'lives'"),
+    ],
+)
+def test_what_a_sweep_over_vehicles_refuses(changes: dict[str, Any], sentence: str) -> None:
+    with pytest.raises(Refusal, match=r"sweep\.yaml|bogy") as refusal:
+        sweep_of(tree(**changes), "sweep.yaml")
+    assert sentence in str(refusal.value)
+
+
+def test_too_few_vehicles_for_the_splits_are_refused() -> None:
+    one = tree(vary={"vehicle.speed_kmh": [80.0, 120.0, 160.0]}, design="grid", points=None, cases=None)
+    with pytest.raises(Refusal, match=r"too few vehicles \(1\) for the split 'validation': vary vehicle.seed"):
+        plan_of(sweep_of(one, "sweep.yaml"))
+    together = {**one, "split": {"train": 1.0, "validation": 0.0, "test": 0.0}}
+    assert {run.split for run in plan_of(sweep_of(together, "sweep.yaml")).runs()} == {"train"}
