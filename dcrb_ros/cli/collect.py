@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 from typing import Annotated
 from warnings import catch_warnings, simplefilter
@@ -35,7 +36,13 @@ def collect(
         raise Refusal(f"there is no list {table}: give a CSV file with the columns file and fault")
     runs = (MeasuredRun(run.name, run.waveform, source=run.source, **run.fields) for run in listed_runs(table, about, rate))
     shape = Windows(length=window, overlap=overlap, kind="parquet")
-    counts = write_measured_set(runs, Store(str(output)), title=title, licence=licence, windows=shape)
+    fresh = not output.exists() or (output.is_dir() and not any(output.iterdir()))
+    try:
+        counts = write_measured_set(runs, Store(str(output)), title=title, licence=licence, windows=shape)
+    except BaseException:
+        if fresh:  # otherwise the same command would refuse its own remains
+            shutil.rmtree(output, ignore_errors=True)
+        raise
     with catch_warnings(record=True) as warned:
         simplefilter("always")
         DataSet(output)  # reads what was written, and compares it with its hashes
