@@ -71,7 +71,6 @@ bench: environment ## Speed, some minutes on a machine that does nothing else
 	$(BIN)/python benchmarks/start.py
 	$(BIN)/python benchmarks/recording.py
 	$(BIN)/python benchmarks/node.py
-	$(BIN)/python benchmarks/live_view.py
 
 MEASURED ?= ../shared/measured
 sim_to_real: environment ## Train on simulated bearings, test on measured ones in MEASURED, half an hour (SIM_TO_REAL='--machines 64 --seconds 8')
@@ -99,7 +98,7 @@ mutants: environment ## Do the tests notice slips? A sample of mutants of each p
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check 'cosmic-ray>=8.7,<9'
 	$(BIN)/python tests/mutants/run.py $(MUTANTS)
 
-hostile: environment compiled ## The whole corpus of hostile inputs; make test runs the quick part
+hostile: environment compiled ## All hostile inputs: files, command lines, messages, parameters; make test runs a part
 	DCRB_HOSTILE=all $(BIN)/python -m pytest tests/hostile
 
 pictures: environment ## Make pictures of the documentation (PICTURES='rerun order-map'); without names, list those that are out of date

@@ -1,8 +1,4 @@
-"""Throughput of a batch of bearings with one process and with one per core, relative to the kernel alone.
-
-A second table gives an upper bound of what could be gained by sharing the vector lanes of a core between bearings. The kernel already
-fills them with the rollers of one bearing, so the bound follows from the additional cost of a second row of rollers.
-"""
+"""Throughput of a batch of bearings with one process and with one per core, relative to the kernel alone."""
 
 from __future__ import annotations
 
@@ -26,22 +22,8 @@ def throughput(configurations: list[Configuration], duration: float, workers: in
     return duration * (len(configurations) - workers) / (finished[-1] - first)
 
 
-def lanes_gain(joint: str, duration: float, runs: int = 9) -> tuple[float, float, float]:
-    """Return the cost of a step with one row and with two rows [us], and the largest possible gain of sharing lanes [-].
-
-    The gain is that of two bearings in the same lanes over two in turn, if the rings and cages of the second cost nothing.
-    """
-    costs = []
-    for rows, load in ((1, 50e3), (2, 100e3)):
-        settings = {"bearing": {"rows": rows}, "cage": {"joint": joint}, "operating": {"load": load}}
-        configuration = Configuration.model_validate(settings)
-        costs.append(1e6 / (max(factors(kernel(configuration), duration, runs)) * configuration.step_rate))
-    single, double = costs
-    return single, double, 2.0 * double / (double + 2.0 * (double - single))
-
-
 def main() -> None:
-    """Print the tables."""
+    """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--duration", type=float, default=3.0, help="simulated time of a bearing [s]")
     parser.add_argument("--bearings", type=int, default=6, help="number of bearings per process")
@@ -53,10 +35,6 @@ def main() -> None:
             groups = [{"cage": {"joint": joint}, "simulation": {"seed": seed}} for seed in range((1 + options.bearings) * workers)]
             factor = throughput([Configuration.model_validate(group) for group in groups], options.duration, workers)
             print(f"| {joint} | {workers} | {factor:.2f} | {factor / workers / alone:.2f} |", flush=True)
-    print("\n| joint | step, one row [us] | two rows [us] | largest gain of sharing lanes |\n|---|---|---|---|")
-    for joint in ("pocket", "revolute"):
-        single, double, gain = lanes_gain(joint, 0.1)
-        print(f"| {joint} | {single:.2f} | {double:.2f} | {gain:.2f} x |", flush=True)
 
 
 if __name__ == "__main__":

@@ -13,6 +13,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from dcrb_ros.text.markdown import table as markdown_table
+
 ROOT = Path(__file__).resolve().parents[1]
 PAGE, IMAGES = ROOT / "docs/results/exam.md", ROOT / "docs/images"
 SCORE = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()", "score"]
@@ -44,14 +46,9 @@ def interval(estimate: dict[str, Any], digits: int = 2) -> str:
 
 
 def table(headings: list[str], rows: list[list[str]]) -> Iterator[str]:
-    """Yield the lines of a table, if it has rows."""
-    if not rows:
-        return
-    yield ""
-    yield "| " + " | ".join(headings) + " |"
-    yield "|" + "---|" * len(headings)
-    yield from ("| " + " | ".join(row) + " |" for row in rows)
-    yield ""
+    """Yield a table, if it has rows."""
+    if rows:
+        yield f"\n{markdown_table(headings, rows)}\n"
 
 
 def report_lines(report: dict[str, Any], image: str, caption: str) -> Iterator[str]:

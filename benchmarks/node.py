@@ -1,6 +1,7 @@
-"""Cost of the simulator node: at full speed relative to the kernel alone, and at time scale 1.0 with a recording and a subscriber.
+"""Cost of the simulator node: at full speed relative to the kernel alone, and at time scale 1.0 with a recording, a subscriber or a view.
 
-The node runs in a process of its own; this process is the subscriber. The measured interval is given by reports on /diagnostics.
+The node runs in a process of its own; this process is the subscriber. The measured interval is given by reports on /diagnostics. The view
+is written to a file, since the cost of a window depends on the graphics hardware.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import struct
 import tempfile
 import time
 from collections.abc import Callable, Iterable
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -46,6 +48,8 @@ class Report(NamedTuple):
     """Resident memory [MB]."""
     late: int
     """Late blocks."""
+    viewer: float
+    """Processor time of the viewer [s]."""
 
 
 class Interval(NamedTuple):
@@ -75,8 +79,8 @@ class Interval(NamedTuple):
 class Subscriber:
     """A subscriber to a node's reports and to some of its topics."""
 
-    def __init__(self, node: Any, pid: int, topics: Iterable[Topic]) -> None:
-        self._pid, self.reports = pid, list[Report]()
+    def __init__(self, node: Any, pid: int, topics: Iterable[Topic], viewer: int | None) -> None:
+        self._pid, self._viewer, self.reports = pid, viewer, list[Report]()
         self.arrivals: list[tuple[float, float]] = []
         self._subscribe(node, BENCH_DIAGNOSTICS, self._on_report)
         for topic in topics:
@@ -93,7 +97,9 @@ class Subscriber:
         values = decode_diagnostics(data)[1][0].values
         if int(values["blocks"]):
             processor, memory = processor_times(self._pid), resident(self._pid)
-            self.reports.append(Report(time.monotonic(), float(values["simulated [s]"]), processor, memory, int(values["late_blocks"])))
+            viewer = sum(processor_times(self._viewer).values()) if self._viewer is not None else 0.0
+            simulated, late = float(values["simulated [s]"]), int(values["late_blocks"])
+            self.reports.append(Report(time.monotonic(), simulated, processor, memory, late, viewer))
 
     def interval(self) -> Interval:
         """Return the interval after settling."""
@@ -101,15 +107,20 @@ class Subscriber:
         return Interval(begin, end, [wall - stamp for wall, stamp in self.arrivals if begin.wall <= wall <= end.wall])
 
 
-def measured(seconds: float, topics: Iterable[Topic], *settings: str) -> Interval:
-    """Return the progress and cost of a simulator in a wall time [s] while this process subscribes to some topics."""
+def measured(seconds: float, topics: Iterable[Topic], *settings: str, view: Path | None = None) -> Interval:
+    """Return the progress and cost of a simulator in a wall time [s] while this process subscribes to some topics, and a viewer to all."""
     node, executor = rclpy.create_node("subscriber", namespace=NAMESPACE), SingleThreadedExecutor()
     executor.add_node(node)
     arguments = [word for setting in settings for word in ("-p", setting)]
     try:
-        with node_process("simulator", ["--ros-args", "--log-level", "warn", *arguments]) as process:
-            subscriber, last = Subscriber(node, process.pid, topics), time.monotonic()
-            reports = subscriber.reports
+        with ExitStack() as stack:
+            viewer = stack.enter_context(node_process("viewer", ["--save", str(view)])) if view else None
+            patience = time.monotonic() + PATIENCE
+            while viewer and node.count_subscribers(VIBRATION.resolved(NAMESPACE)) < 1 and time.monotonic() < patience:
+                executor.spin_once(timeout_sec=0.1)
+            process = stack.enter_context(node_process("simulator", ["--ros-args", "--log-level", "warn", *arguments]))
+            subscriber = Subscriber(node, process.pid, topics, viewer.pid if viewer else None)
+            reports, last = subscriber.reports, time.monotonic()
             while len(reports) <= SETTLING or reports[-1].wall - reports[SETTLING].wall < seconds:
                 executor.spin_once(timeout_sec=0.1)
                 last = reports[-1].wall if reports else last
@@ -170,11 +181,22 @@ def real_time(seconds: float, folder: Path) -> None:
     print(f"| resident memory | {measurement.begin.memory:.0f} MB, then {measurement.end.memory:.0f} MB | flat |", flush=True)
 
 
+def views(rounds: int, seconds: float, folder: Path) -> None:
+    """Print the influence of a view at time scale 1.0: alternating runs without and with it, each measured for a wall time [s]."""
+    print("\n| bench | late blocks | simulator, % of a core | viewer, % of a core |\n|---|---|---|---|")
+    for view in [None, folder / "view.rrd"] * rounds:
+        run = measured(seconds, (), "time_scale:=1.0", view=view)
+        simulator, viewer = sum(run.processor.values()), run.end.viewer - run.begin.viewer
+        shares = f"{100.0 * simulator / run.wall:.1f} | {100.0 * viewer / run.wall:.1f}"
+        print(f"| {'with viewer' if view else 'alone'} | {run.end.late - run.begin.late} | {shares} |", flush=True)
+
+
 def main() -> None:
-    """Print two tables."""
+    """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--flat-out", type=float, default=4.0, help="wall time of each measurement at full speed [s]; 0 for none")
     parser.add_argument("--duration", type=float, default=20.0, help="wall time at time scale 1.0 [s]; 0 for none")
+    parser.add_argument("--views", type=int, default=3, help="runs without and with a view, each of the same wall time")
     options = parser.parse_args()
     print(f"Load average before: {os.getloadavg()[0]:.1f}\n")
     with observing(), tempfile.TemporaryDirectory(prefix="dcrb-") as folder:
@@ -182,6 +204,7 @@ def main() -> None:
             full_speed(options.flat_out, Path(folder))
         if options.duration > 0.0:
             real_time(options.duration, Path(folder))
+            views(options.views, options.duration, Path(folder))
 
 
 if __name__ == "__main__":

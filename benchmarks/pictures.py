@@ -52,7 +52,7 @@ SIGNALS = (
     "drawing dcrb_ros/measurement/housing_priors.py",
     DRAWN_ROW,
 )
-SIGNALS_RUN = "python {root}/benchmarks/signal_pictures.py $MEASURED -o {images} --kinds "
+SIGNALS_RUN = "python {root}/benchmarks/signal_realism.py $MEASURED --pictures {images}"
 LIVES = ("file config/sweeps/twenty_lives.yaml", "drawing examples/remaining_life.py", "samples oiled_outer_ring_defect")
 CALIBRATION = ("bench healthy", "samples oiled_healthy", "drawing dcrb_ros/plots/comparison.py")
 SIM_TO_REAL_RUN = "python {root}/benchmarks/sim_to_real.py $MEASURED -o out && "
@@ -139,8 +139,8 @@ PICTURES = {
     "sim-to-real-gap": Picture(SIM_TO_REAL_RUN + "cp out/gaps.png {file}", SIM_TO_REAL),
     "realism-healthy": Picture("python {root}/benchmarks/realism.py $MEASURED --pictures {images}", ("bench healthy", *REALISM)),
     "realism-outer": Picture("python {root}/benchmarks/realism.py $MEASURED --pictures {images}", ("bench outer_ring_defect", *REALISM)),
-    "signals-outer": Picture(SIGNALS_RUN + "outer", ("bench healthy", *SIGNALS)),
-    "signals-inner": Picture(SIGNALS_RUN + "inner", SIGNALS),
+    "signals-outer": Picture(SIGNALS_RUN, ("bench healthy", *SIGNALS)),
+    "signals-inner": Picture(SIGNALS_RUN, SIGNALS),
     "predictivity": Picture(
         "python {root}/benchmarks/predictivity.py $MEASURED --published --machines 4 --counterparts 2 --longest 3"
         " --only 'path, impacts and background' -o predictivity.md --figure {file}",

@@ -31,6 +31,7 @@ RECORDING_FACTOR = 5
 """Factor by which runs with a recording are longer [-]; opening and closing a recording takes 40 ms."""
 BENCHES = {
     "healthy": (),
+    "healthy, heat and tacho": ("thermal.law=network", "tacho.pulses_per_turn=60"),
     "outer_ring_defect": (),
     "dry": (),
     "dry, outer ring defect": ("faults.outer_1.width=0.002",),

@@ -8,7 +8,6 @@ with its samples as ``a``. Only statistics and pictures leave it.
 from __future__ import annotations
 
 import argparse
-import csv
 from collections import defaultdict
 from collections.abc import Sequence
 from pathlib import Path
@@ -23,13 +22,13 @@ from dcrb_ros.bearing.frequencies import Orders, characteristic_orders
 from dcrb_ros.bearing.payload import cage_speed
 from dcrb_ros.core.laws.lubricants import lubricant_of
 from dcrb_ros.core.laws.viscosity import kinematic_viscosity
+from dcrb_ros.exam.measured import read_measured
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.validation.friction_moment import friction_moment
 from dcrb_ros.validation.realism import Statistics, lines_of, squared_envelope, statistics
 
-GRAVITY = 9.80665
 BENCHES = {"healthy": "healthy", "outer_ring": "outer_ring_defect"}
 SEEDS = range(1, 9)
 MODES = 6
@@ -42,12 +41,8 @@ SHOWN = ("cw48_N_0", "hitself_Normal_1200", "mfpt_O3", "hitself_OR5_1200")
 """Measured recordings in the pictures: two of healthy bearings, two of outer-ring faults."""
 BORE, OUTSIDE = 0.130, 0.250
 """Diameters of NJ(P)3226X1 [m]."""
-ROW_NAMES = (
-    "time [ms], acceleration over its rms [-]",
-    "frequency [kHz], power density over the power [1/Hz]",
-    "order over BPFO, depth [-]",
-)
-"""Axes of a row of a picture."""
+ROW_NAMES = ("time [ms], acceleration over its rms [-]", "frequency [kHz], power density over the power [1/Hz]")
+"""First axes of a row of a picture."""
 POINTS = (
     *((speed, 100e3, 60.0) for speed in (31.416, 62.832, 125.664, 188.496)),
     *((125.664, load, 60.0) for load in (5e3, 20e3, 50e3, 200e3)),
@@ -87,13 +82,11 @@ def simulated(bench: str, seed: int, *settings: str) -> tuple[Case, Case]:
 def measured(folder: Path) -> dict[tuple[str, str], list[Case]]:
     """Return the recordings of a folder by truth and rig."""
     cases: dict[tuple[str, str], list[Case]] = defaultdict(list)
-    for row in csv.DictReader((folder / "recordings.csv").open()):
-        unit = GRAVITY if row["unit"] == "g" else 1.0
-        with np.load(folder / "recordings" / f"{row['name']}.npz") as content:
-            values = content["a"].astype(np.float64) * unit
-        orders = Orders(**{name: float(row[name.upper()]) for name in ("ftf", "bpfo", "bpfi", "bsf")})
-        case = Case(row["name"], values - values.mean(), float(row["sampling_rate"]), float(row["speed_rpm_from_lines"]) / 60.0, orders)
-        cases[row["truth"], row["rig"]].append(case)
+    for recording in read_measured(folder):
+        values = recording.samples()
+        cases[recording.truth, recording.rig].append(
+            Case(recording.name, values - values.mean(), float(recording.rate), recording.speed, recording.orders)
+        )
     return cases
 
 
@@ -165,12 +158,12 @@ def draw_row(row: Sequence[Axes], case: Signal, order: float) -> None:
         ax.tick_params(labelsize="x-small")
 
 
-def draw(path: Path, cases: list[Case]) -> None:
-    """Draw a row for each case."""
+def draw(path: Path, cases: Sequence[Signal], orders: Sequence[float], line: str = "BPFO") -> None:
+    """Draw a row for each case, with the squared envelope spectrum over multiples of its order of a line [-]."""
     figure, axes = plt.subplots(len(cases), 3, figsize=(13.0, 2.1 * len(cases)), layout="constrained")
-    for row, case in zip(axes, cases, strict=True):
-        draw_row(row, case, case.orders.bpfo)
-    for ax, name in zip(axes[-1], ROW_NAMES, strict=True):
+    for row, case, order in zip(axes, cases, orders, strict=True):
+        draw_row(row, case, order)
+    for ax, name in zip(axes[-1], (*ROW_NAMES, f"order over {line}, depth [-]"), strict=True):
         ax.set_xlabel(name, fontsize="small")
     figure.savefig(path, dpi=80)
     plt.close(figure)
@@ -181,7 +174,8 @@ def draw_pictures(folder: Path, pictures: Path) -> None:
     named = {case.name: case for cases in measured(folder).values() for case in cases}
     shown = [named[name] for name in SHOWN]
     for truth, name, theirs in (("healthy", "realism-healthy.png", shown[:2]), ("outer_ring", "realism-outer.png", shown[2:])):
-        draw(pictures / name, [*(simulated(BENCHES[truth], seed)[0] for seed in SEEDS[:2]), *theirs])
+        cases = [*(simulated(BENCHES[truth], seed)[0] for seed in SEEDS[:2]), *theirs]
+        draw(pictures / name, cases, [case.orders.bpfo for case in cases])
 
 
 def print_tables(folder: Path) -> None:

@@ -7,14 +7,14 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
-import os
 import statistics
-import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+
+from start import Cost, cost
 
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.topics import VIBRATION, Message
@@ -59,16 +59,6 @@ def written(path: Path, configuration: Configuration, simulation: Simulation, bl
             recorder.write_messages(messages)
 
 
-@dataclasses.dataclass(frozen=True)
-class Cost:
-    """Cost of a call or command."""
-
-    wall: float
-    """Wall time [s]."""
-    processor: float
-    """Processor time of all threads [s]."""
-
-
 def converted(bag: Path, file: Path) -> Cost:
     """Return the cost of the conversion in a process that has imported everything."""
     from dcrb_ros.viewer.show import view_recording
@@ -76,17 +66,13 @@ def converted(bag: Path, file: Path) -> Cost:
     file.unlink(missing_ok=True)
     busy = time.process_time()
     wall = timed(lambda: view_recording(bag, save=file, screenshot=None, web=False))
-    return Cost(wall, time.process_time() - busy)
+    return Cost(wall, time.process_time() - busy, 0.0, "")
 
 
 def commanded(bag: Path, file: Path) -> Cost:
     """Return the cost of the whole command, including the start of Python and all imports."""
     file.unlink(missing_ok=True)
-    command = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()", "view", str(bag), "--save", str(file)]
-    before = os.times()
-    wall = timed(lambda: subprocess.run(command, check=True, stdout=subprocess.DEVNULL))
-    after = os.times()
-    return Cost(wall, after.children_user - before.children_user + after.children_system - before.children_system)
+    return cost([sys.executable, "-m", "dcrb_ros.cli.program", "view", str(bag), "--save", str(file)])
 
 
 def print_view(folder: Path, simulation: Simulation, blocks: list[Block], seconds: float, runs: int) -> None:
@@ -102,8 +88,8 @@ def print_view(folder: Path, simulation: Simulation, blocks: list[Block], second
     print("|---|---|---|---|---|")
     for name, work in (("conversion", converted), ("whole command, start-up included", commanded)):
         costs = [work(bag, file) for _ in range(runs)]
-        walls = sorted(cost.wall for cost in costs)
-        wall, processor = statistics.median(walls), statistics.median(cost.processor for cost in costs)
+        walls = sorted(each.wall for each in costs)
+        wall, processor = statistics.median(walls), statistics.median(each.processor for each in costs)
         extremes = f"{seconds / walls[-1]:.1f}, {seconds / walls[0]:.1f}"
         print(f"| {name} | {seconds / wall:.1f} | {extremes} | {wall:.2f} | {processor:.2f} |", flush=True)
     print(f"\n{file.stat().st_size / seconds / 1e6:.2f} MB per recorded second")

@@ -1,7 +1,8 @@
 """Statistics of impacts of simulated bearings beside those of measured rigs, for docs/results/signals.md.
 
 ``python benchmarks/signal_realism.py MEASURED -o FOLDER [--page FILE] [--machines 16]``; MEASURED is a folder as for `realism.py`. The
-statistics of each variant are kept in FOLDER, and a second call continues. ``--page`` rewrites the part of a page between its marks.
+statistics of each variant are kept in FOLDER, and a second call continues. ``--page`` rewrites the part of a page between its marks. With
+``--pictures DIRECTORY`` it draws the pictures instead.
 """
 
 from __future__ import annotations
@@ -15,7 +16,22 @@ from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
 
-from signal_machines import RIGS, Row, measured_rows, read_rows, simulated_rows, write_rows
+from realism import draw
+from signal_machines import (
+    BENCHES,
+    RIGS,
+    TRUTHS,
+    Case,
+    Row,
+    case_of,
+    measured_rows,
+    order_of,
+    read_rows,
+    recordings,
+    run_of,
+    simulated_rows,
+    write_rows,
+)
 from signal_page import aims_table, table
 
 from dcrb_ros.text.writing import write_whole
@@ -32,6 +48,8 @@ VARIANTS = {
 }
 """The parts of the model by drawing and place: housing, impacts that differ, and background."""
 SHOWN = tuple(name for names in VARIANTS.values() for name in names.values())
+PICTURED = {"outer": (("6205", 1), ("6205", 2), ("axle box", 1)), "inner": (("6205", 1), ("6205", 2))}
+"""Bearing and seed of the simulated machines by kind of defect."""
 MARKS = re.compile(r"(<!-- begin of the tables -->\n).*(<!-- end of the tables -->)", re.DOTALL)
 
 
@@ -82,15 +100,37 @@ def page(rigs: dict[str, list[Row]], groups: dict[str, list[Row]], machines: int
     yield ""
 
 
+def typical(folder: Path, rig: str, kind: str) -> Case:
+    """Return the recording of a rig with a kind of defect whose R is the median, the lower one of two."""
+    found = [case for case, its, truth in recordings(folder).values() if (its, truth) == (RIGS[rig][0], TRUTHS[kind])]
+    ranked = sorted(found, key=lambda case: case.ratio(kind))
+    return ranked[(len(ranked) - 1) // 2]
+
+
+def draw_pictures(folder: Path, pictures: Path) -> None:
+    """Draw the recordings with the median R of each rig beside the first simulated machines, a picture for each kind of defect."""
+    for kind in PICTURED:
+        cases = [typical(folder, rig, kind) for rig in RIGS]
+        for bearing, seed in PICTURED[kind]:
+            run = run_of(bearing, kind, seed, "drawn")
+            cases.append(case_of(run, f"simulated: {bearing}, machine {seed}", BENCHES[bearing][2], ring=False))
+        line = "BPFO" if kind == "outer" else "BPFI"
+        draw(pictures / f"signals-{kind}.png", cases, [order_of(case.orders, kind) for case in cases], line)
+
+
 def main() -> None:
-    """Simulate what is missing, and print the tables or write them to a page."""
+    """Simulate what is missing, and print the tables or write them to a page; or draw the pictures."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("measured", type=Path)
     parser.add_argument("-o", "--output", type=Path, default=Path("signals"))
     parser.add_argument("--machines", type=int, default=16)
     parser.add_argument("--boxes", type=int, default=8)
     parser.add_argument("--page", type=Path)
+    parser.add_argument("--pictures", type=Path, help="folder of the pictures; then no tables are made")
     given = parser.parse_args()
+    if given.pictures:
+        draw_pictures(given.measured, given.pictures)
+        return
     given.output.mkdir(parents=True, exist_ok=True)
     rigs = measured(given.measured, given.output)
     groups = simulated(given.output, "6205", given.machines) | simulated(given.output, "axle box", given.boxes)

@@ -25,11 +25,9 @@ from sim_to_real_data import (
     simulated_windows,
     sweep_tree,
 )
-from sim_to_real_drawn import drawn_windows
 from sim_to_real_figure import write_figure, write_gaps
-from sim_to_real_gap import Gap, gaps_of
-from sim_to_real_noise import noisy_windows
-from sim_to_real_scores import Gain, Score, chosen, forest_scores, gain, left_out_scores, rule_scores, scored
+from sim_to_real_scores import Gain, Gap, Score, chosen, forest_scores, gain, gaps_of, left_out_scores, rule_scores, scored
+from sim_to_real_trainings import drawn_windows, noisy_windows
 
 from dcrb_ros.calibration.calibration import calibrate
 from dcrb_ros.settings.files import load_configuration, to_yaml

@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import matplotlib.pyplot as plt
-from sim_to_real_gap import Gap
-from sim_to_real_scores import Score
+from sim_to_real_scores import Gap, Score
 
 COLOURS = ("C0", "0.6", "C2")
 """Colours of the trainings."""

@@ -1,13 +1,9 @@
-"""Time to the first block with and without cached kernels, and cost of the node at full speed and in real time with a recording.
-
-Every figure is measured in a process of its own.
-"""
+"""Time to the first block with and without cached kernels; every figure is measured in a process of its own."""
 
 from __future__ import annotations
 
 import argparse
 import os
-import re
 import statistics
 import subprocess
 import sys
@@ -52,18 +48,6 @@ def cost(command: list[str], **changes: str) -> Cost:
     return Cost(time.perf_counter() - begin, usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024 / 1e6, text)
 
 
-def node(duration: float, *settings: str) -> Cost:
-    """Return the cost of the simulator node for a simulated time [s]."""
-    parameters = [word for setting in settings for word in ("-p", setting)]
-    module = [sys.executable, "-m", "dcrb_ros.nodes", "simulator", "--duration", str(duration), "--ros-args", *parameters]
-    return cost(module)
-
-
-def first_block(output: str) -> float:
-    """Return the time to the first block in a node's log [s]."""
-    return float(re.findall(r"first block (\d+\.\d+) s", output)[0])
-
-
 def warm_starts() -> None:
     """Print the processor time of the first block and of `dcrb detect`, medians of alternating processes with warm caches."""
     with tempfile.TemporaryDirectory() as folder:
@@ -80,17 +64,15 @@ def warm_starts() -> None:
         costs = [run[name] for run in measured]
         wall, processor = statistics.median(c.wall for c in costs), statistics.median(c.processor for c in costs)
         memory = statistics.median(c.memory for c in costs)
-        print(f"| {name}, median of {STARTED} | {wall:.1f} | {processor:.2f} | {memory:.0f} | |", flush=True)
+        print(f"| {name}, median of {STARTED} | {wall:.1f} | {processor:.2f} | {memory:.0f} |", flush=True)
 
 
 def main() -> None:
     """Print a table."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--duration", type=float, default=30.0, help="simulated time of the node in real time [s]")
     parser.add_argument("--warm", action="store_true", help="measure only starts with warm caches")
     given = parser.parse_args()
-    duration = given.duration
-    print("| process | wall [s] | processor [s] | memory [MB] | |\n|---|---|---|---|---|")
+    print("| process | wall [s] | processor [s] | memory [MB] |\n|---|---|---|---|")
     warm_starts()
     if given.warm:
         return
@@ -99,18 +81,7 @@ def main() -> None:
         with tempfile.TemporaryDirectory() as folder:
             for name in ("cold", "warm"):
                 found = cost(command, NUMBA_CACHE_DIR=folder)
-                print(f"| first block, {name}, {joint} | {found.wall:.1f} | {found.processor:.1f} | {found.memory:.0f} | |", flush=True)
-    node(1.0, "time_scale:=0.0")
-    short, long = node(5.0, "time_scale:=0.0"), node(35.0, "time_scale:=0.0")
-    factor = 30.0 / (long.wall - short.wall)
-    about = f"first block after {first_block(long.output):.2f} s, then {factor:.2f} x real time"
-    print(f"| node at full speed, 35 s | {long.wall:.1f} | {long.processor:.1f} | {long.memory:.0f} | {about} |", flush=True)
-    with tempfile.TemporaryDirectory() as folder:
-        short = node(1.0)
-        found = node(duration, f"recording.path:={Path(folder) / 'bag'}")
-    share = (found.processor - short.processor) / (duration - 1.0)
-    about = f"{100.0 * share:.0f} % of a core"
-    print(f"| node in real time, recording | {found.wall:.1f} | {found.processor:.1f} | {found.memory:.0f} | {about} |", flush=True)
+                print(f"| first block, {name}, {joint} | {found.wall:.1f} | {found.processor:.1f} | {found.memory:.0f} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -19,7 +19,8 @@ from scipy.signal import butter, sosfiltfilt
 
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.vehicle.file import read_vehicle
-from dcrb_ros.vehicle.model import FRAME, VehicleModel
+from dcrb_ros.vehicle.frame import FRAME
+from dcrb_ros.vehicle.model import VehicleModel
 from dcrb_ros.vehicle.simulation import VehicleSimulation
 
 SPEEDS = (72.0, 144.0, 216.0)

@@ -13,39 +13,16 @@ from launch import LaunchContext, LaunchDescription
 ARGUMENTS = {
     "vehicle": launching.Argument("bogie", "vehicle: a YAML file or a shipped one"),
     "scenario": launching.Argument("", "a scenario file of the vehicle or a shipped one, such as bogie_ride"),
-    "record": launching.Argument("", "folder of a recording; empty for none"),
-    "duration": launching.DURATION,
-    "time_scale": launching.TIME_SCALE,
-    "clock": launching.Argument("", "whether to publish /clock: true or false; empty for the vehicle's", bool),
-    "rerun": launching.Argument("false", "whether to show the vehicle in Rerun: true or false", bool),
-    "listeners": launching.Argument("", launching.LISTENERS, int),
-    "wait": launching.WAIT,
-    **launching.common("dcrb"),
+    **launching.run_arguments("vehicle", "vehicle"),
 }
-PARAMETERS = {
-    "time_scale": "time_scale",
-    "record": "recording.path",
-    "clock": "publishing.clock",
-    "listeners": "publishing.listeners",
-    "wait": "publishing.wait",
-}
-"""Parameters of the simulator by the arguments that set them."""
 
 
 def nodes(context: LaunchContext) -> list[Any]:
     """Return simulator and detector of the vehicle, with the viewer if it is requested."""
-    given = launching.values_of(context, ARGUMENTS)
-    if given["listeners"] is None:
-        given["listeners"] = 2 if given["rerun"] else 1
+    given = launching.run_values(context, ARGUMENTS)
     namespace = given["namespace"]
-    scenario = given["scenario"]
-    parameters = launching.vehicle_parameters("vehicle", given, PARAMETERS, scenario)
-    extra = [
-        "--vehicle",
-        given["vehicle"],
-        *(["--scenario", scenario] if scenario else []),
-        *launching.duration_arguments(given["duration"]),
-    ]
+    parameters = launching.vehicle_parameters("vehicle", given, launching.RUN, given["scenario"])
+    extra = ["--vehicle", given["vehicle"], *launching.run_options(given)]
     detector = {f"boxes.{key}": value for key, value in launching.detector_parameters(given["detector"]).items()}
     return [
         *launching.suspicions(context, ARGUMENTS),

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
+from dcrb_ros.schema.arguments import number
 from dcrb_ros.schema.refusal import Refusal
 
 CHARACTERISTIC_FREQUENCIES = ("FTF", "BPFO", "BPFI", "BSF")
@@ -34,6 +35,8 @@ class Orders:
 
     def __post_init__(self) -> None:
         by_name = self.as_dict()
+        for name, order in by_name.items():
+            number(name, order)
         if all(map(math.isnan, by_name.values())):
             return
         for name, order in by_name.items():

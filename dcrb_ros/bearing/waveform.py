@@ -15,6 +15,7 @@ import numpy.typing as npt
 from dcrb_ros.bearing.fault_lines import UNKNOWN, BearingLike, orders_of
 from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.runtime.frames import pandas
+from dcrb_ros.schema.arguments import numbers
 from dcrb_ros.schema.arrays import Floats, Integers, Samples
 from dcrb_ros.schema.numbers import finite_number
 from dcrb_ros.schema.refusal import Refusal
@@ -145,6 +146,8 @@ class Waveform:
             raise Refusal("the acceleration has rows of different lengths: give an array of shape (samples, 2) or (samples,)") from None
         columns = np.column_stack([values, values]) if values.ndim == 1 else values
         samples = len(columns) if columns.ndim else 0
+        if shaft_angle is not None:
+            numbers("shaft_angle", shaft_angle)
         angle = np.full(samples, np.nan) if shaft_angle is None else np.asarray(shaft_angle)
         if columns.shape != (samples, 2) or angle.shape != (samples,) or not samples:
             beside = "" if shaft_angle is None else f" with a shaft angle of shape {angle.shape}"

@@ -166,6 +166,8 @@ def calibrate(
     >>> twin = dcrb_ros.simulate(calibration.configuration, 3.0)
     """
     duration_within("source_seconds =", source_seconds, LONGEST_SOURCE, "4 s give spectra within 0.5 dB")
+    if not isinstance(recordings, (Signal, list, tuple)):
+        raise Refusal(f"recordings is a {type(recordings).__name__}: give a recording of the healthy machine, or a list of them")
     given = [recordings] if isinstance(recordings, Signal) else list(recordings)
     called = list(names) or [_name(signal, number) for number, signal in enumerate(given, 1)]
     if len(called) != len(given):

@@ -17,6 +17,7 @@ from dcrb_ros.diagnosis.demodulation import NYQUIST_SHARE
 from dcrb_ros.diagnosis.features.envelope_lines import WIDE, envelope_order_spectrum
 from dcrb_ros.diagnosis.features.extraction import extract_features
 from dcrb_ros.diagnosis.order_tracking import LEAST_TURNS, forward_turns, unwrapped_turns
+from dcrb_ros.schema.arguments import checked_arguments, texts
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
 
@@ -122,6 +123,7 @@ def _number(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
+@checked_arguments(names=texts)
 def compare(
     first: Signal, second: Signal, *, names: tuple[str, str] = ("A", "B"), progress: Callable[[str], None] = lambda step: None
 ) -> RecordingComparison:

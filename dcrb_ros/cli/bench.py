@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated
@@ -48,6 +49,7 @@ def bench(
     from dcrb_ros.simulation.scenario import read_scenario
 
     seconds = checked_duration(duration)
+    _check_settings(settings or (), {"time_scale": ("--time-scale", time_scale), "recording.path": ("--record", record)})
     extra = [f"time_scale={time_scale!r}"] if time_scale is not None else []
     extra += [f"recording.path={str(record)!r}"] if record else []
     if vehicle is not None:
@@ -80,3 +82,15 @@ def bench(
 
         status = run(config, configuration, parameters, seconds, scenario, shown=rerun)
     raise typer.Exit(status)
+
+
+def _check_settings(settings: Sequence[str], options: Mapping[str, tuple[str, object]]) -> None:
+    """Refuse a setting of a parameter that an option sets, too; ``options`` has name and value of the option by the key.
+
+    Raises:
+        Refusal: one is given twice.
+    """
+    for key in options.keys() & {setting.partition("=")[0].strip() for setting in settings}:
+        option, value = options[key]
+        if value is not None:
+            raise Refusal(f"{option} and --set {key} set the same parameter: leave out one of them")

@@ -14,7 +14,7 @@ from dcrb_ros.schema.refusal import Refusal
 def collect(
     table: Annotated[Path, typer.Argument(metavar="LIST.csv", help="CSV file with the columns file and fault, and others if known.")],
     output: Annotated[Path, typer.Option("-o", "--output", help="New folder of the data set.")],
-    about: Annotated[str, typer.Option(help="Description of the files: a YAML file or the name of a public data set, as of import.")] = "",
+    about: Annotated[str, typer.Option(help="Description of files without their own: a YAML file or the name of a public data set.")] = "",
     window: Annotated[int, typer.Option(min=16, max=10_000_000, help="Samples in a window.")] = 4096,
     overlap: Annotated[float, typer.Option(min=0.0, max=0.99, help="Overlap of windows as a share of their length.")] = 0.0,
     rate: Annotated[int, typer.Option(min=0, help="Decimate all recordings to this sampling rate in Hz; 0 leaves them.")] = 0,

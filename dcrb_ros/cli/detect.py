@@ -192,6 +192,8 @@ def _learned(
         return None
     if baseline is not None:
         raise Refusal("--healthy and --baseline both give a baseline: leave out one of them")
+    if parameters.baseline:
+        raise Refusal(f"--healthy and the baseline {parameters.baseline} in --detector both give a baseline: leave out one of them")
     if save is not None:
         check_output("--save-baseline", save, (".yaml", ".yml"))
     recording = Recording(healthy)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,6 +16,11 @@ if TYPE_CHECKING:
 
 MOST_WORKERS = 256
 """Largest number of parallel runs that is accepted [-]."""
+OF_NODES = {
+    "time_scale": "the simulation runs as fast as it can",
+    "recording.path": "and name the recording with -o",
+}
+"""Parameters that only nodes use, each with what takes their place in a command without nodes."""
 
 Bag = Annotated[Path, typer.Argument(help="Recording: its folder, or a single .mcap or .db3 file.")]
 Config = Annotated[
@@ -60,6 +66,35 @@ def worker_count(workers: int) -> int:
     from dcrb_ros.runtime.processes import cores
 
     return workers or cores()
+
+
+def refuse_given(context: typer.Context, reason: str, *names: str) -> None:
+    """Refuse options that the command line has although they would have no effect.
+
+    Args:
+        context: the command line.
+        reason: the rest of the sentence, such as ``applies to --node only``.
+        names: parameters of the command, by their names in Python.
+
+    Raises:
+        Refusal: one of them is given.
+    """
+    for parameter in context.command.params:
+        source = context.get_parameter_source(str(parameter.name))
+        if parameter.name in names and source is not None and source.name == "COMMANDLINE":
+            raise Refusal(f"{max(parameter.opts, key=len)} {reason}")
+
+
+def refuse_node_settings(settings: Sequence[str] | None) -> None:
+    """Refuse settings that only the nodes use, in a command without nodes.
+
+    Raises:
+        Refusal: one of them is given.
+    """
+    keys = [setting.partition("=")[0].strip() for setting in settings or ()]
+    for key in keys:
+        if key in OF_NODES:
+            raise Refusal(f"--set {key} has no effect without nodes: leave it out, {OF_NODES[key]}")
 
 
 def warn_of_digest(recording: Recording, name: str) -> None:

@@ -13,7 +13,7 @@ import typer
 from dcrb_ros.cli import completion
 from dcrb_ros.cli.evaluation import DetectorOptions, evaluate_bags, evaluate_exam, evaluate_measured_folder, evaluate_vehicle_exam
 from dcrb_ros.cli.exam_list import print_scenarios, print_vehicles
-from dcrb_ros.cli.options import DetectorFile, JsonOutput, Quiet, Workers, worker_count
+from dcrb_ros.cli.options import DetectorFile, JsonOutput, Quiet, Workers, refuse_given, worker_count
 from dcrb_ros.cli.report_output import check_files, output_report
 from dcrb_ros.schema.refusal import Refusal
 
@@ -22,8 +22,15 @@ if TYPE_CHECKING:
     from dcrb_ros.exam.limits import Limits
     from dcrb_ros.exam.vehicle.exam_file import VehicleExam
 
+EVALUATION = (
+    *("node", "python", "reference", "detector", "rate", "patience", "block_limit", "scenario_limit", "memory_limit"),
+    *("recordings", "workers", "as_json", "junit", "figure", "entry", "name"),
+)
+"""Options without effect on a list of scenarios."""
+
 
 def score(
+    context: typer.Context,
     sources: Annotated[
         list[str] | None,
         typer.Argument(
@@ -84,6 +91,7 @@ def score(
         _check(given, rate, patience, node, detector, reference)
     limits = _limits(block_limit, scenario_limit, memory_limit)
     _check_python(python, node, detector, reference, limits)
+    _check_effect(context, measured, node, python, show=show)
     count = worker_count(workers)
     check_files(junit, figure, entry)
     options = DetectorOptions(node, python, detector, rate, patience, limits, name)
@@ -97,6 +105,8 @@ def score(
         report = evaluate_measured_folder(measured, options, speed, count, quiet=quiet)
     elif bags:
         run_detector = reference or any(option is not None for option in (node, python, detector))
+        if not run_detector:
+            refuse_given(context, "applies to a detector, but the diagnoses in the recordings are scored: leave it out", "name", "workers")
         report = evaluate_bags([Path(bag) for bag in bags], options, run_detector=run_detector, workers=count, quiet=quiet)
     else:
         from dcrb_ros.exam.exam_file import read_exam
@@ -171,6 +181,18 @@ def _check_python(python: str | None, node: str | None, detector: Path | None, r
     from dcrb_ros.exam.plugin_process import check_plugin
 
     check_plugin(python, limits)
+
+
+def _check_effect(context: typer.Context, measured: Path | None, node: str | None, python: str | None, *, show: bool) -> None:
+    """Refuse options that would have no effect."""
+    if show:
+        refuse_given(context, "does not apply to --list, which evaluates nothing: leave it out", *EVALUATION)
+    if measured is None:
+        refuse_given(context, "applies to --measured only: leave it out", "speed")
+    if node is None:
+        refuse_given(context, "applies to --node only: leave it out", "rate", "patience")
+    if python is None:
+        refuse_given(context, "applies to --python only: leave it out", "block_limit", "scenario_limit", "memory_limit")
 
 
 def _is_recording(path: Path) -> bool:

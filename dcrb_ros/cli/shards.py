@@ -7,10 +7,12 @@ from typing import Annotated
 
 import typer
 
+from dcrb_ros.cli.options import refuse_given
 from dcrb_ros.schema.refusal import Refusal
 
 
 def shards(
+    context: typer.Context,
     source: Annotated[Path, typer.Argument(help="Folder of a data set; with --remake the index.json of shards.")],
     output: Annotated[Path, typer.Option("-o", "--output", help="New folder of the shards; with --remake the new shard.")],
     runs: Annotated[int, typer.Option(min=1, max=1_000_000, help="Least number of runs in a shard.")] = 100,
@@ -28,6 +30,7 @@ def shards(
         names = write_shards(source, output, runs)
         print(f"{output}: {len(names)} shards and their index")
         return
+    refuse_given(context, "does not apply to --remake, which makes the shard as the index describes it: leave it out", "runs")
     if output.exists():
         raise Refusal(f"-o {output} exists: give a new file")
     print(f"{output}: made again with the SHA-256 {remake_shard(source, remake, output)} of the index")

@@ -14,7 +14,7 @@ import typer
 
 from dcrb_ros.cli import completion
 from dcrb_ros.cli.first_start import compilation_shown
-from dcrb_ros.cli.options import Duration, Force, JsonOutput, Quiet, Scenario, Settings
+from dcrb_ros.cli.options import Duration, Force, JsonOutput, Quiet, Scenario, Settings, refuse_given, refuse_node_settings
 from dcrb_ros.cli.output_file import replacing
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.simulated_time import checked_duration
@@ -49,6 +49,7 @@ class Progress(NamedTuple):
 
 
 def simulate(
+    context: typer.Context,
     config: Annotated[
         str | None,
         typer.Argument(help="Configuration: a YAML file or a shipped name, such as healthy.", autocompletion=completion.configurations),
@@ -81,6 +82,7 @@ def simulate(
     if source is not None:
         if config or settings or scenario or vehicle:
             raise Refusal("--from reads configuration and scenario from the recording: leave out CONFIG, --vehicle, --set and --scenario")
+        refuse_given(context, "does not apply to --from, which simulates all of the recording: leave it out", "duration")
         from dcrb_ros.recordings.vehicle_folder import box_of, vehicle_boxes
 
         if vehicle_boxes(source):
@@ -94,6 +96,7 @@ def simulate(
                 stack.enter_context(replacing("-o", output, force=force, source=source))
             reproduce(source, output, quiet=quiet, as_json=as_json)
         return
+    refuse_node_settings(settings)
     if vehicle is not None:
         if config:
             raise Refusal("--vehicle names a file with all boxes: leave out CONFIG")
@@ -160,7 +163,7 @@ def simulate_vehicle(
     as_json: bool,
 ) -> None:
     """Simulate a vehicle and write a recording with the topics of all its boxes."""
-    from dcrb_ros.recordings.vehicle import VehicleRecorder
+    from dcrb_ros.recordings.vehicle_recorder import VehicleRecorder
     from dcrb_ros.simulation.scenario import read_scenario_file
     from dcrb_ros.vehicle.file import read_parameters
     from dcrb_ros.vehicle.scenario import starting_parameters
@@ -182,7 +185,8 @@ def simulate_vehicle(
 
 def reproduce_vehicle(source: Path, output: Path | None, *, force: bool, quiet: bool, as_json: bool) -> None:
     """Simulate a vehicle's recording again and compare the samples of every box; write them if ``output`` is given."""
-    from dcrb_ros.recordings.vehicle import VehicleRecorder, VehicleRecording, VehicleReproduction
+    from dcrb_ros.recordings.vehicle import VehicleRecording, VehicleReproduction
+    from dcrb_ros.recordings.vehicle_recorder import VehicleRecorder
     from dcrb_ros.vehicle.simulation import simulation_of
 
     recording = VehicleRecording(source)

@@ -11,7 +11,7 @@ import typer
 
 from dcrb_ros.cli import completion
 from dcrb_ros.cli.first_start import announce_compilation, compilation_shown
-from dcrb_ros.cli.options import JsonOutput, Quiet, size_text
+from dcrb_ros.cli.options import JsonOutput, Quiet, refuse_given, size_text
 from dcrb_ros.runtime.optional import installed
 from dcrb_ros.schema.refusal import Refusal
 
@@ -27,6 +27,7 @@ SHOWN_FLAWS = 5
 
 
 def sweep(
+    context: typer.Context,
     sweep: Annotated[
         str, typer.Argument(help="Sweep: a YAML file or a shipped name, such as two_hundred.", autocompletion=completion.sweeps)
     ],
@@ -64,6 +65,9 @@ def sweep(
         raise Refusal("Missing option '-o': give the folder of the data set, or --dry-run to estimate time and disk space")
     if scheduler is not None and (workers is not None or memory != "auto"):
         raise Refusal("--scheduler has its own workers: leave out --workers and --memory")
+    if dry_run:
+        reason = "does not apply to --dry-run, which writes nothing and estimates the time on this machine: leave it out"
+        refuse_given(context, reason, "output", "scheduler", "memory")
     installed("fsspec", "dcrb sweep needs fsspec: pip install fsspec")
     from dcrb_ros.runtime.processes import cores
     from dcrb_ros.sweep.division import warnings_of

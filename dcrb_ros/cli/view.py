@@ -10,6 +10,7 @@ import typer
 
 from dcrb_ros.cli.options import Bag, Force
 from dcrb_ros.cli.output_file import replacing
+from dcrb_ros.schema.refusal import Refusal
 
 
 def view(
@@ -23,6 +24,8 @@ def view(
 
     Example: dcrb view bags/outer_ring_defect --save outer_ring_defect.rrd
     """
+    if web and (save is not None or screenshot is not None):
+        raise Refusal("--web opens a viewer, and --save and --screenshot write files instead: give one or the other")
     from dcrb_ros.viewer.show import view_recording
 
     with ExitStack() as stack:

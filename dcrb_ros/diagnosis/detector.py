@@ -19,18 +19,20 @@ import numpy.typing as npt
 from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.baseline_learning import BaselineLearner
 from dcrb_ros.diagnosis.combination import Combination
-from dcrb_ros.diagnosis.demodulation import QUARTERS, Demodulator, band_tree, detector_bands, kurtosis
-from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence, LevelEvidence, LevelHistory, SampleEvidence, SharedSearch, highest_searched
+from dcrb_ros.diagnosis.demodulation import Demodulator, detector_bands, kurtosis
+from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence, SharedSearch, highest_searched
 from dcrb_ros.diagnosis.healthy_baseline import HealthyBaseline, read_baseline
 from dcrb_ros.diagnosis.hysteresis import Hysteresis, confidence, least_evidence
 from dcrb_ros.diagnosis.order_spectrum import HARMONICS, SHAFT_SIDEBANDS, OrderSpectrum, order_spectra
 from dcrb_ros.diagnosis.parameters import DetectorParameters
-from dcrb_ros.diagnosis.registry import BEARING_RULES, LEVEL_RULES, SAMPLE_RULES
+from dcrb_ros.diagnosis.registry import BEARING_RULES
 from dcrb_ros.diagnosis.rule import BearingRule, Finding, LineRule, found_lines
 from dcrb_ros.diagnosis.segments import Segment, Segmenter
+from dcrb_ros.diagnosis.sensor_check import SegmentInside, SensorCheck
 from dcrb_ros.diagnosis.speed_estimation import estimated_frequency
 from dcrb_ros.diagnosis.trend import Trend
 from dcrb_ros.diagnosis.window import MOST_BINS, REFERENCE_FREQUENCY, Hop, Window, margin_samples
+from dcrb_ros.schema.arguments import checked_arguments, of_type
 from dcrb_ros.schema.numbers import sampling_rate
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.verdicts import CHARACTERISTIC, Component, Verdict
@@ -53,6 +55,7 @@ class FaultDetector:
     that `update` returns only the last one of a block that is longer than a hop.
     """
 
+    @checked_arguments(orders=of_type(Orders), parameters=of_type(DetectorParameters), baseline=of_type(HealthyBaseline, type(None)))
     def __init__(
         self,
         orders: Orders,
@@ -90,13 +93,7 @@ class FaultDetector:
         bins, hops = math.ceil(BINS_PER_ORDER * self._highest_order), max(1, round(p.window / p.hop))
         self._window = Window(demodulator, rate, self._hop, self._margin, bins, hops, p.speed_exponent)
         self._needed = min(p.least_window, p.window) - 0.5 * p.hop
-        # Levels are compared in the quarters of the band and in the band below it.
-        quarters = band_tree(p.band_low, p.band_high, (QUARTERS,))
-        self._level_bands = [k for k, band in enumerate(self._bands) if band in (*quarters, below)]
-        third = quarters[-2]
-        self._third = self._level_bands.index(self._bands.index(third)) if third in self._bands else None
-        self._sample_rules = [rule(p) for rule in SAMPLE_RULES]
-        self._level_rules = [rule(p) for rule in LEVEL_RULES]
+        self._sensor = SensorCheck(p, rate, self._hop, self._bands)
         self._bearing_rules: list[BearingRule[Any]] = [rule(p) for rule in BEARING_RULES]
         self.learner: BaselineLearner | None = None
         """Takes the evidence of every judgement, if there is one."""
@@ -105,11 +102,6 @@ class FaultDetector:
         self._combination = Combination(self._bearing_rules, p.release_margin)
         self._hysteresis = Hysteresis(p.confirm, p.release, p.release_margin, hops if p.confirm > 1 else 1)
         self._trend = Trend(p.trend_time, p.hop)
-        self._levels = LevelHistory([self._bands[k].high - self._bands[k].low for k in self._level_bands])
-        self._flaw = ""
-        """The last flaw of the sensor."""
-        self._flawed_hops = 0
-        """Hops until the samples with the last flaw have left the window."""
 
     @property
     def gaps(self) -> int:
@@ -119,7 +111,7 @@ class FaultDetector:
     @property
     def clipped(self) -> int:
         """Clipped samples so far."""
-        return sum(rule.clipped for rule in self._sample_rules)
+        return self._sensor.clipped
 
     def take_bearing(self, bearing: object) -> None:
         """Take the geometry of the bearing as a `dcrb_ros.Bearing` or a mapping of its fields; rules may have limits for it."""
@@ -159,24 +151,25 @@ class FaultDetector:
         if segment.first:
             self._window.clear()
             self._hysteresis.reset()
-            self._levels.restart()
-            self._flawed_hops = 0
+            self._sensor.restart()
         turned, p = self._turned(segment), self.parameters
         # Whether the bearing turns fast enough to be diagnosed; without a shaft angle it is assumed to.
         turning = turned is None or turned >= p.least_turns * p.hop / p.window
-        flaw = self._sample_flaw(segment, turned, turning=turning)
+        inside = SegmentInside(self._inside(segment.acceleration), self._inside(segment.missing), segment.not_finite)
+        flaw = self._sensor.flaw_of_samples(inside, turned or 0.0, self.sensor_range, turning=turning)
         hop = self._window.add(segment, self.parameters.fastest, useless=bool(flaw))
         if hop and turning and not flaw:
             flaw = self._level_flaw(hop)
-        if flaw:
-            self._flaw, self._flawed_hops = flaw, round(self.parameters.window / self.parameters.hop)
-        else:
-            self._flawed_hops = max(0, self._flawed_hops - 1)
-        if self._flawed_hops:
+        self._sensor.remember(flaw)
+        if self._sensor.flaw:
             self._hysteresis.reset()
-            return self._without_verdict(segment.last, "sensor", self._flaw)
+            return self._without_verdict(segment.last, "sensor", self._sensor.flaw)
         missing = self._what_is_missing()
         return self._without_verdict(segment.last, "waiting", missing) if missing else self._judged(segment.last)
+
+    def _level_flaw(self, hop: Hop) -> str:
+        """Return the first flaw of the sensor that a rule finds in the levels, or nothing."""
+        return self._sensor.flaw_of_levels(hop, tracked=self._window.tracked)
 
     def _inside(self, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
         """Return the part of a segment's array without the margins."""
@@ -188,26 +181,6 @@ class FaultDetector:
             return None
         turns = self._inside(segment.turns)
         return abs(float(turns[-1] - turns[0]))
-
-    def _sample_flaw(self, segment: Segment, turned: float | None, *, turning: bool) -> str:
-        """Return the first flaw of the sensor that a rule finds in the samples, or nothing."""
-        acceleration, missing = self._inside(segment.acceleration), self._inside(segment.missing)
-        known = acceleration[~missing] if missing.any() else acceleration
-        hops, frequency = max(1, round(self.parameters.window / self.parameters.hop)), (turned or 0.0) * self.rate / self._hop
-        evidence = SampleEvidence(known, len(missing), segment.not_finite, self.rate, self.sensor_range, hops, frequency)
-        for rule in self._sample_rules:
-            if len(known) >= rule.fewest_samples and (turning or rule.at_standstill):
-                flaw = rule.flaw(evidence)
-                if flaw:
-                    return flaw
-        return ""
-
-    def _level_flaw(self, hop: Hop) -> str:
-        """Return the first flaw of the sensor that a rule finds in the levels, or nothing."""
-        # Without a shaft angle a level may have fallen with the speed: levels are not compared.
-        frequency = hop.turns * self.rate / self._hop if self._window.tracked else 0.0
-        evidence = LevelEvidence(hop.powers[self._level_bands], frequency, self._third, self._levels)
-        return next((flaw for rule in self._level_rules if (flaw := rule.flaw(evidence))), "")
 
     def _what_is_missing(self) -> str:
         """Return why there is no verdict yet, or nothing."""

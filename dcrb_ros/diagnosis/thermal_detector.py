@@ -64,7 +64,8 @@ class ThermalFaultDetector(FaultDetector):
     def _latest_frequency(self, angle: npt.NDArray[Any] | None, diagnosis: Diagnosis | None) -> float:
         """Return the shaft frequency of a block [Hz]; that of the diagnosis without a shaft angle."""
         if angle is not None and len(angle) > 1:
-            steps = np.diff(np.unwrap(np.asarray(angle, np.float64)))
+            with np.errstate(invalid="ignore"):  # a message may have any bits
+                steps = np.diff(np.unwrap(np.asarray(angle, np.float64)))
             if np.isfinite(steps).all():
                 return abs(float(steps.mean())) * self.rate / (2.0 * math.pi)
         return diagnosis.shaft_frequency if diagnosis is not None and diagnosis.shaft_frequency > 0.0 else self._frequency
@@ -75,7 +76,7 @@ class ThermalFaultDetector(FaultDetector):
         if not flaw:
             frequency = hop.turns * self.rate / self._hop if self._window.tracked else 0.0
             # The last of these bands lies below the band of the detector.
-            self._noise_finding = self._noise.finding(hop.powers[self._level_bands][:-1], frequency, self._hop / self.rate)
+            self._noise_finding = self._noise.finding(hop.powers[self._sensor.bands][:-1], frequency, self._hop / self.rate)
         return flaw
 
     def _with_heat(self, diagnosis: Diagnosis) -> Diagnosis:

@@ -15,8 +15,10 @@ from dcrb_ros.faults.ground_truth import class_of
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis, decode_diagnosis
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH
+from dcrb_ros.recordings.foreign_files import refuse_foreign
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.storage import valid_files
+from dcrb_ros.recordings.vehicle_folder import vehicle_boxes
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.parameters import rpm
 from dcrb_ros.stream.block import Truth
@@ -39,10 +41,16 @@ def read_recorded_case(path: Path, *, name: str = "") -> RecordedCase:
     The recording may come from the bench or from `ros2 bag record`.
 
     Raises:
-        Refusal: there is no recording, it has no ground truth, or no single verdict describes it.
+        Refusal: there is no recording, it has no ground truth or a file of another recording, or no single verdict describes it.
     """
     truths, diagnoses = [], []
     files, damage = valid_files(path)
+    refuse_foreign(path, files)
+    if vehicle_boxes(path):
+        raise Refusal(
+            f"{path} is the recording of a vehicle, which cannot be scored: "
+            "dcrb detect diagnoses it, and dcrb score bogie evaluates such a detector"
+        )
     for file in files:
         for stored in file.messages(damage):
             topic, data = stored.channel.topic, stored.message.data

@@ -40,7 +40,8 @@ def listed_runs(table: Path, about: str, rate: int = 0) -> Iterator[ListedRun]:
     """Yield the recordings of a list, one after the other.
 
     Args:
-        table: CSV file with the columns `COLUMNS`, of which ``file`` and ``fault`` are needed; files are relative to its folder.
+        table: CSV file with the columns `COLUMNS`, of which ``file`` and ``fault`` are needed; files and descriptions are relative to its
+            folder.
         about: description of the files whose row has none: a YAML file or the name of a public data set.
         rate: sampling rate to which all are decimated [Hz]; 0 leaves them.
 
@@ -52,7 +53,7 @@ def listed_runs(table: Path, about: str, rate: int = 0) -> Iterator[ListedRun]:
         line = f"{table}, line {number}"
         if not row["file"] or not row["fault"]:
             raise Refusal(f"{line}: file and fault are needed: give both")
-        description = row.get("about") or about
+        description = _description(row["about"], table.parent, line) if row.get("about") else about
         if not description:
             raise Refusal(f"{line}: there is no description of {row['file']}: add the column about, or give --about")
         file = table.parent / row["file"]
@@ -71,6 +72,18 @@ def listed_runs(table: Path, about: str, rate: int = 0) -> Iterator[ListedRun]:
         fields |= {name: _number(row[name], f"{line}: {name}") for name in NUMBERS if row.get(name)}
         source = dict(read.description.source or {})
         yield ListedRun(row.get("name") or file.stem, decimated(waveform, rate, str(file)) if rate else waveform, source, fields)
+
+
+def _description(about: str, folder: Path, line: str) -> Path:
+    """Return the description that a row names: a file in the folder of the list, or a public data set.
+
+    Raises:
+        Refusal: there is neither.
+    """
+    try:
+        return find_shipped("description", folder / about, about)
+    except Refusal as refusal:
+        raise Refusal(f"{line}: {refusal}") from None
 
 
 def _number(text: str, name: str) -> float:

@@ -32,10 +32,8 @@ class Convolution:
         self._spectra = np.zeros_like(self._later)
         self._newest = 0
         """Position of the newest frame in the ring of spectra."""
-        self._memory = np.zeros((2, FRAME - 1))
+        self._known = np.zeros((2, 2 * FRAME - 1))
         """Input before the next sample."""
-        self._frames = np.zeros((2, 2 * FRAME))
-        """The last complete frame and the present one."""
         self._filled = 0
         """Samples of the present frame."""
         self._tail = np.zeros((2, FRAME))
@@ -45,30 +43,27 @@ class Convolution:
         """Return ``samples``, shape (samples, 2), after the filter."""
         from dcrb_ros.measurement.kernels import near_sums  # importing numba takes long
 
-        known = np.concatenate([self._memory, samples.T], axis=1)
-        self._memory = known[:, len(samples) :].copy()
-        filtered = near_sums(self._near, known)
-        done = 0
-        while done < len(samples):
-            part = min(FRAME - self._filled, len(samples) - done)
-            end = self._filled + part
-            filtered[:, done : done + part] += self._tail[:, self._filled : end]
-            self._frames[:, FRAME + self._filled : FRAME + end] = samples[done : done + part].T
-            done, self._filled = done + part, end
-            if end == FRAME:
-                self._complete()
+        known, filled, before = np.concatenate([self._known, samples.T], axis=1), self._filled, self._known.shape[1]
+        filtered = near_sums(self._near, np.ascontiguousarray(known[:, before - (FRAME - 1) :]))
+        tails = np.concatenate([self._tail, *self._tails(known[:, before - FRAME - filled :])], axis=1)
+        filtered += tails[:, filled : filled + len(samples)]
+        self._filled = (filled + len(samples)) % FRAME
+        self._known, self._tail = known[:, len(samples) :].copy(), tails[:, -FRAME:].copy()
         return np.ascontiguousarray(filtered.T)
 
-    def _complete(self) -> None:
-        """Add the complete frame to the spectra and begin the next one."""
+    def _tails(self, known: Floats) -> Floats:
+        """Return what the frames that ``known`` completes add to the next ones, shape (frames, 2, FRAME); it begins with the one before."""
         from dcrb_ros.measurement.kernels import product_sums
 
-        self._newest = (self._newest + 1) % len(self._spectra)
-        self._spectra[self._newest] = _parts(np.fft.rfft(self._frames))
-        sums = product_sums(self._later, self._spectra, self._newest)
-        self._tail = np.fft.irfft(sums[:, 0] + 1j * sums[:, 1], 2 * FRAME)[:, FRAME:]
-        self._frames[:, :FRAME] = self._frames[:, FRAME:]
-        self._filled = 0
+        pairs = [known[:, first : first + 2 * FRAME] for first in range(0, known.shape[1] - 2 * FRAME + 1, FRAME)]
+        if not pairs:
+            return np.zeros((0, 2, FRAME))
+        sums = np.empty((len(pairs), *self._later.shape[1:]))
+        for total, spectrum in zip(sums, _parts(np.fft.rfft(np.stack(pairs))), strict=True):
+            self._newest = (self._newest + 1) % len(self._spectra)
+            self._spectra[self._newest] = spectrum
+            total[:] = product_sums(self._later, self._spectra, self._newest)
+        return np.fft.irfft(sums[:, :, 0] + 1j * sums[:, :, 1], 2 * FRAME)[:, :, FRAME:]
 
 
 def _parts(spectrum: npt.NDArray[np.complex128]) -> Floats:

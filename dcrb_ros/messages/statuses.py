@@ -58,7 +58,11 @@ def decode_diagnostics(data: bytes) -> tuple[int, list[Status]]:
 
 
 def decode_truth(data: bytes) -> Truth:
-    """Return the ground truth that `encode_truth` wrote."""
+    """Return the ground truth that `encode_truth` wrote.
+
+    Raises:
+        Refusal: the bytes are no such message, or a value that has to be a number is none.
+    """
     time_ns, statuses = decode_diagnostics(data)
     if not statuses or statuses[0].name != "operating":
         raise Refusal("a DiagnosticArray without the status 'operating' is not a ground truth of the bench")
@@ -66,11 +70,11 @@ def decode_truth(data: bytes) -> Truth:
     background, thermal = (next((status.values for status in statuses if status.name == name), {}) for name in ("background", "thermal"))
 
     def number(key: str) -> float:
-        return float(operating.values.get(key, "nan"))
+        return _numbers({key: operating.values.get(key, "nan")})[key]
 
     frequencies = {name: number(f"{name} [Hz]") for name in CHARACTERISTIC_FREQUENCIES}
-    described = {s.name.removeprefix("faults."): {key: float(value) for key, value in s.values.items()} for s in faults}
-    load, levels = (number("load_x [N]"), number("load_y [N]")), {key: float(level) for key, level in background.items()}
+    described = {s.name.removeprefix("faults."): _numbers(s.values) for s in faults}
+    load = number("load_x [N]"), number("load_y [N]")
     return Truth(
         time_ns,
         number("speed [rad/s]"),
@@ -78,6 +82,18 @@ def decode_truth(data: bytes) -> Truth:
         frequencies,
         described,
         decode_event(operating.message),
-        levels,
-        {k: float(v) for k, v in thermal.items()},
+        _numbers(background),
+        _numbers(thermal),
     )
+
+
+def _numbers(values: Mapping[str, str]) -> dict[str, float]:
+    """Return values as numbers.
+
+    Raises:
+        Refusal: one is no number.
+    """
+    try:
+        return {key: float(value) for key, value in values.items()}
+    except ValueError as error:
+        raise Refusal(f"a value of the ground truth is no number: {error}") from None

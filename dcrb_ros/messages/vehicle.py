@@ -19,8 +19,8 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.vehicle_description import VehicleDescription
 from dcrb_ros.stream.vehicle_diagnosis import UNDECIDED, VehicleDiagnosis, kind_of
 from dcrb_ros.text.json import parsed_json
+from dcrb_ros.vehicle.block import VehicleTruth
 from dcrb_ros.vehicle.description import JOURNAL_DISTANCE, Vehicle
-from dcrb_ros.vehicle.simulation import VehicleTruth
 
 ODOMETRY = "nav_msgs/msg/Odometry"
 ODOM, BASE, BOGIE = "odom", "base_link", "bogie"

@@ -12,8 +12,8 @@ from dcrb_ros.messages.topics.sensor import repeats_with
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_STATE, VEHICLE_TRANSFORM, VEHICLE_TRUTH
 from dcrb_ros.messages.vehicle import Pose, box_path, encode_frames, encode_pose, encode_state, encode_vehicle_truth
 from dcrb_ros.stream.states import BodyNames
+from dcrb_ros.vehicle.block import VehicleBlock
 from dcrb_ros.vehicle.description import Vehicle, described
-from dcrb_ros.vehicle.simulation import VehicleBlock
 
 BESIDE = (VEHICLE_DESCRIPTION, VEHICLE_STATE, VEHICLE_TRUTH, TRANSFORMS, VEHICLE_TRANSFORM)
 """Topics of the vehicle that a simulation fills."""

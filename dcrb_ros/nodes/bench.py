@@ -51,6 +51,8 @@ class Observer:
 
     simulator = "simulator"
     """Name of the node whose status is shown."""
+    needs = "a turning shaft"
+    """What the signal must have for a verdict."""
 
     def __init__(self) -> None:
         self.blocks = 0
@@ -114,6 +116,17 @@ class Observer:
         paused = ["paused"] if self.bench.values.get("model") == "paused" else []
         return [*paused, f"{self.bench.values['real_time_factor']} x real time, {self.bench.values['late_blocks']} late"]
 
+    def verdicts(self) -> list[str]:
+        """Return the verdicts in words; none without a verdict."""
+        if self.verdict is None or self.verdict.message == "waiting":
+            return []
+        return [f"verdict: {self.verdict.message} {self.evidence(self.verdict)}"]
+
+    def evidence(self, status: Status) -> str:
+        """Return confidence, time and reason of a verdict."""
+        confidence, reason = status.values.get("confidence", "?"), status.values.get("reason", "")
+        return f"(confidence {confidence}) at {self.verdict_ns * 1e-9:.2f} s: {reason}"
+
     def line(self) -> str:
         """Return the status line."""
         if self.features is None:
@@ -165,21 +178,15 @@ def run(
 
     With ``shown`` Rerun shows the bench; a failure of the viewer does not stop it.
     """
-    about = (
-        f"bench '{name}': simulator and fault detector as ROS 2 nodes in {NAMESPACE}, "
-        f"{duration:g} s at time scale {configuration.time_scale:g}"
-    )
-    arguments = ["--duration", repr(duration), *(["--scenario", str(scenario)] if scenario else [])]
     nodes = Nodes(
-        ("simulator", arguments),
+        ("simulator", []),
         lambda listeners: _waiting_for(configuration, listeners),
         ("fault_detector", detector_parameters),
         ("viewer", []) if shown else None,
         VIBRATION,
     )
-    observer = Observer()
-    console = terminal.console(stderr=True)
-    return run_nodes(about, nodes, observer, duration, console) or _conclude(observer, configuration, console)
+    what = f"'{name}': simulator and fault detector"
+    return run_nodes(what, nodes, Observer(), configuration, duration, scenario)
 
 
 @dataclass(frozen=True)
@@ -198,12 +205,26 @@ class Nodes:
     """The topic to which detector, viewer and observer subscribe when they start."""
 
 
-def run_nodes(about: str, nodes: Nodes, observer: Observer, duration: float, console: Console) -> int:
-    """Run nodes for ``duration`` of simulated time [s] and show a status line; return the status of the one that failed, or 0."""
+def run_nodes(
+    what: str, nodes: Nodes, observer: Observer, configuration: Configuration, duration: float, scenario: Path | None = None
+) -> int:
+    """Run the nodes of a bench, show a status line, and print the verdicts; return the exit status.
+
+    Args:
+        what: name and parts of the bench.
+        nodes: the nodes.
+        observer: keeps what is shown.
+        configuration: gives time scale and recording.
+        duration: simulated time of the run [s].
+        scenario: a scenario for the simulator, if there is one.
+    """
+    console = terminal.console(stderr=True)
     check_ros()
     stop = stop_on_signals()
     limit_discovery()
-    console.print(about)
+    console.print(f"bench {what} as ROS 2 nodes in {NAMESPACE}, {duration:g} s at time scale {configuration.time_scale:g}")
+    simulator, options = nodes.simulator
+    arguments = [*options, "--duration", repr(duration), *(["--scenario", str(scenario)] if scenario else [])]
     with ExitStack() as stack:
         node = stack.enter_context(_observing(observer))
         detector = stack.enter_context(node_process(nodes.detector[0], [], nodes.detector[1]))
@@ -214,8 +235,9 @@ def run_nodes(about: str, nodes: Nodes, observer: Observer, duration: float, con
             console.print("stopped before the simulator was started")
             return STOPPED
         # Its first block waits until they have discovered it.
-        with node_process(*nodes.simulator, nodes.waiting_for(1 + _running(subscribers))) as simulator:
-            return _watch(observer, node, simulator, detector, duration, stop, console)
+        with node_process(simulator, arguments, nodes.waiting_for(1 + _running(subscribers))) as process:
+            status = _watch(observer, node, process, detector, duration, stop, console)
+    return status or _conclude(observer, configuration.recording.path, console)
 
 
 def _waiting_for(configuration: Configuration, listeners: int) -> Configuration:
@@ -292,19 +314,17 @@ def _watch(
     return 0
 
 
-def _conclude(observer: Observer, configuration: Configuration, console: Console) -> int:
-    """Print verdict, recording and how to open it; return 1 if there is no verdict."""
-    if configuration.recording.path:
-        path = Path(configuration.recording.path)
+def _conclude(observer: Observer, recorded: str, console: Console) -> int:
+    """Print verdicts, recording and how to open it; return 1 if there is no verdict."""
+    if recorded:
+        path = Path(recorded)
         print(f"recording: {path}")
         print(f"open it with: dcrb view {path}   or: rerun {path / (path.name + '_0.mcap')}")
     if observer.refused:
         console.print(f"{observer.refused} invalid messages on the topics of the bench were ignored")
-    if observer.verdict is None or observer.verdict.message == "waiting":
-        console.print(f"no verdict after {observer.blocks} blocks: the detector needs a few seconds of signal with a turning shaft")
+    verdicts = observer.verdicts()
+    if not verdicts:
+        console.print(f"no verdict after {observer.blocks} blocks: the detector needs a few seconds of signal with {observer.needs}")
         return 1
-    values = observer.verdict.values
-    print(
-        f"verdict: {observer.verdict.message} (confidence {values['confidence']}) at {observer.verdict_ns * 1e-9:.2f} s: {values['reason']}"
-    )
+    print("\n".join(verdicts))
     return 0

@@ -9,7 +9,7 @@ from dcrb_ros.messages.statuses import ERROR, OK, WARN, Status
 from dcrb_ros.messages.topics import COMMANDS, DETECTED, Topic
 from dcrb_ros.nodes.engine import Engine, Progress
 from dcrb_ros.nodes.recording_switch import RecordingSwitch
-from dcrb_ros.nodes.refusals import Refusals
+from dcrb_ros.nodes.refusal_counts import Refusals
 from dcrb_ros.nodes.ros import installed
 from dcrb_ros.nodes.simulation_interfaces import PACKAGE
 from dcrb_ros.stream.states import LubricationState, ThermalState

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
@@ -24,26 +26,81 @@ EARLY_NS = 1_500_000_000
 MAX_EARLY, MAX_EARLY_BLOCKS = 1 << 22, 1 << 14
 """Samples and blocks kept until then at most."""
 
-
 AMBIENT_AGE = 60.0
 """Age of a reading of the air up to which it is compared with one of the bearing [s]."""
 
 
+Judgement = TypeVar("Judgement")
+"""A diagnosis of a bearing or of a vehicle."""
+
+
 @dataclass(frozen=True)
-class Response:
+class Response(Generic[Judgement]):
     """The response to a message."""
 
-    diagnoses: tuple[Diagnosis, ...] = ()
+    diagnoses: tuple[Judgement, ...] = ()
     information: str = ""
     """Sentence to log as information; empty for none."""
     warning: str = ""
     """Sentence to log as a warning; empty for none."""
 
+    def log(self, log: Any) -> None:
+        """Log the sentences."""
+        if self.information:
+            log.info(self.information)
+        if self.warning:
+            log.warning(self.warning)
 
-class DetectorInput:
+
+class MessageInput(Generic[Judgement]):
+    """Takes the readings of temperatures, and counts refusals."""
+
+    def __init__(self) -> None:
+        self._ambient: dict[str, tuple[float, float]] = {}
+        """Time [s] and temperature [deg C] of the latest reading of the air by box, that of a single bench without a name."""
+        self._refused = 0
+
+    def ambient(self, data: bytes, box: str = "") -> Response[Judgement]:
+        """Take a reading of the air at a box."""
+        try:
+            self._ambient[box] = 1e-9 * AMBIENT_TEMPERATURE.stamp(data), AMBIENT_TEMPERATURE.decoded(data)
+        except Refusal as refusal:
+            return self.refuse(refusal)
+        return Response()
+
+    def temperature(self, data: bytes, box: str = "") -> Response[Judgement]:
+        """Take a reading of the outer ring of a box; it is compared with the latest one of the air."""
+        try:
+            time, temperature = 1e-9 * OUTER_RING_TEMPERATURE.stamp(data), OUTER_RING_TEMPERATURE.decoded(data)
+            at, air = self._ambient.get(box, (-math.inf, 0.0))
+            if abs(time - at) <= AMBIENT_AGE:
+                self.take_temperature(box, time, temperature, air)
+        except Refusal as refusal:
+            return self.refuse(refusal)
+        return Response()
+
+    def take_temperature(self, box: str, time: float, temperature: float, air: float) -> None:
+        """Take the temperatures of outer ring and air [deg C] of a box at a time [s]."""
+        raise NotImplementedError
+
+    def diagnoses_of(self, reason: str) -> tuple[Judgement, ...]:
+        """Return the diagnoses that answer a refusal."""
+        return ()
+
+    def refuse(self, refusal: Refusal) -> Response[Judgement]:
+        """Answer the first refusal, the second, the fourth and so on; count all."""
+        self._refused += 1
+        if self._refused & (self._refused - 1):
+            return Response()
+        reason = f"refused: {refusal} ({self._refused} so far)"
+        return Response(self.diagnoses_of(reason), warning=reason)
+
+
+class DetectorInput(MessageInput[Diagnosis]):
     """Creates a detector from the sensor description and passes it the blocks of the waveform."""
 
     def __init__(self, parameters: DetectorParameters) -> None:
+        super().__init__()
         self._parameters = parameters
         self._detector: ThermalFaultDetector | None = None
         self._description: tuple[int, Orders] | None = None
@@ -52,12 +109,9 @@ class DetectorInput:
         self._early_samples = 0
         self.frame = FRAME
         """Frame id of the sensor, as its description has it."""
-        self._ambient: tuple[float, float] | None = None
-        """Time [s] and temperature [deg C] of the latest reading of the air."""
-        self._refused = 0
         self._time = 0.0
 
-    def sensor(self, data: bytes) -> Response:
+    def sensor(self, data: bytes) -> Response[Diagnosis]:
         """Take a sensor description; process the blocks that arrived before it."""
         try:
             description, information = decode_sensor(data), ""
@@ -75,9 +129,9 @@ class DetectorInput:
             warning = next((response.warning for response in responses if response.warning), "")
             return Response(tuple(diagnosis for response in responses for diagnosis in response.diagnoses), information, warning)
         except Refusal as refusal:
-            return self._refuse(refusal)
+            return self.refuse(refusal)
 
-    def block(self, data: bytes) -> Response:
+    def block(self, data: bytes) -> Response[Diagnosis]:
         """Take a block of the waveform."""
         try:
             block = decode_vibration(data)
@@ -90,25 +144,16 @@ class DetectorInput:
                 raise Refusal(f"blocks arrive, but no description on {SENSOR.name} with the rate and the bearing: publish it, latched")
             return Response()
         except Refusal as refusal:
-            return self._refuse(refusal)
+            return self.refuse(refusal)
 
-    def ambient(self, data: bytes) -> Response:
-        """Take a reading of the air."""
-        try:
-            self._ambient = 1e-9 * AMBIENT_TEMPERATURE.stamp(data), AMBIENT_TEMPERATURE.decoded(data)
-        except Refusal as refusal:
-            return self._refuse(refusal)
-        return Response()
+    def take_temperature(self, box: str, time: float, temperature: float, air: float) -> None:
+        """Pass a reading to the detector, once there is one."""
+        if self._detector is not None:
+            self._detector.take_temperature(time, temperature, air)
 
-    def temperature(self, data: bytes) -> Response:
-        """Take a reading of the outer ring; it is compared with the latest one of the air."""
-        try:
-            time, temperature = 1e-9 * OUTER_RING_TEMPERATURE.stamp(data), OUTER_RING_TEMPERATURE.decoded(data)
-        except Refusal as refusal:
-            return self._refuse(refusal)
-        if self._detector is not None and self._ambient is not None and abs(time - self._ambient[0]) <= AMBIENT_AGE:
-            self._detector.take_temperature(time, temperature, self._ambient[1])
-        return Response()
+    def diagnoses_of(self, reason: str) -> tuple[Diagnosis, ...]:
+        """Return a diagnosis without verdict."""
+        return (Diagnosis(0, self._time, "waiting", reason),)
 
     def _drop_early(self) -> bool:
         """Drop the oldest of the early blocks where there are too many; return whether there were."""
@@ -120,7 +165,7 @@ class DetectorInput:
             excess = True
         return excess
 
-    def _update(self, block: Vibration) -> Response:
+    def _update(self, block: Vibration) -> Response[Diagnosis]:
         """Pass a block to the detector, or refuse it."""
         if self._detector is None:
             return Response()
@@ -129,15 +174,7 @@ class DetectorInput:
             diagnosis = self._detector.update(block.first_index(self._detector.rate), block.acceleration, block.shaft_angle)
             return Response((diagnosis,) if diagnosis else ())
         except Refusal as refusal:
-            return self._refuse(refusal)
-
-    def _refuse(self, refusal: Refusal) -> Response:
-        """Answer the first refusal, the second, the fourth and so on; count all."""
-        self._refused += 1
-        if self._refused & (self._refused - 1):
-            return Response()
-        reason = f"{refusal} ({self._refused} so far)"
-        return Response((Diagnosis(0, self._time, "waiting", f"refused: {reason}"),), warning=reason)
+            return self.refuse(refusal)
 
 
 def check_rate(block: Vibration, rate: int) -> None:

@@ -10,6 +10,7 @@ from dcrb_ros.messages.topics import AMBIENT_TEMPERATURE, DETECTED, OUTER_RING_T
 from dcrb_ros.nodes.base import BenchNode
 from dcrb_ros.nodes.detector_input import DetectorInput, Response
 from dcrb_ros.nodes.publisher import Publisher
+from dcrb_ros.stream.diagnosis import Diagnosis
 
 
 class DetectorTopics:
@@ -42,12 +43,9 @@ class DetectorTopics:
         self.unsubscribe()
         self._publisher.close()
 
-    def _publish(self, response: Response) -> None:
+    def _publish(self, response: Response[Diagnosis]) -> None:
         log = self._node.get_logger()
-        if response.information:
-            log.info(response.information)
-        if response.warning:
-            log.warning(response.warning)
+        response.log(log)
         for diagnosis in response.diagnoses:
             self._publisher.write_messages(diagnosis_messages(diagnosis, self._input.frame))
             if diagnosis.verdict != self._verdict:

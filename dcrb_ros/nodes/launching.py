@@ -8,8 +8,9 @@ import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from launch.actions import DeclareLaunchArgument, LogInfo, OpaqueFunction, SetEnvironmentVariable, Shutdown
 from launch.substitutions import EnvironmentVariable, LaunchConfiguration
@@ -55,6 +56,15 @@ TIME_SCALE = Argument("", "simulated over wall time, 0 as fast as possible; empt
 WAIT = Argument("30.0", "longest wall time to wait for subscribers before the first block [s]", float)
 DURATION = Argument("", "simulated time after which the launch ends [s], for tests; empty for an endless run", float)
 LISTENERS = "subscribers to the waveform to wait for; empty for the nodes that this file starts"
+RUN = {
+    "time_scale": "time_scale",
+    "record": "recording.path",
+    "clock": "publishing.clock",
+    "listeners": "publishing.listeners",
+    "wait": "publishing.wait",
+}
+"""Parameters of a simulator by the arguments of `run_arguments` that set them."""
+Read = TypeVar("Read")
 
 
 def common(namespace: str) -> dict[str, Argument]:
@@ -65,6 +75,20 @@ def common(namespace: str) -> dict[str, Argument]:
         "namespace": Argument(namespace, "namespace of topics and nodes"),
         "detector": Argument("detector", "parameters of the fault detector: a YAML file or the shipped ones"),
         "discovery": Argument(environment, f"range of discovery: {', '.join(ranges)}", choices=ranges),
+    }
+
+
+def run_arguments(source: str, shown: str) -> dict[str, Argument]:
+    """Return the arguments of a launch file that runs what ``source`` gives, and on request shows it, the ``shown``."""
+    return {
+        "record": Argument("", f"folder of a recording; empty for the {source}'s"),
+        "duration": DURATION,
+        "time_scale": TIME_SCALE,
+        "clock": Argument("", f"whether to publish /clock: true or false; empty for the {source}'s", bool),
+        "rerun": Argument("false", f"whether to show the {shown} in Rerun: true or false", bool),
+        "listeners": Argument("", LISTENERS, int),
+        "wait": WAIT,
+        **common("dcrb"),
     }
 
 
@@ -122,6 +146,19 @@ def _number(name: str, text: str, kind: type) -> Any:
     return number
 
 
+def run_values(context: Any, arguments: Mapping[str, Argument]) -> dict[str, Any]:
+    """Return the values of `run_arguments`, by default with a subscriber for each node that is started; see `values_of`."""
+    given = values_of(context, arguments)
+    if given["listeners"] is None:
+        given["listeners"] = 2 if given["rerun"] else 1
+    return given
+
+
+def run_options(given: Mapping[str, Any]) -> list[str]:
+    """Return the options of a simulator: its scenario and its duration, if they are given."""
+    return [*(["--scenario", given["scenario"]] if given["scenario"] else []), *duration_arguments(given["duration"])]
+
+
 def suspicions(context: Any, arguments: Mapping[str, Argument]) -> list[Any]:
     """Return log actions for given arguments that no launch file takes but that resemble one of ``arguments``: `launch` ignores them."""
     given = (name for name in context.launch_configurations if name not in (*arguments, *OF_LAUNCH))
@@ -151,47 +188,45 @@ def simulator_parameters(argument: str, given: Mapping[str, Any], keys: Mapping[
     """
     with naming(argument, given[argument]):
         configuration: Configuration = load_configuration(given[argument])
-    for name, key in keys.items():
-        if given[name] is not None:
-            with naming(name, given[name]):
-                configuration = load_configuration(configuration, {key: given[name]})
+    configuration = _with_arguments(configuration, partial(load_configuration, configuration), given, keys)
     if scenario is not None:
         with naming("scenario", scenario):
             read_scenario(Path(scenario), configuration)
-    if configuration.recording.path:
-        recorded = given.get("record")
-        with naming("record" if recorded else argument, recorded or given[argument]):
-            _check_folder(Path(configuration.recording.path))
+    _check_recording(configuration, argument, given)
     return {**_parameters(find_configuration(given[argument]), "simulator"), **overrides(given, keys)}
 
 
 def vehicle_parameters(argument: str, given: Mapping[str, Any], keys: Mapping[str, str], scenario: str | None = None) -> dict[str, Any]:
-    """Return the parameters that other arguments set on top of a vehicle, if both are valid, with a scenario as well.
-
-    Args:
-        argument: the name of the argument that gives the vehicle, a path or a shipped name.
-        given: values by argument, None for those left empty.
-        keys: parameters by the arguments that set them.
-        scenario: a path or a shipped name.
-
-    Raises:
-        Refusal: there is no such file, or it is invalid; the sentence names the argument.
-    """
+    """Return the parameters that other arguments set on top of a vehicle, if both are valid; see `simulator_parameters`."""
     with naming(argument, given[argument]):
-        read_vehicle(given[argument])
+        vehicle = read_vehicle(given[argument])
+    vehicle = _with_arguments(vehicle, partial(read_vehicle, given[argument]), given, keys)
     if scenario is not None:
         with naming("scenario", scenario):
             tree = read_scenario_file(Path(scenario))
             start = starting_parameters(tree, parameters_of_vehicle(given[argument]), scenario)
             vehicle_scenario(tree, vehicle_of(start, given[argument]), scenario)
-    set_by = {name: {key: given[name]} for name, key in keys.items() if given[name] is not None}
-    for name, change in set_by.items():
-        with naming(name, given[name]):
-            read_vehicle(given[argument], change)
-    if given.get("record"):
-        with naming("record", given["record"]):
-            _check_folder(Path(given["record"]))
+    _check_recording(vehicle.boxes[0].configuration, argument, given)
     return overrides(given, keys)
+
+
+def _with_arguments(bare: Read, read: Callable[[Mapping[str, Any]], Read], given: Mapping[str, Any], keys: Mapping[str, str]) -> Read:
+    """Return what ``read`` makes of the parameters that arguments set, ``bare`` without one; a refusal names the argument."""
+    content, changes = bare, dict[str, Any]()
+    for name, key in keys.items():
+        if given[name] is not None:
+            changes[key] = given[name]
+            with naming(name, given[name]):
+                content = read(changes)
+    return content
+
+
+def _check_recording(configuration: Configuration, argument: str, given: Mapping[str, Any]) -> None:
+    """Check that the folder of the recording can be created, if there is to be one."""
+    recorded = given.get("record")
+    if configuration.recording.path:
+        with naming("record" if recorded else argument, recorded or given[argument]):
+            _check_folder(Path(configuration.recording.path))
 
 
 def _check_folder(path: Path) -> None:

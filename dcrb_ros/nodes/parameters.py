@@ -14,7 +14,7 @@ from rclpy.parameter import Parameter
 from dcrb_ros.messages.topics import BENCH, COMMANDS, DETECTED, SIMULATED, WAYSIDE, Topic
 from dcrb_ros.messages.topics.vehicle import VEHICLE, VEHICLE_COMMANDS
 from dcrb_ros.nodes.qos_overrides import check_overrides, is_override
-from dcrb_ros.nodes.refusals import shortened
+from dcrb_ros.nodes.refusal_counts import shortened
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.parameter_field import ParameterField, wrong_type
 from dcrb_ros.schema.refusal import Refusal

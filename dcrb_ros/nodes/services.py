@@ -9,7 +9,7 @@ from std_srvs.srv import SetBool, Trigger
 
 from dcrb_ros.nodes.engine import Engine, Progress
 from dcrb_ros.nodes.recording_switch import RecordingSwitch, wanted_path
-from dcrb_ros.nodes.refusals import Refusals
+from dcrb_ros.nodes.refusal_counts import Refusals
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 

@@ -21,7 +21,7 @@ from dcrb_ros.nodes.other_publishers import OtherPublishers
 from dcrb_ros.nodes.pacing import Pacer
 from dcrb_ros.nodes.publisher import Publisher
 from dcrb_ros.nodes.recording_switch import CreateRecorder, RecordingSwitch
-from dcrb_ros.nodes.refusals import Refusals
+from dcrb_ros.nodes.refusal_counts import Refusals
 from dcrb_ros.nodes.ros import installed
 from dcrb_ros.nodes.services import Services
 from dcrb_ros.nodes.simulation_interfaces import PACKAGE, SimulationInterfaces

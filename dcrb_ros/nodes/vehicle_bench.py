@@ -8,17 +8,14 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
-
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.messages.joints import decode_joints
 from dcrb_ros.messages.statuses import OK, Status, decode_diagnostics
-from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, FEATURES, NAMESPACE, VIBRATION, Topic
+from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, FEATURES, VIBRATION, Topic
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DIAGNOSIS
 from dcrb_ros.messages.vehicle import box_path
 from dcrb_ros.nodes.bench import Nodes, Observer, run_nodes
 from dcrb_ros.nodes.vehicle_detector_input import VehicleDetectorSettings
-from dcrb_ros.runtime import terminal
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.vehicle.description import Vehicle
 
@@ -26,7 +23,7 @@ from dcrb_ros.vehicle.description import Vehicle
 class VehicleObserver(Observer):
     """Keeps the last messages of a vehicle for the status line and the result."""
 
-    simulator = "vehicle_simulator"
+    simulator, needs = "vehicle_simulator", "turning shafts"
 
     def __init__(self, vehicle: Vehicle) -> None:
         super().__init__()
@@ -69,6 +66,15 @@ class VehicleObserver(Observer):
         """The verdicts that report something."""
         return [status for status in self.statuses if status.message not in ("healthy", "waiting")]
 
+    def verdicts(self) -> list[str]:
+        """Return the verdicts that report something in words, and the number of the others; none without a verdict."""
+        if all(status.message == "waiting" for status in self.statuses):
+            return []
+        quiet = Counter(status.message for status in self.statuses if status not in self.findings)
+        counted = ", ".join(f"{count} {message}" for message, count in quiet.items())
+        findings = [f"verdict: {status.name} {status.message} {self.evidence(status)}" for status in self.findings]
+        return [*findings, *([f"parts without a finding: {counted}"] if counted else [])]
+
     def line(self) -> str:
         """Return the status line."""
         if self.features is None:
@@ -99,38 +105,13 @@ def run(
     The ``parameters`` are those at the start of the ``scenario``, if one is given.
     """
     configuration = vehicle.boxes[0].configuration
-    about = (
-        f"bench '{name}': {len(vehicle.boxes)} axle boxes and the detector that compares them as ROS 2 nodes in {NAMESPACE}, "
-        f"{duration:g} s at time scale {configuration.time_scale:g}"
-    )
     least = configuration.publishing.listeners
-    arguments = ["--duration", repr(duration), *(["--scenario", str(scenario)] if scenario else [])]
     nodes = Nodes(
-        ("vehicle_simulator", arguments),
+        ("vehicle_simulator", []),
         lambda listeners: {**parameters, "publishing.listeners": max(least, listeners)},
         ("vehicle_detector", VehicleDetectorSettings(boxes=box_parameters)),
         ("viewer", ["--vehicle"]) if shown else None,
         VEHICLE_DESCRIPTION,
     )
-    observer, console = VehicleObserver(vehicle), terminal.console(stderr=True)
-    return run_nodes(about, nodes, observer, duration, console) or _conclude(observer, configuration.recording.path, console)
-
-
-def _conclude(observer: VehicleObserver, recorded: str, console: Console) -> int:
-    """Print verdicts, recording and how to open it; return 1 if there is no verdict."""
-    if recorded:
-        path = Path(recorded)
-        print(f"recording: {path}")
-        print(f"open it with: dcrb view {path}   or: rerun {path / (path.name + '_0.mcap')}")
-    if observer.refused:
-        console.print(f"{observer.refused} invalid messages on the topics of the bench were ignored")
-    if not observer.statuses or all(status.message == "waiting" for status in observer.statuses):
-        console.print(f"no verdict after {observer.blocks} blocks: the detector needs a few seconds of signal with turning shafts")
-        return 1
-    for status in observer.findings:
-        confidence, reason = status.values.get("confidence", "?"), status.values.get("reason", "")
-        print(f"verdict: {status.name} {status.message} (confidence {confidence}) at {observer.verdict_ns * 1e-9:.2f} s: {reason}")
-    quiet = Counter(status.message for status in observer.statuses if status not in observer.findings)
-    if quiet:
-        print("parts without a finding: " + ", ".join(f"{count} {message}" for message, count in quiet.items()))
-    return 0
+    what = f"'{name}': {len(vehicle.boxes)} axle boxes and the detector that compares them"
+    return run_nodes(what, nodes, VehicleObserver(vehicle), configuration, duration, scenario)

@@ -5,17 +5,17 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 from dcrb_ros.messages.topics import AMBIENT_TEMPERATURE, OUTER_RING_TEMPERATURE, VIBRATION, Message, Topic
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DETECTED, VEHICLE_DIAGNOSIS, VEHICLE_INDICATORS
 from dcrb_ros.messages.vehicle import BASE, encode_indicators, encode_vehicle_diagnosis
 from dcrb_ros.nodes.base import BenchNode
+from dcrb_ros.nodes.detector_input import Response
 from dcrb_ros.nodes.programs import main
 from dcrb_ros.nodes.publisher import Publisher
 from dcrb_ros.nodes.ros import own_arguments, run_node
-from dcrb_ros.nodes.vehicle_detector_input import VehicleDetectorInput, VehicleDetectorSettings, VehicleResponse
+from dcrb_ros.nodes.vehicle_detector_input import VehicleDetectorInput, VehicleDetectorSettings
 from dcrb_ros.stream.vehicle_diagnosis import VehicleDiagnosis
 
 
@@ -62,18 +62,13 @@ class VehicleDetectorNode(BenchNode):
             )
         ]
 
-    def _receive(self, name: str, topic: Topic, take: Callable[[str, bytes], VehicleResponse]) -> Any:
-        taken = partial(take, name)
-        return self.subscribe(topic.below(name), lambda data: self._respond(taken(data)))
+    def _receive(self, name: str, topic: Topic, take: Callable[[bytes, str], Response[VehicleDiagnosis]]) -> Any:
+        return self.subscribe(topic.below(name), lambda data: self._respond(take(data, name)))
 
-    def _respond(self, response: VehicleResponse) -> None:
-        log = self.get_logger()
-        if response.information:
-            log.info(response.information)
-        if response.warning:
-            log.warning(response.warning)
-        if response.diagnosis is not None:
-            self._publish(response.diagnosis)
+    def _respond(self, response: Response[VehicleDiagnosis]) -> None:
+        response.log(self.get_logger())
+        for diagnosis in response.diagnoses:
+            self._publish(diagnosis)
 
     def _publish(self, diagnosis: VehicleDiagnosis) -> None:
         time_ns = diagnosis.time_ns

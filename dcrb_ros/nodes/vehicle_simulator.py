@@ -22,7 +22,7 @@ from dcrb_ros.nodes.programs import main
 from dcrb_ros.nodes.ros import own_arguments, run_node
 from dcrb_ros.nodes.simulating import SimulatingNode, decoded_by
 from dcrb_ros.recordings.recorder_thread import RecorderThread
-from dcrb_ros.recordings.vehicle import BoxCommand, VehicleCommand, VehicleRecorder, commands_of
+from dcrb_ros.recordings.vehicle_recorder import BoxCommand, VehicleCommand, VehicleRecorder, commands_of
 from dcrb_ros.runtime.prefetch import prefetch
 from dcrb_ros.schema.parameter_field import ParameterField, wrong_type
 from dcrb_ros.schema.refusal import Refusal

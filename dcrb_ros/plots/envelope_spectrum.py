@@ -11,7 +11,8 @@ from dcrb_ros.bearing.fault_lines import BearingLike, fault_combs
 from dcrb_ros.bearing.waveform import Signal
 from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.envelope_spectrum import EnvelopeSpectrum, envelope_spectrum
-from dcrb_ros.plots.style import CURVE, DASHES, FAULT_LINES, MARKERS, labelled, legend_above, new_axes
+from dcrb_ros.plots.style import CURVE, DASHES, FAULT_LINES, MARKERS, MATPLOTLIB_AXES, labelled, legend_above, new_axes
+from dcrb_ros.schema.arguments import checked_arguments, texts
 from dcrb_ros.schema.numbers import finite_number
 from dcrb_ros.schema.refusal import Refusal, nearest
 
@@ -36,6 +37,7 @@ SLIP = 0.004
 """Largest deviation of a line from pure rolling, as a share of its frequency [-]."""
 
 
+@checked_arguments(ax=MATPLOTLIB_AXES)
 def plot_envelope_spectrum(
     signal: Signal | EnvelopeSpectrum | npt.ArrayLike,
     sampling_rate: float | None = None,
@@ -85,11 +87,12 @@ def plot_envelope_spectrum(
     """
     from matplotlib.ticker import EngFormatter
 
+    texts("lines", lines)
     lines = (lines,) if isinstance(lines, str) else lines
     unknown = next((str(name) for name in lines if name not in FAULT_LINES), None)
     if unknown is not None:
         raise Refusal(f"there is no fault line '{unknown}': give some of {', '.join(FAULT_LINES)}{nearest(unknown, FAULT_LINES)}")
-    if x not in (None, *HORIZONTAL):
+    if x is not None and (not isinstance(x, str) or x not in HORIZONTAL):
         raise Refusal(f"x = {x!r} is not one of {', '.join(HORIZONTAL)}{nearest(str(x), HORIZONTAL)}")
     if highest is not None and finite_number("highest =", highest, "orders or Hz") <= 0.0:
         raise Refusal(f"highest = {highest:g} is not above 0: give the end of the horizontal axis")

@@ -9,8 +9,9 @@ import numpy as np
 
 from dcrb_ros.bearing.history import StateHistory
 from dcrb_ros.bearing.load_zone import mean_force, sector_azimuths
-from dcrb_ros.plots.style import ROWS, new_axes
+from dcrb_ros.plots.style import MATPLOTLIB_AXES, ROWS, new_axes
 from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.schema.arguments import checked_arguments
 from dcrb_ros.schema.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -26,6 +27,7 @@ class HasStates(Protocol):
         """The bodies over time."""
 
 
+@checked_arguments(ax=MATPLOTLIB_AXES)
 def plot_load_zone(source: HasStates | StateHistory | Recording, *, ax: Axes | None = None) -> Axes:
     """Plot the mean normal force at the inner raceway over the azimuth, a curve for each row.
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from dcrb_ros.schema.arguments import optional, with_attributes
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -25,6 +27,10 @@ DASHES: dict[str, tuple[float, tuple[float, ...]]] = {
     "2BSF": (0.0, (1.0, 1.5)),
     "FTF": (0.0, (4.0, 1.5, 1.0, 1.5, 1.0, 1.5)),
 }
+
+
+MATPLOTLIB_AXES = optional(with_attributes("plot", "set_xlim", "get_figure", kind="axes of matplotlib"))
+"""Check of the argument ``ax``."""
 
 
 def new_axes(*, polar: bool = False, size: tuple[float, float] = (9.0, 3.2)) -> Axes:

@@ -8,7 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.bearing.waveform import Signal, signal_of
-from dcrb_ros.plots.style import AXES_COLOURS, labelled, legend_above, new_axes
+from dcrb_ros.plots.style import AXES_COLOURS, MATPLOTLIB_AXES, labelled, legend_above, new_axes
+from dcrb_ros.schema.arguments import checked_arguments
 from dcrb_ros.schema.arrays import Floats, Samples
 from dcrb_ros.schema.refusal import Refusal
 
@@ -19,6 +20,7 @@ MOST_BUNDLES = 20_000
 """Bundles of samples into which a long waveform is drawn: a few for each pixel."""
 
 
+@checked_arguments(ax=MATPLOTLIB_AXES)
 def plot_waveform(
     signal: Signal | npt.ArrayLike,
     sampling_rate: float | None = None,
@@ -59,7 +61,7 @@ def plot_waveform(
     >>> ax.get_ylabel()
     'acceleration Y [m/s²]'
     """
-    if axis not in ("x", "y", "both"):
+    if not isinstance(axis, str) or axis not in ("x", "y", "both"):
         raise Refusal(f"axis = {axis!r} is not one of x, y, both")
     shown = signal_of(signal, sampling_rate).waveform().between(start, stop)
     ax = new_axes() if ax is None else ax

@@ -7,11 +7,13 @@ After Gebraeel, Lawley, Li and Ryan, Residual-life distributions from component 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.prognosis.remaining_life import RemainingLife
+from dcrb_ros.schema.arguments import checked_arguments, number, numbers
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
 
@@ -31,6 +33,16 @@ SHORTEST, LONGEST, TIMES = 0.05, 20.0, 800
 """Times to failure that are considered: from a share of the shortest known one to a multiple of the longest, and their number [-]."""
 
 
+def _histories(name: str, value: Any) -> None:
+    """Refuse what is not a sequence of pairs of hours and severities."""
+    if not isinstance(value, Sequence) or not all(isinstance(pair, (tuple, list)) and len(pair) == 2 for pair in value):
+        raise Refusal(f"{name} is not a list of pairs: give hours and severities of each failed bearing")
+    for hours, severity in value:
+        numbers(name, hours)
+        numbers(name, severity)
+
+
+@checked_arguments(hours=numbers, severity=numbers, failed=_histories, coverage=number)
 def update_remaining_life(
     hours: npt.ArrayLike,
     severity: npt.ArrayLike,

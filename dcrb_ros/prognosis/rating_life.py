@@ -13,6 +13,7 @@ from typing import Protocol
 
 import numpy as np
 
+from dcrb_ros.schema.arguments import checked_arguments, number, with_attributes
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
 
@@ -57,6 +58,7 @@ def load_rating_factor(ratio: float) -> float:
     return float(207.9 * 0.83 * inner * (1.0 + outer) ** (-2.0 / 9.0))
 
 
+@checked_arguments(bearing=with_attributes("contact_angle", "roller_radius", "roller_length", "pitch_radius", "rows", kind="a Bearing"))
 def dynamic_load_rating(bearing: RollerBearing) -> float:
     """Return the basic dynamic radial load rating of a cylindrical roller bearing, C = b_m f_c (i L cos a)^(7/9) Z^(3/4) D^(29/27) [N].
 
@@ -147,6 +149,7 @@ def equivalent_load(loads: Sequence[float], revolutions: Sequence[float]) -> flo
     return float((np.sum(load**LIFE_EXPONENT * shares) / np.sum(shares)) ** (1.0 / LIFE_EXPONENT))
 
 
+@checked_arguments(rating=number, load=number)
 def rating_life(rating: float, load: float) -> float:
     """Return the basic rating life L10 = (C / P)^(10/3) in revolutions [-], which 90 % of the bearings reach.
 

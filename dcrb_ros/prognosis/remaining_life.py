@@ -9,6 +9,7 @@ from typing import Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
+from dcrb_ros.schema.arguments import checked_arguments, number, numbers, of_type
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal, nearest
 
@@ -31,6 +32,7 @@ class RemainingLife:
     """Probability with which the interval contains the remaining life [-]."""
 
 
+@checked_arguments(hours=numbers, severity=numbers, limit=number, growth=of_type(str), coverage=number, limit_deviation=number)
 def estimate_remaining_life(
     hours: npt.ArrayLike,
     severity: npt.ArrayLike,

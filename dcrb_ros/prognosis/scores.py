@@ -7,10 +7,12 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from dcrb_ros.schema.arguments import checked_arguments, number, numbers
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
 
 
+@checked_arguments(true=numbers, estimated=numbers)
 def phm_2012_score(true: npt.ArrayLike, estimated: npt.ArrayLike) -> float:
     """Return the score of the IEEE PHM 2012 challenge, from 0 to 1 for perfect estimates [-].
 
@@ -46,6 +48,7 @@ def phm_2012_score(true: npt.ArrayLike, estimated: npt.ArrayLike) -> float:
     return float(np.mean(np.exp(math.log(2.0) * np.where(error > 0.0, -error / 20.0, error / 5.0))))
 
 
+@checked_arguments(true=numbers, estimated=numbers, unit=number)
 def phm_2008_score(true: npt.ArrayLike, estimated: npt.ArrayLike, *, unit: float = 1.0) -> float:
     """Return the penalty of the PHM 2008 challenge, 0 for perfect estimates and without an upper limit [-].
 

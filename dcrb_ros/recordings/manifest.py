@@ -51,6 +51,18 @@ MEASURED_UNITS = UNITS | {"time": "s, index of the sample over the sampling rate
 MODEL = ("bearing", "core", "faults", "measurement", "schema", "settings", "simulation")
 """Packages on whose sources the samples depend."""
 
+TYPES: dict[str, type] = {
+    **dict.fromkeys(("units", "software", "processor", "orders", "faults", "imported", "sensor", "configuration"), dict),
+    **dict.fromkeys(("format", "first_index", "samples", "sampling_rate"), int),
+    **dict.fromkeys(("namespace", "sha256", "dcrb_ros", "model"), str),
+}
+"""Types of entries of the manifest; a manifest with another type counts as damaged."""
+
+
+def well_formed(content: Any) -> bool:
+    """Return whether the content of a record is an object whose entries have their types; any other is damaged."""
+    return isinstance(content, dict) and all(isinstance(content.get(name, kind()), kind) for name, kind in TYPES.items())
+
 
 @functools.cache
 def model_fingerprint() -> str:

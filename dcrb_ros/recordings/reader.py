@@ -28,8 +28,9 @@ from dcrb_ros.messages.topics import (
     Topic,
 )
 from dcrb_ros.recordings.arrays import RecordedVerdict, joined_waveform, verdicts_of
+from dcrb_ros.recordings.foreign_files import refuse_foreign
 from dcrb_ros.recordings.latched import described_manifest, in_order, of_one_bench
-from dcrb_ros.recordings.manifest import OUTCOME
+from dcrb_ros.recordings.manifest import OUTCOME, well_formed
 from dcrb_ros.recordings.recorded_run import RecordedRun
 from dcrb_ros.recordings.storage import StoredMessage, valid_files
 from dcrb_ros.recordings.vehicle_folder import box_of, boxes_in, record_name
@@ -48,12 +49,6 @@ from dcrb_ros.text.json import parsed_json
 if TYPE_CHECKING:
     import pandas as pd
 
-TYPES: dict[str, type] = {
-    **dict.fromkeys(("units", "software", "processor", "orders", "faults", "imported", "sensor", "configuration"), dict),
-    **dict.fromkeys(("format", "first_index", "samples", "sampling_rate"), int),
-    **dict.fromkeys(("namespace", "sha256", "dcrb_ros", "model"), str),
-}
-"""Types of entries of the manifest; a manifest with another type counts as damaged."""
 DAMAGE = (ValueError, KeyError, TypeError, RecursionError)
 """Exceptions that a damaged manifest may raise."""
 
@@ -69,7 +64,7 @@ class Recording(RecordedRun):
     Raises
     ------
     Refusal
-        There is no recording, or it is not a recording of the bench.
+        There is no recording, it is not a recording of the bench, or its folder has a file of another recording.
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -80,6 +75,7 @@ class Recording(RecordedRun):
         """The name of the box in the recording of a vehicle; empty for a bench."""
         self.stored, self.damage = valid_files(source)
         """The files in order; a sentence for each part that could not be read so far."""
+        refuse_foreign(source, self.stored)
         self.manifest = self._manifest()
         if self.manifest.get("format", 1) != 1 and self.outcome is None:
             self._report(f"{self.files[-1].name}: the end is missing, the recording was cut off")
@@ -310,7 +306,7 @@ class Recording(RecordedRun):
         except Refusal as refusal:
             self._report(str(refusal))
             return None
-        sound = isinstance(content, dict) and all(isinstance(content.get(name, kind()), kind) for name, kind in TYPES.items())
+        sound = well_formed(content)
         if not sound:
             self._report(f"{file}: the record {record.name} is damaged: it does not have the form that the bench writes")
         return content if sound else None

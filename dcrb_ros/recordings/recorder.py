@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 import shutil
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import Any, TypeVar
 
 import yaml
 
@@ -19,11 +19,12 @@ from dcrb_ros.recordings.mcap_writer import Channel
 from dcrb_ros.recordings.splitting import SECOND, Bag, RecordingFailed, Splitting
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.parameters import Recording as RecordingSettings
 from dcrb_ros.stream.block import Block
 from dcrb_ros.stream.events import TimedCommand
 from dcrb_ros.stream.states import BodyNames
 
-__all__ = ["Recorder", "RecordingFailed", "channel_of", "chosen_topics"]
+__all__ = ["Recorder", "RecordingFailed", "RunRecorder", "channel_of", "chosen_topics"]
 
 
 def qos_profiles(topic: Topic) -> list[dict[str, Any]]:
@@ -63,13 +64,101 @@ def chosen_topics(text: str) -> frozenset[Topic]:
     return frozenset(known[name] for name in names or known) | {SENSOR}
 
 
-class Recorder:
-    """Writes a recording, block by block or message by message.
+class RunRecorder:
+    """Writes the messages of a run to a recording, and removes one that ends before its first sample.
 
     Raises:
-        Refusal: the path exists or cannot be created, or a topic is unknown.
+        Refusal: the path exists or cannot be created.
         RecordingFailed: a write failed later.
     """
+
+    def __init__(
+        self,
+        path: str | Path,
+        settings: RecordingSettings,
+        namespace: str,
+        topics: Collection[Topic],
+        opening: Mapping[str, Mapping[str, str]],
+        first: Iterable[Message],
+    ) -> None:
+        """Begin a recording.
+
+        Args:
+            path: the folder to create.
+            settings: compression and sizes of the files.
+            namespace: namespace of the topics.
+            topics: those that are recorded.
+            opening: the metadata records at the beginning of every file.
+            first: the messages that precede the first block.
+        """
+        self._topics, self._namespace = topics, namespace
+        self._channels: dict[Topic, Channel] = {}
+        self._bag = Bag(
+            Path(path),
+            opening=opening,
+            closing=self.records,
+            compression=settings.compression,
+            splitting=Splitting(settings.split_size, round(settings.split_duration * SECOND)),
+        )
+        self.path = self._bag.path
+        try:
+            self.write_messages(first)
+            self._bag.flush()
+        except RecordingFailed as error:
+            shutil.rmtree(self.path, ignore_errors=True)
+            raise Refusal(f"{error}; make room or give another folder") from None
+
+    def count(self, message: Message) -> None:
+        """Count a message, recorded or not, in what `records` states."""
+        raise NotImplementedError
+
+    def records(self) -> dict[str, dict[str, str]]:
+        """Return the metadata records at the end of every file."""
+        raise NotImplementedError
+
+    @property
+    def empty(self) -> bool:
+        """Whether no sample was counted."""
+        raise NotImplementedError
+
+    def __enter__(self: Run) -> Run:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None) -> None:
+        """Finish the recording; one that an error or a signal ends before its first sample is removed."""
+        self.close()
+        if kind is not None and self.empty:
+            shutil.rmtree(self.path, ignore_errors=True)
+
+    @property
+    def file(self) -> Path:
+        """The first MCAP file of the recording."""
+        return self._bag.files[0]
+
+    def write_messages(self, messages: Iterable[Message]) -> None:
+        """Record messages; those on topics that are not recorded count in the hash of the samples."""
+        if self._bag.open:
+            self._bag.write(self._counted(list(messages)))
+
+    def _counted(self, messages: Iterable[Message]) -> Iterator[tuple[Channel, int, bytes]]:
+        """Yield the messages on recorded topics; each counts after it is written, so that a split file states its own samples."""
+        for message in messages:
+            if message.topic in self._topics:
+                if message.topic not in self._channels:
+                    self._channels[message.topic] = channel_of(message.topic, self._namespace)
+                yield self._channels[message.topic], message.time_ns, message.data
+            self.count(message)
+
+    def close(self) -> None:
+        """Finish the recording; a second call does nothing."""
+        self._bag.close()
+
+
+Run = TypeVar("Run", bound=RunRecorder)
+
+
+class Recorder(RunRecorder):
+    """Writes a recording of a bench, block by block or message by message; see `RunRecorder`."""
 
     def __init__(
         self,
@@ -94,61 +183,24 @@ class Recorder:
             start_ns: simulated time at which it begins [ns].
         """
         settings = configuration.recording
-        self._topics, self._namespace = chosen_topics(settings.topics), namespace
         self._encoder = BlockEncoder(configuration, bodies)
-        self._channels: dict[Topic, Channel] = {}
         self.outcome = Outcome(configuration.sensor.sampling_rate, commands)
-        self._bag = Bag(
-            Path(path),
-            opening=opening(configuration, bodies, namespace, scenario=scenario),
-            closing=self.outcome.records,
-            compression=settings.compression,
-            splitting=Splitting(settings.split_size, round(settings.split_duration * SECOND)),
-        )
-        self.path = self._bag.path
-        try:
-            self.write_messages(self._encoder.start(start_ns))
-            self._bag.flush()
-        except RecordingFailed as error:
-            shutil.rmtree(self.path, ignore_errors=True)
-            raise Refusal(f"{error}; make room or give another folder") from None
+        about = opening(configuration, bodies, namespace, scenario=scenario)
+        super().__init__(path, settings, namespace, chosen_topics(settings.topics), about, self._encoder.start(start_ns))
 
-    def __enter__(self) -> Recorder:
-        return self
+    def count(self, message: Message) -> None:
+        """Count a message in the outcome."""
+        self.outcome.add(message)
 
-    def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None) -> None:
-        """Finish the recording; one that an error or a signal ends before its first sample is removed."""
-        self.close()
-        if kind is not None and not self.outcome.samples:
-            shutil.rmtree(self.path, ignore_errors=True)
+    def records(self) -> dict[str, dict[str, str]]:
+        """Return the record of the outcome."""
+        return self.outcome.records()
 
     @property
-    def file(self) -> Path:
-        """The first MCAP file of the recording."""
-        return self._bag.files[0]
+    def empty(self) -> bool:
+        """Whether no sample was counted."""
+        return not self.outcome.samples
 
     def write(self, block: Block) -> None:
         """Record a block."""
         self.write_messages(self._encoder.encode(block))
-
-    def write_messages(self, messages: Iterable[Message]) -> None:
-        """Record messages; those on topics that are not recorded count in the hash of the samples."""
-        if not self._bag.open:
-            return
-        self._bag.write(self._counted(list(messages)))
-
-    def _counted(self, messages: Iterable[Message]) -> Iterator[tuple[Channel, int, bytes]]:
-        """Yield the messages on recorded topics; each counts after it is written, so that a split file states its own samples."""
-        for message in messages:
-            if message.topic in self._topics:
-                yield self._channel(message.topic), message.time_ns, message.data
-            self.outcome.add(message)
-
-    def _channel(self, topic: Topic) -> Channel:
-        if topic not in self._channels:
-            self._channels[topic] = channel_of(topic, self._namespace)
-        return self._channels[topic]
-
-    def close(self) -> None:
-        """Finish the recording; a second call does nothing."""
-        self._bag.close()

@@ -17,6 +17,7 @@ from dcrb_ros.messages.points import decode_vibration
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import GROUND_TRUTH, MANIFEST, VIBRATION, Message
 from dcrb_ros.recordings.digest import SampleDigests, samples_in, stated_samples
+from dcrb_ros.recordings.foreign_files import refuse_foreign
 from dcrb_ros.recordings.manifest import OUTCOME, Outcome, now
 from dcrb_ros.recordings.mcap_writer import Channel, McapFile, described_channel
 from dcrb_ros.recordings.reader import Recording
@@ -56,8 +57,14 @@ class Recovery:
     """Copies the readable part of a recording to a new bag."""
 
     def __init__(self, source: Path) -> None:
-        self._recordings = _recordings(source)
+        """Open the source.
+
+        Raises:
+            Refusal: it cannot be read, or its folder has a file of another recording.
+        """
         self._files, self._damage = valid_files(source)
+        refuse_foreign(source, self._files)
+        self._recordings = _recordings(source)
         if self._recordings:
             self._files = self._recordings[0].stored  # unpacked already
         self._source = source

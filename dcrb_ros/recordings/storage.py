@@ -88,9 +88,12 @@ class StoredFile:
         """Whether other readers of MCAP take the file: whole messages, and a summary; known after all messages have been read."""
         return self._storage is McapRecords and not self._compression and not self._packed_messages and has_summary(self.path)
 
-    def metadata(self) -> Iterator[Metadata]:
-        """Yield the metadata records."""
-        return (record for record in self._records(chunks=False) if isinstance(record, Metadata))
+    def metadata(self, damage: list[str] | None = None) -> Iterator[Metadata]:
+        """Yield the metadata records; at the end add a sentence for each unreadable part outside of the chunks to ``damage``."""
+        records = self._records(chunks=False)
+        yield from (record for record in records if isinstance(record, Metadata))
+        if damage is not None:
+            damage += records.damage
 
     def messages(self, damage: list[str], topics: Container[str] | None = None) -> Iterator[StoredMessage]:
         """Yield the messages on some topics, by default on all; at the end add a sentence for each unreadable part to ``damage``."""

@@ -11,6 +11,13 @@ from dcrb_ros.schema.refusal import Refusal
 HIGHEST_RATE = 10_000_000
 """Highest sampling rate [Hz]; the memory of a detector grows with it."""
 
+MOST_BITS = 1000
+"""Bits of an integer that a float can hold, less some."""
+
+
+def _short(value: Any) -> bool:
+    return not isinstance(value, int) or value.bit_length() <= MOST_BITS
+
 
 def sampling_rate(value: Any, source: str) -> int:
     """Return the sampling rate that ``source`` gives, a whole number from 1 to `HIGHEST_RATE` [Hz].
@@ -18,7 +25,7 @@ def sampling_rate(value: Any, source: str) -> int:
     Raises:
         Refusal: it is not such a number.
     """
-    whole = isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value) and float(value).is_integer()
+    whole = isinstance(value, Real) and not isinstance(value, bool) and _short(value) and math.isfinite(value) and float(value).is_integer()
     if not whole or not 1 <= value <= HIGHEST_RATE:
         raise Refusal(f"{source} gives a sampling rate of {value!r} Hz: it must be a whole number within 1 .. {HIGHEST_RATE} Hz")
     return int(value)
@@ -32,6 +39,8 @@ def finite_number(name: str, value: Any, unit: str) -> float:
     """
     if isinstance(value, bool) or not isinstance(value, Real):
         raise Refusal(f"{name} {value!r} is not a number: give it in {unit}")
+    if not _short(value):
+        raise Refusal(f"{name} an integer of more than 300 digits is not a number in {unit}: give a smaller one")
     if not math.isfinite(value):
         raise Refusal(f"{name} {float(value):g} {unit} is not a finite number")
     return float(value)

@@ -133,8 +133,12 @@ def _groups(model: type[Group]) -> set[str]:
 
 def _without_empty_groups(flat: Mapping[str, Any], model: type[Group]) -> dict[str, Any]:
     """Return parameters without the groups that a file names with nothing below them."""
-    groups = _groups(model) if any(value == {} for value in flat.values()) else ()
-    return {key: value for key, value in flat.items() if not (value == {} and key in groups)}
+    groups = _groups(model) if any(map(_is_empty, flat.values())) else ()
+    return {key: value for key, value in flat.items() if not (_is_empty(value) and key in groups)}
+
+
+def _is_empty(value: object) -> bool:
+    return isinstance(value, Mapping) and not value
 
 
 def unknown_parameter(key: str, model: type[Group] = Configuration, value: object = None) -> str:

@@ -23,6 +23,7 @@ from dcrb_ros.core.layout.state import SHAFT_SPEED, copy_of
 from dcrb_ros.core.layout.workspace import workspace
 from dcrb_ros.core.solver.step import advance
 from dcrb_ros.measurement.sensor import Sensor
+from dcrb_ros.schema.arguments import of_type, optional
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.numbers import finite_number
 from dcrb_ros.schema.refusal import Refusal
@@ -95,6 +96,8 @@ class Simulation:
         """
         if not isinstance(configuration, Configuration):
             raise Refusal(f"{configuration!r} is not a Configuration: give dcrb_ros.load_configuration('healthy') or another one")
+        of_type(bool)("waveform_only", waveform_only)
+        optional(of_type(Drive))("drive", drive)
         changes = tuple(scenario) if isinstance(scenario, Iterable) else (scenario,)
         if not all(isinstance(change, ScheduledChange) for change in changes):
             raise Refusal(
@@ -181,9 +184,24 @@ class Simulation:
         if not changes:
             return
         with self._lock:
-            altered(self.configuration, {**self._requested, **changes})
-            self._enqueue(ParameterChange(changes))
+            self._check_change(changes)
+            self._pending.append(ParameterChange(changes))
             self._requested.update(changes)
+
+    def check_change(self, changes: Mapping[str, Any]) -> None:
+        """Check a change as `change` does, and change nothing.
+
+        Raises
+        ------
+        Refusal
+            `change` would refuse it.
+        """
+        with self._lock:
+            self._check_change(changes)
+
+    def _check_change(self, changes: Mapping[str, Any]) -> None:
+        altered(self.configuration, {**self._requested, **changes})
+        self._check_room()
 
     def fork(self) -> Simulation:
         """Return an independent copy that continues from the present state; without further commands both yield the same samples.
@@ -209,11 +227,15 @@ class Simulation:
 
     def _enqueue(self, command: Command) -> None:
         """Keep a command for the next block, which may be far away while the bench is paused."""
+        self._check_room()
+        self._pending.append(command)
+
+    def _check_room(self) -> None:
+        """Refuse commands while too many are waiting."""
         if len(self._pending) >= MAX_PENDING:
             raise Refusal(
                 f"{MAX_PENDING} commands are already waiting for the next block; this one is refused, send it again once the bench runs"
             )
-        self._pending.append(command)
 
     def blocks(self, duration: float | None = None) -> Iterator[Block]:
         """Yield blocks until ``duration`` [s] of samples is reached, endlessly without one.

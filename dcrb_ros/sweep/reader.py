@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+import os
 import warnings
 from collections import Counter
 from collections.abc import Mapping
@@ -60,6 +61,8 @@ class DataSet:
     """
 
     def __init__(self, folder: str | Path) -> None:
+        if not isinstance(folder, (str, os.PathLike)):
+            raise Refusal(f"a {type(folder).__name__} is not the path of a data set: give the folder of dcrb sweep or dcrb collect")
         self.folder = Path(folder)
         self._sums = read_sums(Store(str(folder))) if self.folder.is_dir() else None
         if not (self.folder / LABELS).is_file():

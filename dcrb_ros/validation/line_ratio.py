@@ -23,8 +23,6 @@ LARGEST_SHARE = 0.43
 """Highest edge of the bands of a kurtogram relative to the sampling rate [-]: anti-alias filters act above it."""
 LEVELS = 5
 """Levels of the tree of bands; each divides into two or into three [-]."""
-HANN_GAIN = 0.98
-"""Ratio of a line to the median of the spectrum around it for independent energies of scatter 1, per square root of the impacts [-]."""
 
 
 def line_ratio(squared: Floats, rate: float, frequency: float, shaft_frequency: float) -> float:
@@ -54,22 +52,6 @@ def window_ratio(squared: Floats, rate: float, frequency: float, shaft_frequency
         apart = np.abs(axis - harmonic * frequency)
         ratio += float(amplitude[apart <= NEAR * harmonic * frequency].max() / np.median(amplitude[apart <= AROUND * shaft_frequency]))
     return ratio
-
-
-def expected_ratio(rate: float, energy_scatter: float, time_scatter: float = 0.0) -> float:
-    r"""Return R [-] of a train without noise.
-
-    .. math:: R = 0.98 \sum_{k=1}^{3} \sqrt{N / (c_E^2 + (2 \pi k f \sigma_t)^2)}
-
-    with N impacts in the window of 1 s. The background between the lines is that of independent energies and times.
-
-    Args:
-        rate: impacts per second, f [Hz].
-        energy_scatter: standard deviation of the energies over their mean, c_E [-].
-        time_scatter: standard deviation of independent errors of the times, sigma_t [s].
-    """
-    turns = 2.0 * np.pi * np.array(HARMONICS) * rate * time_scatter
-    return float(HANN_GAIN * np.sqrt(rate * WINDOW / (energy_scatter**2 + turns**2)).sum())
 
 
 def kurtogram_ratio(signal: npt.NDArray[np.floating], rate: float, frequency: float, shaft_frequency: float) -> float:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -17,7 +16,7 @@ from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten, load_configuration, nest, validated
 from dcrb_ros.settings.sections import KEY
 from dcrb_ros.settings.shipped import find_shipped
-from dcrb_ros.text.yaml import read_yaml
+from dcrb_ros.text.yaml import parsed, read_yaml
 from dcrb_ros.vehicle.description import SIDES, Axle, Body, Box, Frame, Gear, Journey, Motor, Paths, Suspension, Track, Vehicle, Wheel
 from dcrb_ros.vehicle.loads import quasi_static
 from dcrb_ros.vehicle.track import is_smooth
@@ -92,7 +91,7 @@ def layered(tree: Mapping[str, Any], settings: Sequence[str] | Mapping[str, Any]
         if not equals or not key.strip():
             raise Refusal(f"--set {text}: write KEY=VALUE, for example axle_1.left.faults.outer_1.width=0.002")
         try:
-            flat[key.strip()] = yaml.safe_load(re.sub(r"^([-+]?\d+)[eE]", r"\1.0e", value.strip()))
+            flat[key.strip()] = parsed(value)
         except yaml.YAMLError:
             raise Refusal(f"--set {text}: the value cannot be read") from None
     return flat

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 
 import dcrb_ros.core  # noqa: F401 - sets the folder of the compiled kernels
-from dcrb_ros.schema.arrays import Complexes, Floats, Integers
+from dcrb_ros.schema.arrays import Complexes, Floats
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -87,16 +87,36 @@ def add_path(sections: Floats, delays: Floats, memory: Floats, known: Floats, le
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def cubic(values: Floats, offset: Integers, position: Floats) -> Floats:
-    """Return values of a grid at positions in its points beyond whole offsets, shape (positions,), by the cubic of Keys (1981).
+def _cubic(values: Floats, position: float, offset: int) -> float:
+    """Return the value of a grid at a position in its points beyond a whole offset, by the cubic of Keys (1981).
 
-    It goes through the four nearest points. The offsets let a position have the same bits wherever ``values`` begins.
+    It goes through the four nearest points. The offset lets a position have the same bits wherever ``values`` begins.
     """
+    k = int(np.floor(position))
+    t = position - k
+    k += offset
+    a, b, c, d = values[k - 1], values[k], values[k + 1], values[k + 2]
+    value: float = b + 0.5 * t * (c - a + t * (2.0 * a - 5.0 * b + 4.0 * c - d + t * (3.0 * (b - c) + d - a)))
+    return value
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def cubic(values: Floats, position: Floats) -> Floats:
+    """Return values of a grid at positions in its points, of which the second one is zero, shape (positions,)."""
     result = np.empty(position.shape[0])
     for n in range(position.shape[0]):
-        k = int(np.floor(position[n]))
-        t = position[n] - k
-        k += offset[n]
-        a, b, c, d = values[k - 1], values[k], values[k + 1], values[k + 2]
-        result[n] = b + 0.5 * t * (c - a + t * (2.0 * a - 5.0 * b + 4.0 * c - d + t * (3.0 * (b - c) + d - a)))
+        result[n] = _cubic(values, position[n], 1)
+    return result
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def cubic_on_pages(values: Floats, first: int, points: int, length: float, grid: float, place: Floats) -> Floats:
+    """Return values at places [m] of consecutive pages of a grid, shape (places,).
+
+    Each page has so many ``points`` and a ``length`` [m]; ``values`` begin with the page number ``first``.
+    """
+    result = np.empty(place.shape[0])
+    for n in range(place.shape[0]):
+        page = np.floor(place[n] / length)
+        result[n] = _cubic(values, (place[n] - page * length) / grid, (int(page) - first) * points)
     return result

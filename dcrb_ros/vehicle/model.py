@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from dcrb_ros.measurement.kernels import filtered
 from dcrb_ros.schema.arrays import Complexes, Floats
 from dcrb_ros.vehicle.description import Vehicle, Wheel
+from dcrb_ros.vehicle.frame import FRAME, TICK, TICKS, Plan, Rolling, TrackEvent
 from dcrb_ros.vehicle.kernels import add_path, modal_outputs
 from dcrb_ros.vehicle.loads import quasi_static
 from dcrb_ros.vehicle.paths import BANDS, bearing_paths, contact_paths
@@ -24,12 +24,6 @@ from dcrb_ros.vehicle.track import Rails, Random, roughness
 from dcrb_ros.vehicle.traction import TractionForce
 from dcrb_ros.vehicle.wheels import WheelSurface
 
-TICK = 8
-"""Steps between two ticks of the structure [-]."""
-TICKS = 64
-"""Ticks in a frame [-]."""
-FRAME = TICK * TICKS
-"""Steps in a frame, and between two values of the load [-]."""
 LOAD_CUTOFF = 20.0
 """Frequency above which dynamic loads do not reach the bearings [Hz]: above it, they resonate with the model's own housing."""
 FORCE_CUTOFF = 200.0
@@ -39,58 +33,6 @@ SETTLING = 2.0
 SLIDING = 10.0
 """Rate at which the speed of the circumference of a sliding wheel changes [m/s^2] (an assumption): half of a braking force of 9 kN, which
 the rail no longer takes, on the 470 kg by which a wheelset resists turning."""
-
-
-@dataclass(frozen=True)
-class TrackEvent:
-    """A kink that a wheel met, or the beginning or end of a slide."""
-
-    time: float
-    """[s]"""
-    place: float
-    """Place on the track, from the start of the run [m]."""
-    box: str
-    """The box over the wheel, such as ``axle_1.left``; of a slide, the wheelset."""
-    cause: str
-    """joint, crossing, flat, slide or slide_end."""
-    jump: float
-    """Jump of velocity at a kink, or speed at which the wheels are to slide [m/s]."""
-
-
-@dataclass(frozen=True)
-class Plan:
-    """A frame before the bearings are stepped."""
-
-    shaft_speed: Floats
-    """Speed of each wheelset at the end of the frame, shape (axles,) [rad/s]."""
-    load: Floats
-    """Force on each inner ring in X and Y at the end of the frame, shape (boxes, 2) [N]."""
-    motion: Floats
-    """Vertical acceleration of the boxes by track and wheels, shape (boxes, `FRAME`) [m/s^2]."""
-    speed: float
-    """Speed of the vehicle at the start of the frame [m/s]."""
-    place: float
-    """Place of the middle of the bogie at the start of the frame, from the start of the run [m]."""
-    creep: Floats
-    """Share by which each wheelset turns faster than it rolls at the start of the frame; below zero in a slide, shape (axles,) [-]."""
-    events: tuple[TrackEvent, ...]
-
-
-class _Rolling:
-    """The frame in which wheels roll: ticks of speed, place and angles, and the motion that they cause."""
-
-    def __init__(
-        self, speed: Floats, place: Floats, creep: Floats, angle: Floats, outputs: Floats, loads: Floats, slides: list[TrackEvent]
-    ) -> None:
-        self.speed, self.place, self.angle = speed, place, angle
-        self.creep = creep
-        """Of each wheelset at the ticks, shape (axles, TICKS + 1) [-]."""
-        self.slides = slides
-        """Slides that begin or end with the frame."""
-        self.outputs = outputs
-        """Accelerations of the boxes at the ticks, shape (TICKS, boxes)."""
-        self.loads = loads
-        """Dynamic loads below `LOAD_CUTOFF` at the first tick, shape (boxes,) [N]."""
 
 
 class VehicleModel:
@@ -251,7 +193,7 @@ class VehicleModel:
         self._ring_force = force[:, -1].copy()
         return motion
 
-    def _roll(self) -> _Rolling:
+    def _roll(self) -> Rolling:
         """Return the next frame of rolling and the motion by track and wheels."""
         vehicle, dt = self.vehicle, self._interval
         speed = np.empty(TICKS + 1)
@@ -290,7 +232,7 @@ class VehicleModel:
         outputs = modal_outputs(self._growth, before, after, self._read, direct, self._track_state, inputs)
         count = len(vehicle.boxes)
         loads = filtered(self._load_sections, self._load_memory, np.ascontiguousarray(outputs[:, count:]))
-        return _Rolling(speed, place, creep, angle, np.ascontiguousarray(outputs[:, :count]), loads[0].copy(), slides)
+        return Rolling(speed, place, creep, angle, np.ascontiguousarray(outputs[:, :count]), loads[0].copy(), slides)
 
     def _slip(self, speed: Floats, place: float) -> tuple[list[TrackEvent], Floats]:
         """Return the slides that begin or end with the frame to be rolled, and the creep of each wheelset at its ticks."""
@@ -308,7 +250,7 @@ class VehicleModel:
             creep[p] = axle.creep - (present + (self._slide[p] - present) * shares) if change else axle.creep - present
         return events, creep
 
-    def _add_contacts(self, now: _Rolling, motion: Floats, first: int) -> list[TrackEvent]:
+    def _add_contacts(self, now: Rolling, motion: Floats, first: int) -> list[TrackEvent]:
         """Add to ``motion`` what the paths make of roughness and kinks beyond the structure's modes; return the kinks."""
         vehicle, fine, ticks = self.vehicle, np.arange(FRAME) / TICK, np.arange(TICKS + 1)
         speed, place = np.interp(fine, ticks, now.speed), np.interp(fine, ticks, now.place)

@@ -16,7 +16,7 @@ from dcrb_ros.simulation.scenario import MAX_CHANGES, MAX_TICKS, Entry, Schedule
 from dcrb_ros.vehicle.changes import RANGES, checked_command, sorted_changes
 from dcrb_ros.vehicle.description import Vehicle
 from dcrb_ros.vehicle.file import layered
-from dcrb_ros.vehicle.model import FRAME
+from dcrb_ros.vehicle.frame import FRAME
 
 PREFIX = "vehicle."
 SPEED, RAMP = "vehicle.speed_kmh", "vehicle.ramp"

@@ -3,105 +3,33 @@
 from __future__ import annotations
 
 import os
-import threading
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from dcrb_ros.bearing.runtime_change import altered
-from dcrb_ros.core.layout.state import TARGET_SPEED, TARGET_X, TARGET_Y, State
-from dcrb_ros.core.payload import Payload
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.numbers import finite_number
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.parameters import Operating
-from dcrb_ros.simulation.drive import Drive
-from dcrb_ros.simulation.loop import MAX_PENDING, ModelFailure, Simulation
+from dcrb_ros.simulation.loop import ModelFailure, Simulation
 from dcrb_ros.stream.block import Block
-from dcrb_ros.vehicle.changes import RANGES, VehicleChanges, checked_command, sorted_changes
+from dcrb_ros.vehicle.block import VehicleBlock, VehicleTruth
 from dcrb_ros.vehicle.description import Vehicle
 from dcrb_ros.vehicle.file import vehicle_of
+from dcrb_ros.vehicle.frame import FRAME, Plan, TrackEvent
+from dcrb_ros.vehicle.guided_drive import GuidedDrive
 from dcrb_ros.vehicle.heat import VehicleHeat
-from dcrb_ros.vehicle.model import FRAME, Plan, TrackEvent, VehicleModel
+from dcrb_ros.vehicle.model import VehicleModel
+from dcrb_ros.vehicle.requests import VehicleRequests
 from dcrb_ros.vehicle.scenario import PREFIX, VehicleScenario, vehicle_scenario
 
 MEASURED = ("acceleration", "clean", "clipped", "range", "preview", "preview_ns")
 """What a block has from its accelerometer, whose cable may be swapped with that of another box."""
 SENSED = 2
 """Frames that are sensed together, in a fifth less time than one by one [-]."""
-ROUNDING = 1.0 + 1e-9
-"""Factor on a ramp, which must reach its target within the frame."""
-
-
-class GuidedDrive(Drive):
-    """Speed and load of a bearing in a vehicle, along straight lines from frame to frame."""
-
-    def __init__(self, configuration: Configuration) -> None:
-        super().__init__(configuration)
-        self.fluctuates = True
-        self._frame = FRAME / configuration.step_rate
-        self._load_ramp = 0.0
-        self.speed = configuration.operating.speed
-        """Speed at the end of the frame [rad/s]."""
-        self.load = np.array([configuration.operating.lateral_load, -configuration.operating.load])
-        """Force on the inner ring in X and Y at the end of the frame [N]."""
-
-    def fluctuate(self, payload: Payload, state: State, operating: Operating, step: int) -> tuple[Payload, int]:
-        """Set the targets at the start of a frame; return the payload with the ramps to them, and the step of the next frame."""
-        since = step % FRAME
-        if since == 0:
-            change = max(abs(self.load[0] - state.load[0]), abs(self.load[1] - state.load[1]))
-            turn = abs(self.speed - state.target[TARGET_SPEED])
-            state.target[TARGET_SPEED] = self.speed
-            state.target[TARGET_X], state.target[TARGET_Y] = self.load
-            self._load_ramp = float(ROUNDING * change / self._frame)
-            payload = payload._replace(speed_ramp=ROUNDING * turn / self._frame, load_ramp=self._load_ramp)
-        return payload, step - since + FRAME
-
-    def with_ramps(self, payload: Payload, operating: Operating, present: float) -> Payload:
-        """Return a payload with the ramps of the present frame."""
-        return payload._replace(speed_ramp=present, load_ramp=self._load_ramp)
-
-
-@dataclass(frozen=True)
-class VehicleTruth:
-    """What happened to a vehicle during a block."""
-
-    time_ns: int
-    """Simulated time at the start [ns]."""
-    speed: float
-    """Speed of the vehicle at the start of the last frame [m/s]."""
-    place: float
-    """Place of the middle of the bogie on the track at the start of the last frame [m]."""
-    load: Mapping[str, float]
-    """Load of each box at the end of the last frame, downwards [N]."""
-    parts: Mapping[str, tuple[float, float, float]]
-    """Acceleration of each box by its own bearing, the others, and track and wheels, rms of both axes [m/s^2]."""
-    creep: Mapping[str, float]
-    """Share by which each wheelset turned faster than it rolled at the start of the last frame; below zero in a slide [-]."""
-    events: tuple[TrackEvent, ...]
-    """Joints, crossings and flats that wheels met, and slides that began or ended."""
-    silent: tuple[str, ...]
-    """Boxes whose model failed."""
-    commanded: Mapping[str, float] = field(default_factory=dict)
-    """The commands in effect at the start of the block, by the names of `RANGES`."""
-    commands: tuple[tuple[str, Any], ...] = ()
-    """Those, and the changes of wheels and slides by their keys, that were given since the block before."""
-
-
-@dataclass(frozen=True)
-class VehicleBlock:
-    """A block of every box, and the truth about the vehicle."""
-
-    boxes: Mapping[str, Block]
-    truth: VehicleTruth
-    end_ns: int
-    """Simulated time of its end [ns]."""
 
 
 class _Stepping(NamedTuple):
@@ -184,8 +112,7 @@ class VehicleSimulation:
         self._model = VehicleModel(vehicle)
         self.scenario = scenario or VehicleScenario({}, ())
         """What changes during the run."""
-        self._wheels = {box.name: box.wheel for box in vehicle.boxes}
-        self._commanded = {name: float(getattr(vehicle.journey, name)) for name in RANGES}
+        self._requests = VehicleRequests(vehicle, self._model)
         self._scheduled = deque(self.scenario.settings)
         self._planned = 0
         self._upcoming = self._plan_next()
@@ -204,8 +131,6 @@ class VehicleSimulation:
         self._threads = min(threads or os.cpu_count() or 1, len(vehicle.boxes))
         self._steps = self._samples = 0
         self._silent: dict[str, str] = {}
-        self._pending: deque[tuple[str, Any]] = deque()
-        self._lock = threading.Lock()
         self._plan: Plan
         self._parts: Floats
 
@@ -224,31 +149,7 @@ class VehicleSimulation:
         Refusal
             A command is unknown or out of range; nothing is changed.
         """
-        for name, value in commands.items():
-            checked_command(name, value, end="; the previous command remains in effect")
-        with self._lock:
-            self._check_room()
-            self._pending.extend((name, float(value)) for name, value in commands.items())
-
-    def _apply_commands(self) -> tuple[tuple[str, Any], ...]:
-        """Give the pending commands and changes to the model, and return them."""
-        with self._lock:  # `worn` must find a change either pending or in effect
-            commands = tuple(self._pending)
-            self._pending.clear()
-            for name, value in commands:
-                self._give(name, value)
-        return commands
-
-    def _give(self, name: str, value: Any) -> None:
-        """Give the model a command, the ramp of the speed, or a change of a wheel or a slide."""
-        if name in RANGES:
-            self._commanded[name] = value
-        if name == "speed_kmh":
-            self._model.targets["speed"] = value / 3.6
-        elif name in self._model.targets:
-            self._model.targets[name] = value
-        else:
-            self._apply(sorted_changes(self.vehicle, self._wheels, {name: value}))
+        self._requests.command(commands)
 
     def change(self, changes: Mapping[str, Any]) -> None:
         """Change parameters of boxes from the next block on, such as ``{"axle_1.left.faults.outer_1.width": 0.002}``.
@@ -261,29 +162,7 @@ class VehicleSimulation:
         Refusal
             A key names no box or wheelset, belongs to the vehicle or cannot change, or a box refuses the change; nothing is changed.
         """
-        asked = sorted_changes(self.vehicle, self._wheels, changes)
-        for name, changed in asked.boxes.items():
-            altered(self.simulations[name].configuration, changed)
-        model = {key: value for key, value in changes.items() if sorted_changes(self.vehicle, self._wheels, {key: value}).of_model}
-        with self._lock:
-            if model:
-                self._check_room()
-            for name, changed in asked.boxes.items():
-                self.simulations[name].change(changed)
-            self._pending.extend(model.items())
-
-    def _check_room(self) -> None:
-        """Refuse requests to the model while too many are waiting."""
-        if len(self._pending) >= MAX_PENDING:
-            raise Refusal(f"{MAX_PENDING} commands are already waiting for the next block; send this one again once the bench runs")
-
-    def _apply(self, changes: VehicleChanges) -> None:
-        """Give the model changes of wheels and slides."""
-        for name, wheel in changes.wheels.items():
-            self._wheels[name] = wheel
-            self._model.wear(self._names.index(name), wheel)
-        for name, slide in changes.slides.items():
-            self._model.slides[[axle.name for axle in self.vehicle.axles].index(name)] = slide
+        self._requests.change(changes, self.simulations)
 
     def blocks(self, duration: float | None = None) -> Iterator[VehicleBlock]:
         """Yield blocks until ``duration`` [s] of samples is reached, endlessly without one.
@@ -306,7 +185,7 @@ class VehicleSimulation:
 
     def _block(self, pool: ThreadPoolExecutor, size: int) -> VehicleBlock:
         began, events, parts = self.time_ns, list[TrackEvent](), list[Floats]()
-        commands = self._apply_commands()
+        commands = self._requests.apply()
         for simulation in self._running.values():
             simulation.prepare(size)
         end = max(simulation.steps_of(size) for simulation in self._running.values())
@@ -339,7 +218,7 @@ class VehicleSimulation:
             {axle.name: float(present.creep[p]) for p, axle in enumerate(self.vehicle.axles)},
             tuple(events),
             tuple(self._silent),
-            dict(self._commanded),
+            dict(self._requests.commanded),
             commands,
         )
         return VehicleBlock(boxes, truth, self.time_ns)
@@ -362,11 +241,7 @@ class VehicleSimulation:
 
     def worn(self) -> dict[str, Any]:
         """Return the parameters of wheels and the slides by their keys, as `change` takes them; those that are pending are left out."""
-        with self._lock:
-            pending = {key for key, _ in self._pending}
-            wheels = {f"{name}.wheel.{key}": value for name, wheel in self._wheels.items() for key, value in wheel.model_dump().items()}
-            slides = {f"{axle.name}.slide": float(self._model.slides[p]) for p, axle in enumerate(self.vehicle.axles)}
-        return {key: value for key, value in (wheels | slides).items() if key not in pending}
+        return self._requests.worn()
 
     @property
     def silent(self) -> Mapping[str, str]:
@@ -384,7 +259,7 @@ class VehicleSimulation:
     def _begin_frame(self, pool: ThreadPoolExecutor) -> _Stepping:
         """Let the bearings step the planned frame, and plan the next one meanwhile."""
         plan = self._upcoming
-        around = self._heat.surroundings(plan.speed, self._commanded["wind"], self._commanded["brake"], self.simulations)
+        around = self._heat.surroundings(plan.speed, self._requests.commanded["wind"], self._requests.commanded["brake"], self.simulations)
         for name, surroundings in around.items():
             self.simulations[name].surround(surroundings)
         for box, drive, load in zip(self.vehicle.boxes, self._drives, plan.load, strict=True):
@@ -398,7 +273,7 @@ class VehicleSimulation:
         """Return the plan of the next frame; the scenario's settings of that frame act from its end on."""
         while self._scheduled and self._scheduled[0].frame <= self._planned:
             setting = self._scheduled.popleft()
-            self._give(setting.key.removeprefix(PREFIX), setting.value)
+            self._requests.give(setting.key.removeprefix(PREFIX), setting.value)
         self._planned += 1
         return self._model.plan()
 

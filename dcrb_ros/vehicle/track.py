@@ -16,7 +16,7 @@ import numpy as np
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.vehicle.description import SIDES, Track, numbers, places
-from dcrb_ros.vehicle.kernels import cubic
+from dcrb_ros.vehicle.kernels import cubic_on_pages
 
 PAGE = 256.0
 """Length of a page [m]."""
@@ -89,8 +89,7 @@ class Random:
         first, last = math.floor((place.min() - 2 * self._grid) / PAGE), math.floor((place.max() + 3 * self._grid) / PAGE)
         pages = [self.page(number) for number in range(first, last + 1)]
         values = pages[0] if len(pages) == 1 else np.concatenate(pages)
-        number = np.floor(place / PAGE)
-        return cubic(values, ((number - first) * self._points).astype(np.int64), (place - number * PAGE) / self._grid)
+        return cubic_on_pages(values, first, self._points, PAGE, self._grid, place)
 
 
 def irregularity(track: Track) -> tuple[Random, Random] | None:

@@ -63,7 +63,7 @@ class WheelSurface:
     def _around(turn: Floats, angle: Floats) -> Floats:
         """Return the values of a table at angles [rad]."""
         position = np.asarray(np.mod(angle, 2.0 * np.pi) * (POINTS / (2.0 * np.pi)), np.float64)
-        return cubic(turn, np.ones(len(angle), np.int64), position)
+        return cubic(turn, position)
 
     def displacement(self, angle: Floats, speed: float) -> Floats:
         """Return the displacement at angles of the wheelset [m]."""

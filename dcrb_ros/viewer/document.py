@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import rerun as rr
+from rerun.blueprint import Blueprint
 from rerun.chunk import McapReader
 
 from dcrb_ros.bearing.fault_lines import fault_combs
@@ -28,16 +29,29 @@ def write_document(content: Content, path: Path, *, native: tuple[Path, ...] = (
         OSError: not all of it was written.
     """
     drawing = bearing_picture.drawing_of(content, content.motion) if content.motion else None
+
+    def log() -> None:
+        log_content(content, drawing)
+        log_detector_output(content)
+
+    write_logged(path, log, lambda: blueprint.compose(content, drawing, picture_only=picture_only), native)
+
+
+def write_logged(path: Path, log: Callable[[], None], compose: Callable[[], Blueprint], native: Iterable[Path]) -> None:
+    """Write to a Rerun file what ``log`` logs, the arrangement of its views, and the other topics of MCAP files.
+
+    Raises:
+        OSError: not all of it was written.
+    """
     with rr.RecordingStream(APPLICATION) as recording:
         # To a file, Rerun would only log a failed write, or wait without end.
         stream = recording.binary_stream()
         # Rerun reads the files in threads of its own, parallel to the logging below.
         with ThreadPoolExecutor(1, "native") as pool:
             reading = pool.submit(log_native, recording, native)
-            log_content(content, drawing)
-            log_detector_output(content)
+            log()
             reading.result()
-        recording.send_blueprint(blueprint.compose(content, drawing, picture_only=picture_only))
+        recording.send_blueprint(compose())
         written = stream.read()
         recording.disconnect()
     path.write_bytes(written or b"")

@@ -18,6 +18,7 @@ from dcrb_ros.viewer.content import Content
 from dcrb_ros.viewer.reader import read_content
 
 if TYPE_CHECKING:
+    from dcrb_ros.recordings.vehicle import VehicleRecording
     from dcrb_ros.viewer.vehicle_content import VehicleContent
 
 
@@ -42,31 +43,40 @@ def checked_output(path: Path, *, suffix: str, option: str) -> Path:
     return path
 
 
-def save_document(recording: Recording, content: Content, path: Path) -> None:
+def write(content: Content | VehicleContent, path: Path, *, native: tuple[Path, ...] = (), picture_only: bool = False) -> None:
+    """Write a bench or a vehicle to a Rerun file, with the other topics of the MCAP files ``native``."""
+    # Rerun takes a second to import; meanwhile the fault detector already runs in the background.
+    if isinstance(content, Content):
+        from dcrb_ros.viewer.document import write_document
+
+        write_document(content, path, native=native, picture_only=picture_only)
+    else:
+        from dcrb_ros.viewer.vehicle_document import write_vehicle_document
+
+        write_vehicle_document(content, path, native=native, picture_only=picture_only)
+
+
+def save_document(recording: Recording, content: Content | VehicleContent, path: Path) -> None:
     """Write the Rerun file, with the recording's other topics; an incomplete file is never left behind.
 
     Raises:
         Refusal: the file cannot be written.
     """
-    # Rerun takes a second to import; meanwhile the fault detector already runs in the background.
-    from dcrb_ros.viewer.document import write_document
-
     with whole_file(path) as part, tempfile.TemporaryDirectory(dir=path.absolute().parent, prefix=".dcrb-view-") as folder:
-        write_document(content, part, native=plain_files(recording, Path(folder)))
+        write(content, part, native=plain_files(recording, Path(folder)))
 
 
-def take_picture(content: Content, path: Path) -> None:
+def take_picture(content: Content | VehicleContent, path: Path) -> None:
     """Write a PNG of the viewer at `screenshot_time`."""
-    from dcrb_ros.viewer.document import write_document
     from dcrb_ros.viewer.window import save_screenshot
 
     with tempfile.TemporaryDirectory(prefix="dcrb-view-") as folder:
         document = Path(folder, "picture.rrd")
-        write_document(content, document, picture_only=True)
+        write(content, document, picture_only=True)
         save_screenshot(document, path, at_ns=screenshot_time(content))
 
 
-def show(recording: Recording, content: Content, *, web: bool = False) -> int:
+def show(recording: Recording, content: Content | VehicleContent, *, web: bool = False) -> int:
     """Open the viewer with the recording; return its exit status after it is closed."""
     from dcrb_ros.viewer.window import open_window
 
@@ -76,8 +86,15 @@ def show(recording: Recording, content: Content, *, web: bool = False) -> int:
         return open_window(document, web=web)
 
 
-def screenshot_time(content: Content) -> int:
-    """Return the time of the largest roller force in the last third of the recording, when spectra and verdicts are available [ns]."""
+def screenshot_time(content: Content | VehicleContent) -> int:
+    """Return the time of the largest roller force in the last third of the recording, when spectra and verdicts are available [ns].
+
+    Of a vehicle, it is `dcrb_ros.viewer.vehicle_document.picture_time`.
+    """
+    if not isinstance(content, Content):
+        from dcrb_ros.viewer.vehicle_document import picture_time
+
+        return picture_time(content)
     begin = content.start_ns + 2 * (content.end_ns - content.start_ns) // 3
     if content.motion is None:
         return begin
@@ -86,36 +103,6 @@ def screenshot_time(content: Content) -> int:
     if not len(late):
         return begin
     return int(content.motion.time_ns[late[np.argmax(content.motion.force[late, :rollers].max(axis=1))]])
-
-
-def _view_vehicle(bag: Path, *, save: Path | None, screenshot: Path | None, web: bool) -> tuple[VehicleContent, bool, int]:
-    """Write the requested files of a vehicle or open the viewer, as `view_recording` does."""
-    from dcrb_ros.recordings.vehicle import VehicleRecording
-    from dcrb_ros.viewer.vehicle_content import read_vehicle_content
-    from dcrb_ros.viewer.vehicle_document import picture_time, write_vehicle_document
-    from dcrb_ros.viewer.window import open_window, save_screenshot
-
-    recording = VehicleRecording(bag)
-    content, first = read_vehicle_content(recording), next(iter(recording.boxes.values()))
-
-    def write(path: Path) -> None:
-        with tempfile.TemporaryDirectory(dir=path.absolute().parent, prefix=".dcrb-view-") as folder:
-            write_vehicle_document(content, path, native=plain_files(first, Path(folder)))
-
-    status = 0
-    if save is not None:
-        with whole_file(save) as part:
-            write(part)
-    with tempfile.TemporaryDirectory(prefix="dcrb-view-") as folder:
-        if screenshot is not None:
-            document = Path(folder, "picture.rrd")
-            write_vehicle_document(content, document, picture_only=True)
-            save_screenshot(document, screenshot, at_ns=picture_time(content))
-        if save is None and screenshot is None:
-            document = Path(folder, f"{content.title}.rrd")
-            write(document)
-            status = open_window(document, web=web)
-    return content, not recording.damage, status
 
 
 def view_recording(bag: Path, *, save: Path | None, screenshot: Path | None, web: bool) -> tuple[Content | VehicleContent, bool, int]:
@@ -130,13 +117,20 @@ def view_recording(bag: Path, *, save: Path | None, screenshot: Path | None, web
     for path, suffix, option in outputs:
         if path is not None:
             checked_output(path, suffix=suffix, option=option)
+    content: Content | VehicleContent
+    whole: Recording | VehicleRecording
     if vehicle_boxes(bag):
-        return _view_vehicle(bag, save=save, screenshot=screenshot, web=web)
-    recording = Recording(bag)
-    content = read_content(recording)
+        from dcrb_ros.recordings.vehicle import VehicleRecording
+        from dcrb_ros.viewer.vehicle_content import read_vehicle_content
+
+        whole = VehicleRecording(bag)
+        content, recording = read_vehicle_content(whole), next(iter(whole.boxes.values()))
+    else:
+        whole = recording = Recording(bag)
+        content = read_content(recording)
     if save is not None:
         save_document(recording, content, save)
     if screenshot is not None:
         take_picture(content, screenshot)
     status = show(recording, content, web=web) if save is None and screenshot is None else 0
-    return content, recording.complete, status
+    return content, not whole.damage, status

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +17,7 @@ from dcrb_ros.viewer import palette, plan_view, series, spectrum_picture
 from dcrb_ros.viewer.blueprint import CLOSE_UP, PANEL, PANELS, close_up, spectrum_bounds
 from dcrb_ros.viewer.columns import TIMELINE
 from dcrb_ros.viewer.content import TimedWaveform
-from dcrb_ros.viewer.document import APPLICATION, log_native
+from dcrb_ros.viewer.document import write_logged
 from dcrb_ros.viewer.spectrum import envelope_spectra
 from dcrb_ros.viewer.vehicle_content import TrackEvent, VehicleContent, Verdicts, lead_times
 
@@ -34,17 +33,12 @@ def write_vehicle_document(content: VehicleContent, path: Path, *, native: tuple
     Raises:
         OSError: not all of it was written.
     """
-    with rr.RecordingStream(APPLICATION) as recording:
-        stream = recording.binary_stream()
-        with ThreadPoolExecutor(1, "native") as pool:
-            reading = pool.submit(log_native, recording, native)
-            log_vehicle(content)
-            log_spectra(content)
-            reading.result()
-        recording.send_blueprint(compose(content, picture_only=picture_only))
-        written = stream.read()
-        recording.disconnect()
-    path.write_bytes(written or b"")
+
+    def log() -> None:
+        log_vehicle(content)
+        log_spectra(content)
+
+    write_logged(path, log, lambda: compose(content, picture_only=picture_only), native)
 
 
 def log_vehicle(

@@ -192,3 +192,18 @@ def test_a_file_with_another_hash_than_listed_is_refused(files: Path, tmp_path: 
     refused = CliRunner().invoke(app, [*arguments, str(tmp_path / "other")])
     assert isinstance(refused.exception, Refusal)
     assert f"has the SHA-256 {actual} instead of {'0' * 64}" in str(refused.exception)
+
+
+def test_a_description_in_the_list_is_a_file_beside_it(files: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = shutil.copytree(files, tmp_path / "files")
+    (folder / "list.csv").write_text("file,fault,about\n105.npz,healthy,about.yaml\n", encoding="utf-8")
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    (elsewhere / "about.yaml").write_text("channels: {ax: none}\n", encoding="utf-8")
+    monkeypatch.chdir(elsewhere)
+    done = CliRunner().invoke(app, ["collect", str(folder / "list.csv"), "-o", str(tmp_path / "set")])
+    assert done.exit_code == 0, done.output
+    (folder / "list.csv").write_text("file,fault,about\n105.npz,healthy,nowhere.yaml\n", encoding="utf-8")
+    done = CliRunner().invoke(app, ["collect", str(folder / "list.csv"), "-o", str(tmp_path / "other")])
+    assert isinstance(done.exception, Refusal)
+    assert "list.csv, line 2: there is no description" in str(done.exception)

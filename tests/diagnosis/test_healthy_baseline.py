@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 import yaml
 from jittered_impacts import Floats, Machine
+from same_process import dcrb
 from synthetic_bearing import ORDERS, synthetic
 
 from dcrb_ros.bearing.waveform import signal_of
-from dcrb_ros.cli.app import main
 from dcrb_ros.diagnosis.detection import DetectionResult, detect, learn_baseline
 from dcrb_ros.diagnosis.detector import FaultDetector
 from dcrb_ros.diagnosis.healthy_baseline import HealthyBaseline, read_baseline
@@ -171,19 +171,12 @@ def recorded(folder: Path, name: str, signal: Floats) -> Path:
     return folder / name
 
 
-def dcrb(*arguments: str, monkeypatch: pytest.MonkeyPatch) -> int:
-    monkeypatch.setattr("sys.argv", ["dcrb", *arguments])
-    with pytest.raises(SystemExit) as end:
-        main()
-    return int(str(end.value.code or 0))
-
-
-def test_the_command_learns_saves_and_loads(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_learns_saves_and_loads(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     calm, other = recorded(tmp_path, "calm", loud(1)), recorded(tmp_path, "other", loud(2))
     saved = str(tmp_path / "mine.yaml")
     answers = []
     for options in ((), ("--healthy", str(calm), "--save-baseline", saved), ("--baseline", saved)):
-        assert dcrb("detect", str(other), "--json", *options, monkeypatch=monkeypatch) == 0
+        assert dcrb("detect", str(other), "--json", *options) == 0
         answers.append(json.loads(capsys.readouterr().out))
     assert [one["verdict"] for one in answers] == ["outer_ring", "healthy", "healthy"]
     assert answers[0]["baseline"] is None
@@ -195,7 +188,7 @@ def test_the_command_learns_saves_and_loads(tmp_path: Path, monkeypatch: pytest.
         (("--healthy", str(calm), "--save-baseline", saved), "exists: give another name, or --force"),
         (("--baseline", str(tmp_path / "none.yaml")), "none.yaml"),
     ):
-        assert dcrb("detect", str(other), *options, monkeypatch=monkeypatch) == 2
+        assert dcrb("detect", str(other), *options) == 2
         error = capsys.readouterr().err
         assert sentence in error
         assert error.count("\n") == 1

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 from jittered_impacts import Machine
+from same_process import dcrb
 
 from dcrb_ros.bearing.frequencies import Orders
-from dcrb_ros.cli.app import main
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exam.agreement import macro_recall
 from dcrb_ros.exam.entry import read_entry
@@ -67,17 +67,10 @@ def folder(path: Path, **changes: str) -> Path:
     return path
 
 
-def dcrb(*arguments: str, monkeypatch: pytest.MonkeyPatch) -> int:
-    monkeypatch.setattr("sys.argv", ["dcrb", *arguments])
-    with pytest.raises(SystemExit) as end:
-        main()
-    return int(str(end.value.code or 0))
-
-
-def test_a_folder_is_scored_by_rig(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_folder_is_scored_by_rig(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     junit = tmp_path / "report.xml"
     options = ("--json", "--workers", "1", "--junit", str(junit))
-    assert dcrb("score", "--measured", str(folder(tmp_path)), *options, monkeypatch=monkeypatch) == 0
+    assert dcrb("score", "--measured", str(folder(tmp_path)), *options) == 0
     about = json.loads(capsys.readouterr().out)
     assert {one["name"]: one["answer"] for one in about["scenarios"]} == {"calm": "healthy", "struck": "outer_ring"}
     assert about["rigs"] == [
@@ -87,8 +80,8 @@ def test_a_folder_is_scored_by_rig(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert "struck" in junit.read_text()
 
 
-def test_a_wrong_answer_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    assert dcrb("score", "--measured", str(folder(tmp_path, truth="inner_ring")), "--workers", "1", monkeypatch=monkeypatch) == 1
+def test_a_wrong_answer_fails(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert dcrb("score", "--measured", str(folder(tmp_path, truth="inner_ring")), "--workers", "1") == 1
     assert "diagnosed as" in capsys.readouterr().out
 
 
@@ -121,9 +114,9 @@ def test_a_folder_without_table_or_column_is_refused(tmp_path: Path) -> None:
         read_measured(tmp_path, "documented")
 
 
-def test_options_that_do_not_apply_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_options_that_do_not_apply_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for options in (("smoke", "--measured", "."), ("--measured", ".", "--speed", "guessed"), ("--measured", str(tmp_path))):
-        assert dcrb("score", *options, monkeypatch=monkeypatch) == 2
+        assert dcrb("score", *options) == 2
         assert capsys.readouterr().err.count("\n") == 1
 
 
@@ -250,11 +243,11 @@ def test_verdicts_on_the_lead_are_no_answer(tmp_path: Path) -> None:
         assert score_scenario(expected, early, measured_criteria()).answer == NO_ANSWER
 
 
-def test_python_and_an_entry_go_with_measured_recordings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_python_and_an_entry_go_with_measured_recordings(tmp_path: Path) -> None:
     (tmp_path / "calm.py").write_text(
         "class Calm:\n    def __init__(self, orders, rate): pass\n    def update(self, *block): return 'healthy'\n"
     )
     entry = tmp_path / "entry.json"
     options = ("--python", f"{tmp_path / 'calm.py'}:Calm", "--entry", str(entry), "--workers", "1", "--quiet")
-    assert dcrb("score", "--measured", str(folder(tmp_path)), *options, monkeypatch=monkeypatch) == 1
+    assert dcrb("score", "--measured", str(folder(tmp_path)), *options) == 1
     assert macro_recall(read_entry(entry)) == pytest.approx(0.5)

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from same_process import dcrb
 
 from dcrb_ros.bearing.frequencies import Orders
-from dcrb_ros.cli.app import main
 from dcrb_ros.exam.detector_families import families_of, shipped_members
 from dcrb_ros.exam.evaluation import no_progress
 from dcrb_ros.exam.limits import Limits
@@ -266,9 +266,7 @@ def test_a_recording_that_is_not_there_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.timeout(1800)  # kernels may have to be compiled
-def test_a_replica_is_compared_on_the_command_line(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_replica_is_compared_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = tmp_path / "measured"
     (folder / "recordings").mkdir(parents=True)
     lines = ["name,rig,truth,sampling_rate,unit,speed_rpm_documented,speed_rpm_from_lines,FTF,BPFO,BPFI,BSF,seconds"]
@@ -282,11 +280,11 @@ def test_a_replica_is_compared_on_the_command_line(
     )
     made, drawing = str(tmp_path / "replica.yaml"), tmp_path / "scatter.png"
     options = ("--machines", "1", "--counterparts", "1", "--longest", "1", "--without", "path", "--without", "impacts", "-o", made)
-    assert dcrb("exam", "replica", str(folder), *options, monkeypatch=monkeypatch) == 0
+    assert dcrb("exam", "replica", str(folder), *options) == 0
     capsys.readouterr()
     common = ("--replica", made, "--detectors", str(detectors), "--recordings", str(tmp_path / "kept"), "--workers", "1", "--quiet")
     # Two of the files cannot be used, so the status is 1; the others are compared all the same.
-    assert dcrb("exam", "predictivity", str(folder), *common, "--json", "--figure", str(drawing), monkeypatch=monkeypatch) == 1
+    assert dcrb("exam", "predictivity", str(folder), *common, "--json", "--figure", str(drawing)) == 1
     out, err = capsys.readouterr()
     about = json.loads(out)
     marks = {one["name"]: (one["exam"], one["field"]) for one in about["detectors"]}
@@ -299,19 +297,12 @@ def test_a_replica_is_compared_on_the_command_line(
     (detectors / "broken.py").unlink()
     (detectors / "failing.py").unlink()
     (detectors / "calm.runs").rename(tmp_path / "calm.runs")
-    assert dcrb("exam", "predictivity", str(folder), *common, monkeypatch=monkeypatch) == 0
+    assert dcrb("exam", "predictivity", str(folder), *common) == 0
     assert len(runs) == 12
     assert "| all (3) |" in capsys.readouterr().out
     (folder / "recordings.csv").write_text("\n".join(lines[:3]) + "\n")
-    assert dcrb("exam", "predictivity", str(folder), *common, monkeypatch=monkeypatch) == 2
+    assert dcrb("exam", "predictivity", str(folder), *common) == 2
     assert "was made from another table" in capsys.readouterr().err
-
-
-def dcrb(*arguments: str, monkeypatch: pytest.MonkeyPatch) -> int:
-    monkeypatch.setattr("sys.argv", ["dcrb", *arguments])
-    with pytest.raises(SystemExit) as end:
-        main()
-    return int(str(end.value.code or 0))
 
 
 def test_the_json_has_every_figure() -> None:

@@ -12,9 +12,9 @@ import pytest
 import yaml
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from same_process import dcrb
 
 from dcrb_ros.bearing.frequencies import Orders
-from dcrb_ros.cli.app import main
 from dcrb_ros.exam.exam_file import exam_of
 from dcrb_ros.exam.replica import ReplicaPlan, replica_tree
 from dcrb_ros.exam.replica_geometry import bearing_settings, geometry_of
@@ -42,13 +42,6 @@ def table(folder: Path, rows: Any = ROWS, **changes: str) -> Path:
         writer.writeheader()
         writer.writerows(written)
     return folder / "recordings.csv"
-
-
-def dcrb(*arguments: str, monkeypatch: pytest.MonkeyPatch) -> int:
-    monkeypatch.setattr("sys.argv", ["dcrb", *arguments])
-    with pytest.raises(SystemExit) as end:
-        main()
-    return int(str(end.value.code or 0))
 
 
 def test_a_replica_needs_no_recording_and_has_the_shape_of_the_table(tmp_path: Path) -> None:
@@ -171,11 +164,11 @@ def test_every_prior_is_described_and_draws_values_within_its_words() -> None:
     ],
 )
 def test_invalid_input_is_one_sentence_and_writes_nothing(
-    changes: dict[str, str], sentence: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    changes: dict[str, str], sentence: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     output = tmp_path / "replica.yaml"
     options = ("--without", "background", "-o", str(output))
-    assert dcrb("exam", "replica", str(table(tmp_path, **changes)), *options, monkeypatch=monkeypatch) == 2
+    assert dcrb("exam", "replica", str(table(tmp_path, **changes)), *options) == 2
     error = capsys.readouterr().err
     assert sentence in error
     assert error.count("\n") == 1

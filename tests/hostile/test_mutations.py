@@ -1,12 +1,15 @@
 """Random changes of sound files and random command lines: each is answered by work or by one sentence, and none is accepted in silence.
 
-A few of each kind are run by default; `make hostile` runs thousands, and ``DCRB_HOSTILE_FIRST`` chooses other ones.
+Only `make hostile` runs them, since they take long, and it prints their number. ``DCRB_HOSTILE_FIRST`` chooses other ones, and
+``DCRB_HOSTILE_CASES`` is the number of each kind.
 """
 
 from __future__ import annotations
 
 import os
 import random
+import shutil
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -20,13 +23,18 @@ from measured_commands import Commands, commands
 
 from dcrb_ros.cli.app import app
 
-pytestmark = [pytest.mark.skipif(os.name != "posix", reason="limits of processes"), pytest.mark.slow, pytest.mark.timeout(3600)]
 ALL = os.environ.get("DCRB_HOSTILE") == "all"
+pytestmark = [
+    pytest.mark.skipif(os.name != "posix", reason="limits of processes"),
+    pytest.mark.skipif(not ALL, reason="make hostile runs it"),
+    pytest.mark.slow,
+    pytest.mark.timeout(3600),
+]
 FIRST = int(os.environ.get("DCRB_HOSTILE_FIRST", "0"))
 """Number of the first case of each kind."""
-CASES = 200 if ALL else 2
+CASES = int(os.environ.get("DCRB_HOSTILE_CASES", "200"))
 """Cases of each kind."""
-LINES = 3000 if ALL else 100
+LINES = 3000
 """Command lines."""
 BATCH = 20
 """Commands in one process."""
@@ -70,7 +78,7 @@ def test_files_without_a_change_are_read(kinds: dict[str, Target], material: Mat
 
 
 def test_changed_files_are_refused_in_a_sentence_or_used(
-    kinds: dict[str, Target], material: Material, dcrb: Commands, tmp_path: Path
+    kinds: dict[str, Target], material: Material, dcrb: Commands, tmp_path: Path, tally: Counter[str]
 ) -> None:
     found = []
     for first in range(FIRST, FIRST + CASES, BATCH):
@@ -78,6 +86,8 @@ def test_changed_files_are_refused_in_a_sentence_or_used(
         folder.mkdir()
         for cases in made_all(kinds, material, folder, range(first, min(first + BATCH, FIRST + CASES))):
             found += flaws(cases, dcrb)
+            tally[cases[0].target] += len(cases)
+        shutil.rmtree(folder)
     assert not found, "\n".join(found)
 
 
@@ -95,7 +105,7 @@ def options_of_commands() -> dict[str, list[str]]:
 
 
 def test_random_command_lines_are_refused_in_a_sentence(
-    dcrb: Commands, material: Material, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    dcrb: Commands, material: Material, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, tally: Counter[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
     options, files = options_of_commands(), [material.words["GOOD"], material.words["ABOUT"], str(tmp_path), str(tmp_path / "new")]
@@ -104,4 +114,5 @@ def test_random_command_lines_are_refused_in_a_sentence(
         lines = [command_line(random.Random(number), options, files) for number in range(first, first + BATCH)]
         cases = [Case("a command line", number, Change(b"", ""), tuple(line)) for number, line in enumerate(lines, first)]
         found += flaws(cases, dcrb)
+        tally["a command line"] += len(cases)
     assert not found, "\n".join(found)

@@ -27,9 +27,9 @@ from dcrb_ros.messages.vehicle import (
     encode_vehicle_truth,
 )
 from dcrb_ros.stream.vehicle_diagnosis import Status, VehicleDiagnosis
+from dcrb_ros.vehicle.block import VehicleTruth
 from dcrb_ros.vehicle.file import read_vehicle
-from dcrb_ros.vehicle.model import TrackEvent
-from dcrb_ros.vehicle.simulation import VehicleTruth
+from dcrb_ros.vehicle.frame import TrackEvent
 
 ROOT = Path(__file__).parents[2]
 LAYOUT: dict[str, Any] = json.loads((ROOT / "foxglove" / "vehicle.json").read_text(encoding="utf-8"))

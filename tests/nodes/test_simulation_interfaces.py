@@ -22,7 +22,7 @@ from dcrb_ros.nodes.engine import Engine, Progress
 from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.pacing import Pacer
 from dcrb_ros.nodes.recording_switch import RecordingSwitch
-from dcrb_ros.nodes.refusals import Refusals
+from dcrb_ros.nodes.refusal_counts import Refusals
 from dcrb_ros.nodes.services import Services
 from dcrb_ros.nodes.simulation_interfaces import SimulationInterfaces
 from dcrb_ros.settings.configuration import Configuration

@@ -29,7 +29,8 @@ from dcrb_ros.messages.topics.vehicle import (
 from dcrb_ros.messages.vehicle import decode_description
 from dcrb_ros.nodes.publisher import message_class, qos
 from dcrb_ros.recordings.reader import Recording
-from dcrb_ros.recordings.vehicle import VehicleRecorder, VehicleRecording
+from dcrb_ros.recordings.vehicle import VehicleRecording
+from dcrb_ros.recordings.vehicle_recorder import VehicleRecorder
 from dcrb_ros.vehicle.file import read_parameters, vehicle_of
 from dcrb_ros.vehicle.simulation import VehicleSimulation
 

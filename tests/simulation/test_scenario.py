@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 import yaml
+from same_process import dcrb
 
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
@@ -210,16 +211,9 @@ def test_a_shipped_scenario_is_found_by_name() -> None:
 
 
 def test_simulate_applies_a_scenario(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    from dcrb_ros.cli.app import main
     from dcrb_ros.messages.statuses import decode_truth
     from dcrb_ros.messages.topics import GROUND_TRUTH
     from dcrb_ros.recordings.reader import Recording
-
-    def dcrb(*words: str) -> int:
-        monkeypatch.setattr("sys.argv", ["dcrb", *words])
-        with pytest.raises(SystemExit) as end:
-            main()
-        return int(str(end.value.code or 0))
 
     scenario = tmp_path / "scenario.yaml"
     scenario.write_text(SCENARIO)

@@ -199,11 +199,11 @@ def targets(material: Material) -> dict[str, Target]:
     add("waveform csv", material.read("wave.csv"), changed_bytes, ("import", INPUT, "--about", "ABOUT", "-o", NEW), suffix=".csv")
 
     label = next((material.folder / "set" / "labels").glob("*.json"))
-    sweep_again = ("sweep", "SWEEP", "-o", INPUT, "--workers", "1", "--dry-run")
-    add(f"set:labels/{label.name}", label.read_bytes(), changed_json(sign=_signed_label), sweep_again, ("shards", INPUT, "-o", NEW))
+    sweep_again, pack = ("sweep", "SWEEP", "-o", INPUT, "--workers", "1"), ("shards", INPUT, "-o", NEW)
+    add(f"set:labels/{label.name}", label.read_bytes(), changed_json(sign=_signed_label), pack, pack, pack, sweep_again)
     for file in ("about.json", "sums.json"):
         if (material.folder / "set" / file).is_file():
-            add(f"set:{file}", material.read(f"set/{file}"), changed_json(), sweep_again, ("shards", INPUT, "-o", NEW))
+            add(f"set:{file}", material.read(f"set/{file}"), changed_json(), pack, pack, pack, sweep_again)
     add(
         "shards:index.json",
         material.read("shards/index.json"),

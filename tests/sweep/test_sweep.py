@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import errno
-import hashlib
 import json
 import os
 import signal
@@ -19,6 +18,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from folder_contents import contents
 
 pytest.importorskip("distributed")
 
@@ -83,11 +83,6 @@ def run_alone(tree: dict[str, Any], folder: Path) -> list[tuple[PlannedRun, dict
         run_task(common_settings(plan.sweep, store), task)
         found += [(run, json.loads((folder / "labels" / f"{run.name}.json").read_text())) for run in task]
     return found
-
-
-def contents(folder: Path) -> dict[str, str]:
-    files = [path for path in sorted(folder.rglob("*")) if path.is_file()]
-    return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
 
 
 @pytest.fixture(scope="module")

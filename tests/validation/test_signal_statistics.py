@@ -12,7 +12,7 @@ from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.validation.impact_trains import Scatter, delays, scatter_of, shared_jitter, train_of
-from dcrb_ros.validation.line_ratio import expected_ratio, kurtogram_bands, kurtogram_ratio, line_ratio
+from dcrb_ros.validation.line_ratio import HARMONICS, WINDOW, kurtogram_bands, kurtogram_ratio, line_ratio
 from dcrb_ros.validation.realism import lines_of, squared_envelope
 from dcrb_ros.validation.signal_statistics import SignalStatistics, signal_statistics
 from dcrb_ros.validation.spectrum_shares import band_level, cut_off, octave_kurtosis
@@ -22,6 +22,26 @@ ORDERS = Orders(0.398, 3.585, 5.415, 2.357)
 FREQUENCY = ORDERS.bpfo * SHAFT
 MEASURED = Path(__file__).parents[3] / "shared/measured"
 measured = pytest.mark.skipif(not (MEASURED / "recordings.csv").is_file(), reason=f"the measured recordings are not in {MEASURED}")
+
+
+HANN_GAIN = 0.98
+"""Ratio of a line to the median of the spectrum around it for independent energies of scatter 1, per square root of the impacts [-]."""
+
+
+def expected_ratio(rate: float, energy_scatter: float, time_scatter: float = 0.0) -> float:
+    r"""Return R [-] of a train without noise.
+
+    .. math:: R = 0.98 \sum_{k=1}^{3} \sqrt{N / (c_E^2 + (2 \pi k f \sigma_t)^2)}
+
+    with N impacts in the window of 1 s. The background between the lines is that of independent energies and times.
+
+    Args:
+        rate: impacts per second, f [Hz].
+        energy_scatter: standard deviation of the energies over their mean, c_E [-].
+        time_scatter: standard deviation of independent errors of the times, sigma_t [s].
+    """
+    turns = 2.0 * np.pi * np.array(HARMONICS) * rate * time_scatter
+    return float(HANN_GAIN * np.sqrt(rate * WINDOW / (energy_scatter**2 + turns**2)).sum())
 
 
 def impacts(strengths: np.ndarray, errors: np.ndarray | None = None) -> np.ndarray:

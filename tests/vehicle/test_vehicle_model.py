@@ -14,8 +14,9 @@ from scipy.signal import butter, sosfiltfilt
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.vehicle.description import Track, Vehicle, Wheel
 from dcrb_ros.vehicle.file import read_vehicle
+from dcrb_ros.vehicle.frame import FRAME, TICK, TrackEvent
 from dcrb_ros.vehicle.loads import quasi_static
-from dcrb_ros.vehicle.model import FRAME, TICK, TrackEvent, VehicleModel
+from dcrb_ros.vehicle.model import VehicleModel
 from dcrb_ros.vehicle.paths import BANDS, bearing_paths
 from dcrb_ros.vehicle.structure import Structure, wheelset
 from dcrb_ros.vehicle.track import PAGE, Rails, Random, coherence, irregularity

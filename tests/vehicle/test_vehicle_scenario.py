@@ -14,7 +14,7 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.simulation.scenario import read_scenario_file
 from dcrb_ros.vehicle.description import Vehicle
 from dcrb_ros.vehicle.file import read_parameters, vehicle_of
-from dcrb_ros.vehicle.model import FRAME
+from dcrb_ros.vehicle.frame import FRAME
 from dcrb_ros.vehicle.scenario import starting_parameters, vehicle_scenario
 from dcrb_ros.vehicle.simulation import VehicleSimulation
 

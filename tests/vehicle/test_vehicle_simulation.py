@@ -21,16 +21,18 @@ from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.recordings.replay import Replay, ReplayParameters
 from dcrb_ros.recordings.reproduction import NotReproduced
-from dcrb_ros.recordings.vehicle import VehicleRecorder, VehicleRecording, VehicleReproduction
+from dcrb_ros.recordings.vehicle import VehicleRecording, VehicleReproduction
+from dcrb_ros.recordings.vehicle_recorder import VehicleRecorder
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.settings.shipped import shipped
 from dcrb_ros.simulation.loop import MAX_PENDING, ModelFailure, Simulation
 from dcrb_ros.stream.events import ParameterChange
 from dcrb_ros.stream.vehicle_description import VehicleDescription
+from dcrb_ros.vehicle.block import VehicleBlock
 from dcrb_ros.vehicle.description import described
 from dcrb_ros.vehicle.file import read_parameters, read_vehicle, vehicle_of
-from dcrb_ros.vehicle.simulation import VehicleBlock, VehicleSimulation
+from dcrb_ros.vehicle.simulation import VehicleSimulation
 
 pytestmark = pytest.mark.slow
 DRY = {"vehicle.bench": "dry", "vehicle.speed_kmh": 100.0}
@@ -67,6 +69,22 @@ def test_threads_and_blocks_change_no_bit() -> None:
         assert expected.std() > 0.1
         assert np.array_equal(expected, two[name])
         assert np.array_equal(expected, four[name])
+
+
+def test_a_change_that_a_later_box_refuses_changes_no_box() -> None:
+    simulation = bogie(SMOOTH)
+    first, last = (simulation.simulations[name] for name in ("axle_1.left", "axle_2.right"))
+    for number in range(MAX_PENDING):
+        last.change({"faults.outer_1.width": 0.001 + 1e-6 * number})
+    changes = {"axle_1.left.faults.outer_1.width": 0.002, "axle_2.slide": 0.1, "axle_2.right.faults.outer_1.width": 0.003}
+    with pytest.raises(Refusal, match="commands are already waiting"):
+        simulation.change(changes)
+    assert not first.has_pending
+    next(simulation.blocks())
+    assert first.configuration.faults.outer_1.width == 0.0
+    simulation.change(changes)
+    assert first.has_pending
+    assert last.has_pending
 
 
 def test_both_boxes_of_a_wheelset_have_one_angle_and_all_boxes_one_clock() -> None:

@@ -19,10 +19,10 @@ from dcrb_ros.messages.topics import FEATURES, VIBRATION
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_TRUTH
 from dcrb_ros.messages.vehicle import encode_vehicle_truth
 from dcrb_ros.stream.block import Block
+from dcrb_ros.vehicle.block import VehicleTruth
 from dcrb_ros.vehicle.description import described
 from dcrb_ros.vehicle.file import read_vehicle
-from dcrb_ros.vehicle.model import TrackEvent
-from dcrb_ros.vehicle.simulation import VehicleTruth
+from dcrb_ros.vehicle.frame import TrackEvent
 from dcrb_ros.viewer import palette
 from dcrb_ros.viewer.content import Series, TimedWaveform
 from dcrb_ros.viewer.plan_view import DOUBTFUL, HEALTHY, WAITING, colour_of, text_of, worst

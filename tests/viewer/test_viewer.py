@@ -8,7 +8,6 @@ import re
 import subprocess
 import sys
 from collections import Counter
-from collections.abc import Iterator
 from concurrent.futures import Future
 from pathlib import Path
 from typing import Any
@@ -18,6 +17,7 @@ import numpy.typing as npt
 import pytest
 from dry_benches import dry_bench
 from mcap.writer import IndexType, Writer
+from rerun_documents import chunks
 from ros2_bag_record import bag_of
 from runs import PAPER_SPEED, Run, simulated
 
@@ -82,12 +82,6 @@ def recorded(run: Run, path: Path) -> Path:
         for block in run.blocks:
             recorder.write(block)
     return path
-
-
-def chunks(document: Path) -> Iterator[Any]:
-    from rerun.chunk import RrdReader
-
-    return iter(RrdReader(str(document)).stream())
 
 
 def values(document: Path, entity: str, component: str) -> npt.NDArray[np.float64]:

@@ -71,8 +71,13 @@ def drag_bound(payload: Payload, work: Workspace, count: int) -> None:
         bound.contact_free_rim[k] -= by_inertia * drag
         bound.contact_free_vx[k] += by_mass * orbit * bound.tangent_x[k]
         bound.contact_free_vy[k] += by_mass * orbit * bound.tangent_y[k]
-    for k in range(work.row_ends[work.row_ends.size - 1]):
-        work.force_of_free[CAGE + bound.row[k], 2] += radius * bound.drag[k]
+    k = 0
+    for row in range(payload.free.shape[0]):
+        torque = work.force_of_free[CAGE + row, 2]
+        while k < work.row_ends[row]:
+            torque += radius * bound.drag[k]
+            k += 1
+        work.force_of_free[CAGE + row, 2] = torque
 
 
 @piece

@@ -36,6 +36,8 @@ MEAN_DISPERSION = 1.0 / 6.0
 """The mean force over a straight way corresponds to a mass of h^2 k/4; h^2 k/6 is taken off to leave h^2 k/12."""
 
 
+LARGEST_CLOSING = 1.0
+"""A contact may close within a step when its gap is less than this speed covers [m/s]; idle rollers are slower."""
 SHORT_WAY = 0.1
 """Way over a step, relative to the gap, up to which the damping of a squeeze film at mid-step replaces its mean: within 0.2 %."""
 
@@ -50,6 +52,12 @@ def onset(law: Any, site: Site) -> float:
 def reach(law: Any, site: Site) -> float:
     """Return the gap up to which there is any force [m]."""
     return max(onset(law, site), film_reach(site.film))
+
+
+@piece
+def open_below(payload: Payload, site: Site) -> float:
+    """Return the penetration of a contact with a smooth raceway below which the real one stays open over the step [m]."""
+    return -LARGEST_CLOSING * payload.step - reach(payload.normal_law, site) - payload.profile_height
 
 
 @piece

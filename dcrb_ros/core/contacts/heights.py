@@ -11,11 +11,14 @@ from dcrb_ros.core.arithmetic import INTEGERS, bits_of, single_of
 from dcrb_ros.core.jit import kernel, piece
 from dcrb_ros.core.layout.records import Floats, Integers, SingleFloats
 from dcrb_ros.core.layout.rollers import Nodes
+from dcrb_ros.core.memory import prefetch
 
 HEIGHT, SLOPE, PART_HEIGHT, PART_SLOPE, SHARE = range(5)
 """Columns of a raceway's table: height [m] and its slope [m/rad] over the whole length of a roller, those of a part of it added there, and
 the share of that part [-]."""
 TURN = 2.0 * math.pi
+NODES_AHEAD = 8
+"""Nodes on the next cache line: they are used some steps later."""
 
 
 class Smooth(NamedTuple):
@@ -82,12 +85,26 @@ def interpolated(before: float, after: float, rise: float, rise_after: float, sp
     return value, slope
 
 
+@kernel
+def nodes_ahead(speed: float) -> int:
+    """Return how many nodes ahead of a contact the next cache line is, where the angle of the contact grows with a ``speed`` [rad/s]."""
+    return NODES_AHEAD if speed > 0.0 else -NODES_AHEAD
+
+
 @piece
-def read_node(nodes: Nodes, k: int, raceway: Integers, roller: Integers) -> None:
-    """Copy the heights on both sides of a contact from the tables of a raceway and of a roller."""
+def read_node(nodes: Nodes, k: int, raceway: Integers, roller: Integers, ahead: int, roller_ahead: int) -> None:
+    """Copy the heights on both sides of a contact from the tables of a raceway and of a roller, and prefetch those ahead of it."""
     i, n = np.uint64(nodes.node[k]), np.uint64(nodes.roller_node[k])
     before, after, roller_before, roller_after = raceway[i], raceway[i + np.uint64(1)], roller[n], roller[n + np.uint64(1)]
     nodes.before[k], nodes.after[k], nodes.roller_before[k], nodes.roller_after[k] = before, after, roller_before, roller_after
+    prefetch(raceway, nodes.node[k] + ahead)
+    prefetch(roller, nodes.roller_node[k] + roller_ahead)
+
+
+@piece
+def clear_node(nodes: Nodes, k: int) -> None:
+    """Write no heights on both sides of a contact."""
+    nodes.before[k] = nodes.after[k] = nodes.roller_before[k] = nodes.roller_after[k] = 0
 
 
 @kernel

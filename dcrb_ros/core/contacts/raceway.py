@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dcrb_ros.core.contacts.films import raceway_site
-from dcrb_ros.core.contacts.force_line import crosses, crossing_line, elastic, lasting_line, reach
+from dcrb_ros.core.contacts.force_line import LARGEST_CLOSING, crosses, crossing_line, elastic, lasting_line, open_below
 from dcrb_ros.core.contacts.lines import RingMotion, closing_speeds, linearize_friction, locate, replace_lines, write_force_line
 from dcrb_ros.core.contacts.notch import edge_contact, notch_under, passed, roller_notch_under
 from dcrb_ros.core.contacts.surface import add_bound_heights, add_parts
@@ -14,9 +14,6 @@ from dcrb_ros.core.layout.records import Floats
 from dcrb_ros.core.layout.state import INNER, OUTER, SHAFT_SPEED, State
 from dcrb_ros.core.layout.workspace import Workspace
 from dcrb_ros.core.payload import SINK, Notches, Payload
-
-LARGEST_CLOSING = 1.0
-"""A contact may close within a step when its gap is less than this speed covers [m/s]; idle rollers are slower."""
 
 
 @piece
@@ -72,9 +69,9 @@ def raceway_notch_depth(
 @piece
 def apply_notches(payload: Payload, state: State, work: Workspace, contact: RacewayContact, ring: RingMotion) -> None:
     """Subtract the depth of notches from the penetrations of contacts that are closed or nearly so, and write how fast it grows."""
-    bound, acting = work.bound[0], reach(payload.normal_law, raceway_site(payload, state, ring.inner))
+    bound, least = work.bound[0], open_below(payload, raceway_site(payload, state, ring.inner))
     for k in range(work.row_ends[work.row_ends.size - 1]):
-        if contact.penetration[k] > -LARGEST_CLOSING * payload.step - acting - payload.profile_height:
+        if contact.penetration[k] > least:
             row = bound.row[k]
             nx, ny = contact.radial_x[k], contact.radial_y[k]
             orbit = (bound.predicted_vy[k] - ring.mean[1]) * nx - (bound.predicted_vx[k] - ring.mean[0]) * ny

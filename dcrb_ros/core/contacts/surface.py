@@ -15,14 +15,27 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from dcrb_ros.core.arithmetic import angle_of
 from dcrb_ros.core.contacts.films import raceway_site
-from dcrb_ros.core.contacts.force_line import elastic
-from dcrb_ros.core.contacts.heights import TURN, Profile, Smooth, between, interpolated, marked, place_of, read_node
+from dcrb_ros.core.contacts.force_line import elastic, open_below
+from dcrb_ros.core.contacts.heights import (
+    TURN,
+    Profile,
+    Smooth,
+    between,
+    clear_node,
+    interpolated,
+    marked,
+    nodes_ahead,
+    place_of,
+    read_node,
+)
 from dcrb_ros.core.contacts.impacts import Impacts, mark_strength, mark_under, write_unequal_part
 from dcrb_ros.core.contacts.lines import RingMotion, replace_lines
 from dcrb_ros.core.contacts.tilt import write_tilt
-from dcrb_ros.core.jit import piece
+from dcrb_ros.core.jit import YES, piece
 from dcrb_ros.core.laws.calls import load_memory
 from dcrb_ros.core.laws.registry import BY_CONSTANTS, Registered, by_law
 from dcrb_ros.core.layout.contacts import RacewayContact
@@ -45,10 +58,11 @@ def write_free_profile(profile: Profile | Impacts, payload: Payload, state: Stat
         angle = angle_of(step.x[c] - ring_x, ring_y - step.y[c])
         nodes.node[c], nodes.way[c] = place_of(angle, raceway_nodes)
         nodes.roller_node[c], nodes.roller_way[c] = place_of(angle - rollers.angle[c], roller_nodes)
+    ahead = nodes_ahead(state.shaft[SHAFT_SPEED])
     for row in range(payload.free.shape[0]):
         for i in range(payload.free.shape[1]):
             c = row * payload.free.shape[1] + i
-            read_node(nodes, c, profile.raceways[OUTER_RING, row], profile.rollers[OUTER_RING, c])
+            read_node(nodes, c, profile.raceways[OUTER_RING, row], profile.rollers[OUTER_RING, c], ahead, ahead)
     mean_x, mean_y = work.mean_velocity[OUTER, 0], work.mean_velocity[OUTER, 1]
     by_reach, share = 1.0 / (payload.outer_raceway_radius - payload.roller_radius), payload.spin_share
     for c in range(count):
@@ -122,7 +136,10 @@ def add_bound_profile(profile: Profile, payload: Payload, state: State, work: Wo
 
 @piece
 def add_inner_profile(profile: Profile, payload: Payload, state: State, work: Workspace, contact: RacewayContact, ring: RingMotion) -> None:
-    """Add the heights under bound rollers at the inner raceway to their penetrations, and tilt their normals, in loops over vectors."""
+    """Add the heights under bound rollers at the inner raceway to their penetrations, and tilt their normals, in loops over vectors.
+
+    Idle rollers against a bar are bound, too: a contact that stays open has no heights.
+    """
     bound, step, end = work.bound[0], work.inner[0], work.row_ends[work.row_ends.size - 1]
     raceway_nodes, roller_nodes, turn, speed = (
         profile.raceways.shape[2] - 1,
@@ -138,8 +155,14 @@ def add_inner_profile(profile: Profile, payload: Payload, state: State, work: Wo
         rotation = step.roller_way[k]
         step.node[k], step.way[k] = place_of(azimuth - turn, raceway_nodes)
         step.roller_node[k], step.roller_way[k] = place_of(azimuth + 0.5 * TURN - rotation, roller_nodes)
+    least, ahead = open_below(payload, raceway_site(payload, state, YES)), nodes_ahead(speed)
+    # The inner ring turns faster than the rollers orbit: on it, contacts move back.
     for k in range(end):
-        read_node(step, k, profile.raceways[INNER_RING, bound.row[k]], profile.rollers[INNER_RING, bound.roller[k]])
+        if contact.penetration[k] > least:
+            row, c = np.uint64(bound.row[k]), np.uint64(bound.roller[k])
+            read_node(step, k, profile.raceways[INNER_RING, row], profile.rollers[INNER_RING, c], -ahead, ahead)
+        else:
+            clear_node(step, k)
     for k in range(filled(end)):
         rx, ry, by_distance = contact.radial_x[k], contact.radial_y[k], 1.0 / contact.distance[k]
         orbit = ((bound.predicted_vy[k] - ring.mean[1]) * rx - (bound.predicted_vx[k] - ring.mean[0]) * ry) * by_distance

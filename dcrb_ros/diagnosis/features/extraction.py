@@ -17,6 +17,7 @@ from dcrb_ros.diagnosis.features.family import FeatureFamily, Windows
 from dcrb_ros.diagnosis.features.registry import FAMILIES
 from dcrb_ros.diagnosis.order_tracking import LEAST_TURNS, forward_turns, reverses, unwrapped_turns
 from dcrb_ros.runtime.frames import pandas
+from dcrb_ros.schema.arguments import checked_arguments, number, of_type, optional, texts
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.numbers import finite_number
 from dcrb_ros.schema.refusal import Refusal, nearest
@@ -72,6 +73,7 @@ class FeatureTable:
 class FeatureExtractor:
     """Features block by block: what a node or an online classifier uses, with the same results as `extract_features`."""
 
+    @checked_arguments(orders=of_type(Orders), sampling_rate=number, families=optional(texts), axes=texts)
     def __init__(
         self,
         orders: Orders,
@@ -104,6 +106,8 @@ class FeatureExtractor:
         """
         if math.isnan(orders.bpfo):
             raise Refusal("the bearing is unknown: give its geometry or its orders as bearing")
+        if not 0.0 < sampling_rate < math.inf:
+            raise Refusal(f"sampling_rate = {sampling_rate:g} Hz is not a finite number above 0: give that of the signal")
         length = finite_number("window =", window, "s")
         if not SHORTEST <= length <= LONGEST:
             raise Refusal(f"window = {length:g} s is outside {SHORTEST:g} .. {LONGEST:g} s")

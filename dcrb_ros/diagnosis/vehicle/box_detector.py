@@ -44,7 +44,7 @@ class BoxDetector(ThermalFaultDetector):
         It is None without a judgement. No squared envelope counts with more than the value that it exceeds in a ``share`` of the time [-].
         Kinks of a rail are rarer than the impacts of a damaged bearing, but larger.
         """
-        if self._flawed_hops or self._what_is_missing() or not self._rest.tracked:
+        if self._sensor.flaw or self._what_is_missing() or not self._rest.tracked:
             return None
         envelopes, missing = self._rest.envelopes()
         most = np.quantile(envelopes[:, ~missing], 1.0 - share, axis=1).astype(np.float32)

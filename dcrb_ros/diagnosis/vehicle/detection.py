@@ -11,6 +11,7 @@ from dcrb_ros.bearing.waveform import Piece, Signal
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.vehicle.detector import BoxBlock, VehicleDetector
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
+from dcrb_ros.schema.arguments import checked_arguments, with_attributes
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.vehicle_description import VehicleDescription
 from dcrb_ros.stream.vehicle_diagnosis import Status, VehicleDiagnosis
@@ -59,6 +60,7 @@ class VehicleDetectionResult:
         return VehicleDiagnosis(self.last.index, self.last.time, self.statuses, {}).damaged()
 
 
+@checked_arguments(signals=with_attributes("description", "boxes", kind="a VehicleRecording"))
 def detect_vehicle(
     signals: VehicleSignals,
     *,

@@ -22,6 +22,7 @@ from dcrb_ros.diagnosis.vehicle.contact import Contact
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
 from dcrb_ros.diagnosis.vehicle.rolling_lines import corrugation, motor
 from dcrb_ros.diagnosis.vehicle.turn_lines import gears, meshes, polygons
+from dcrb_ros.schema.arguments import checked_arguments, of_type
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.schema.verdicts import COMPONENTS, TROUBLES, Component, is_alarm
 from dcrb_ros.stream.vehicle_description import VehicleDescription
@@ -77,6 +78,9 @@ class VehicleDetector:
     >>> detector = dcrb_ros.VehicleDetector(described(vehicle))
     """
 
+    @checked_arguments(
+        description=of_type(VehicleDescription), parameters=of_type(VehicleDetectorParameters), box_parameters=of_type(DetectorParameters)
+    )
     def __init__(
         self,
         description: VehicleDescription,

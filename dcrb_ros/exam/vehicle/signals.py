@@ -27,7 +27,8 @@ from dcrb_ros.stream.vehicle_description import VehicleDescription
 from dcrb_ros.text.writing import whole_file
 from dcrb_ros.vehicle.description import Box, Vehicle, described
 from dcrb_ros.vehicle.file import vehicle_of
-from dcrb_ros.vehicle.model import FRAME, VehicleModel
+from dcrb_ros.vehicle.frame import FRAME
+from dcrb_ros.vehicle.model import VehicleModel
 from dcrb_ros.vehicle.simulation import VehicleSimulation
 
 BLOCK = 1024

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections import defaultdict
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from folder_contents import contents
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import kstest, weibull_min
@@ -60,11 +60,6 @@ def made(folder: Path, **changes: Any) -> Path:
             run_task(common_settings(plan.sweep, store), task)
         data_set.finish()
     return folder
-
-
-def contents(folder: Path) -> dict[str, str]:
-    files = [path for path in sorted(folder.rglob("*")) if path.is_file()]
-    return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
 
 
 # Lives

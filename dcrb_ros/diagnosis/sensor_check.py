@@ -1,0 +1,96 @@
+"""The sensor of the fault detector: flaws that its rules find in the samples and in the levels of a hop, kept for a window."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from dcrb_ros.diagnosis.demodulation import QUARTERS, Band, band_tree
+from dcrb_ros.diagnosis.evidence import LevelEvidence, LevelHistory, SampleEvidence
+from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.diagnosis.registry import LEVEL_RULES, SAMPLE_RULES
+from dcrb_ros.diagnosis.window import Hop
+
+
+class SegmentInside(NamedTuple):
+    """A segment without its margins."""
+
+    acceleration: npt.NDArray[Any]
+    """Shape (samples, axes) [m/s^2]."""
+    missing: npt.NDArray[np.bool_]
+    """Shape (samples,)."""
+    not_finite: int
+    """Samples that are no finite numbers [-]."""
+
+
+class SensorCheck:
+    """Applies the rules for the sensor, and remembers a flaw until its samples have left the window."""
+
+    def __init__(self, parameters: DetectorParameters, rate: int, hop: int, bands: Sequence[Band]) -> None:
+        """Prepare for hops of so many samples at a ``rate`` [Hz], whose levels are those of ``bands``, the last one below the others."""
+        p = parameters
+        self._rate, self._hop, self._hops = rate, hop, p.window / p.hop
+        # Levels are compared in the quarters of the band and in the band below it.
+        quarters = band_tree(p.band_low, p.band_high, (QUARTERS,))
+        self.bands = [k for k, band in enumerate(bands) if band in (*quarters, bands[-1])]
+        """Indices of the bands whose levels are compared."""
+        third = quarters[-2]
+        self._third = self.bands.index(bands.index(third)) if third in bands else None
+        self._sample_rules = [rule(p) for rule in SAMPLE_RULES]
+        self._level_rules = [rule(p) for rule in LEVEL_RULES]
+        self._levels = LevelHistory([bands[k].high - bands[k].low for k in self.bands])
+        self._flaw = ""
+        self._remaining = 0
+        """Hops until the samples with the last flaw have left the window."""
+
+    @property
+    def clipped(self) -> int:
+        """Clipped samples so far."""
+        return sum(rule.clipped for rule in self._sample_rules)
+
+    @property
+    def flaw(self) -> str:
+        """The flaw of samples that are in the window, or nothing."""
+        return self._flaw if self._remaining else ""
+
+    def restart(self) -> None:
+        """Begin anew with the signal."""
+        self._levels.restart()
+        self._remaining = 0
+
+    def remember(self, flaw: str) -> None:
+        """Remember the flaw of a hop, if it has one."""
+        if flaw:
+            self._flaw, self._remaining = flaw, round(self._hops)
+        else:
+            self._remaining = max(0, self._remaining - 1)
+
+    def flaw_of_samples(self, segment: SegmentInside, turned: float, sensor_range: float, *, turning: bool) -> str:
+        """Return the first flaw that a rule finds in the samples, or nothing.
+
+        Args:
+            segment: the samples.
+            turned: turns of the shaft within them; 0 if they are unknown [-].
+            sensor_range: range of the sensor; 0 if it is unknown [m/s^2].
+            turning: whether the shaft is taken to turn; at standstill some rules do not apply.
+        """
+        acceleration, missing, not_finite = segment
+        known = acceleration[~missing] if missing.any() else acceleration
+        hops, frequency = max(1, round(self._hops)), turned * self._rate / self._hop
+        evidence = SampleEvidence(known, len(missing), not_finite, self._rate, sensor_range, hops, frequency)
+        for rule in self._sample_rules:
+            if len(known) >= rule.fewest_samples and (turning or rule.at_standstill):
+                flaw = rule.flaw(evidence)
+                if flaw:
+                    return flaw
+        return ""
+
+    def flaw_of_levels(self, hop: Hop, *, tracked: bool) -> str:
+        """Return the first flaw that a rule finds in the levels, or nothing; ``tracked`` says whether the shaft angle is known."""
+        # Without a shaft angle a level may have fallen with the speed: levels are not compared.
+        frequency = hop.turns * self._rate / self._hop if tracked else 0.0
+        evidence = LevelEvidence(hop.powers[self.bands], frequency, self._third, self._levels)
+        return next((flaw for rule in self._level_rules if (flaw := rule.flaw(evidence))), "")

@@ -1,0 +1,156 @@
+"""Recording of a vehicle: one rosbag2 folder with the topics of all boxes, a manifest of each box, and the vehicle's parameters."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from dcrb_ros.messages.topics import GROUND_TRUTH, MANIFEST, NAMESPACE, VIBRATION, Message
+from dcrb_ros.messages.topics.vehicle import VEHICLE_DETECTED, VEHICLE_TRUTH
+from dcrb_ros.messages.vehicle import GIVEN, box_path, decode_vehicle_commands
+from dcrb_ros.messages.vehicle_encoder import BESIDE, VehicleEncoder, box_topics
+from dcrb_ros.recordings.manifest import OUTCOME, Outcome, now, opening
+from dcrb_ros.recordings.recorder import RunRecorder, chosen_topics
+from dcrb_ros.recordings.vehicle_folder import VEHICLE, VEHICLE_OUTCOME, record_name
+from dcrb_ros.runtime.version import __version__
+from dcrb_ros.simulation.ground_truth import commands_in as changes_in
+from dcrb_ros.stream.events import TimedCommand
+from dcrb_ros.vehicle.block import VehicleBlock
+from dcrb_ros.vehicle.changes import RANGES, checked_command
+from dcrb_ros.vehicle.simulation import VehicleSimulation
+
+FORMAT = 2
+"""Format of the record `VEHICLE`."""
+
+
+@dataclass(frozen=True)
+class VehicleCommand:
+    """A command to the vehicle and the simulated time at which it was given to the model."""
+
+    time_ns: int
+    """[ns]"""
+    name: str
+    """Such as ``speed_kmh``, or the key of a wheel or a slide."""
+    value: float | str
+
+    def give(self, simulation: VehicleSimulation) -> None:
+        """Give it to a simulation.
+
+        Raises:
+            Refusal: the vehicle of the simulation does not take it.
+        """
+        if self.name in RANGES:
+            simulation.command(**{self.name: checked_command(self.name, self.value)})
+        else:
+            simulation.change({self.name: self.value})
+
+
+@dataclass(frozen=True)
+class BoxCommand:
+    """A change of the parameters of a box."""
+
+    box: str
+    command: TimedCommand
+
+
+def commands_of(block: VehicleBlock) -> tuple[VehicleCommand | BoxCommand, ...]:
+    """Return the commands and changes that took effect in a block."""
+    given = [VehicleCommand(block.truth.time_ns, name, value) for name, value in block.truth.commands]
+    changes = [BoxCommand(name, command) for name, box in block.boxes.items() for command in changes_in(box.truths)]
+    return (*given, *changes)
+
+
+class VehicleRecorder(RunRecorder):
+    """Writes the recording of a vehicle, block by block or message by message; see `RunRecorder`."""
+
+    def __init__(
+        self,
+        path: Path,
+        parameters: Mapping[str, Any],
+        simulation: VehicleSimulation,
+        *,
+        namespace: str = NAMESPACE,
+        commands: Iterable[VehicleCommand | BoxCommand] = (),
+        start_ns: int = 0,
+    ) -> None:
+        """Begin a recording.
+
+        Args:
+            path: the folder to create.
+            parameters: those of the vehicle by dotted keys.
+            simulation: the run.
+            namespace: namespace of the topics of the vehicle.
+            commands: the commands that took effect before the recording begins.
+            start_ns: simulated time at which it begins [ns].
+        """
+        vehicle, before = simulation.vehicle, list(commands)
+        settings = vehicle.boxes[0].configuration.recording
+        self._encoder = VehicleEncoder(vehicle, {name: box.bodies for name, box in simulation.simulations.items()})
+        self._end_ns, self._commands = start_ns, [command for command in before if isinstance(command, VehicleCommand)]
+        changes = [command for command in before if isinstance(command, BoxCommand)]
+        self.outcomes = {
+            box.name: Outcome(box.configuration.sensor.sampling_rate, [change.command for change in changes if change.box == box.name])
+            for box in vehicle.boxes
+        }
+        """What was recorded of each box."""
+        below = [(box.name, plain, topic) for box in vehicle.boxes for plain, topic in box_topics(box.name).items()]
+        self._of_boxes = {topic: (self.outcomes[name], plain) for name, plain, topic in below if plain in (VIBRATION, GROUND_TRUTH)}
+        chosen = chosen_topics(settings.topics)
+        topics = {*(topic for _, plain, topic in below if plain in chosen), *BESIDE, *VEHICLE_DETECTED}
+        about = _opening(simulation, parameters, namespace)
+        super().__init__(path, settings, namespace, topics, about, self._encoder.start(start_ns))
+
+    def count(self, message: Message) -> None:
+        """Count a message in the outcome of the vehicle or of a box."""
+        self._end_ns = max(self._end_ns, message.time_ns)
+        if message.topic == VEHICLE_TRUTH:
+            self._commands += commands_in(message)
+        elif message.topic in self._of_boxes:
+            outcome, plain = self._of_boxes[message.topic]
+            outcome.add(Message(plain, message.time_ns, message.data))
+
+    def records(self) -> dict[str, dict[str, str]]:
+        """Return the records of the outcome of the vehicle and of each box."""
+        commands = [[command.time_ns, command.name, command.value] for command in self._commands]
+        records = {VEHICLE_OUTCOME: {"outcome": json.dumps({"end_ns": self._end_ns, "commands": commands, "ended": now()})}}
+        for name, outcome in self.outcomes.items():
+            records[record_name(OUTCOME, name)] = outcome.records()[OUTCOME]
+        return records
+
+    @property
+    def empty(self) -> bool:
+        """Whether no sample of a box was counted."""
+        return not any(outcome.samples for outcome in self.outcomes.values())
+
+    def write(self, block: VehicleBlock) -> None:
+        """Record a block of every box."""
+        self.write_messages(self._encoder.encode(block))
+
+
+def _opening(simulation: VehicleSimulation, parameters: Mapping[str, Any], namespace: str) -> dict[str, dict[str, str]]:
+    """Return the metadata records at the beginning of every file."""
+    vehicle, bodies = simulation.vehicle, {name: box.bodies for name, box in simulation.simulations.items()}
+    about = {"format": FORMAT, "dcrb_ros": __version__, "vehicle": dict(parameters), "namespace": namespace, "recorded": now()}
+    if simulation.scenario.content is not None:
+        about["scenario"] = simulation.scenario.content
+    records = {VEHICLE: {"vehicle": json.dumps({**about, "sha256": digest(about)})}}
+    for box in vehicle.boxes:
+        below = f"{namespace.rstrip('/')}/{box_path(box.name)}"
+        records[record_name(MANIFEST, box.name)] = opening(box.configuration, bodies[box.name], below)[MANIFEST]
+    return records
+
+
+def commands_in(message: Message) -> list[VehicleCommand]:
+    """Return the commands to the vehicle in a message of its ground truth."""
+    if GIVEN.encode() not in message.data:  # few messages have one, and decoding takes time
+        return []
+    return [VehicleCommand(message.time_ns, name, value) for name, value in decode_vehicle_commands(message.data)]
+
+
+def digest(about: Mapping[str, Any]) -> str:
+    """Return the digest of the entries of a record."""
+    return hashlib.sha256(json.dumps(about, sort_keys=True).encode()).hexdigest()

@@ -1,0 +1,45 @@
+"""Speed and load of a bearing in a vehicle, which the vehicle gives frame by frame."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dcrb_ros.core.layout.state import TARGET_SPEED, TARGET_X, TARGET_Y, State
+from dcrb_ros.core.payload import Payload
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.parameters import Operating
+from dcrb_ros.simulation.drive import Drive
+from dcrb_ros.vehicle.frame import FRAME
+
+ROUNDING = 1.0 + 1e-9
+"""Factor on a ramp, which must reach its target within the frame."""
+
+
+class GuidedDrive(Drive):
+    """Speed and load of a bearing in a vehicle, along straight lines from frame to frame."""
+
+    def __init__(self, configuration: Configuration) -> None:
+        super().__init__(configuration)
+        self.fluctuates = True
+        self._frame = FRAME / configuration.step_rate
+        self._load_ramp = 0.0
+        self.speed = configuration.operating.speed
+        """Speed at the end of the frame [rad/s]."""
+        self.load = np.array([configuration.operating.lateral_load, -configuration.operating.load])
+        """Force on the inner ring in X and Y at the end of the frame [N]."""
+
+    def fluctuate(self, payload: Payload, state: State, operating: Operating, step: int) -> tuple[Payload, int]:
+        """Set the targets at the start of a frame; return the payload with the ramps to them, and the step of the next frame."""
+        since = step % FRAME
+        if since == 0:
+            change = max(abs(self.load[0] - state.load[0]), abs(self.load[1] - state.load[1]))
+            turn = abs(self.speed - state.target[TARGET_SPEED])
+            state.target[TARGET_SPEED] = self.speed
+            state.target[TARGET_X], state.target[TARGET_Y] = self.load
+            self._load_ramp = float(ROUNDING * change / self._frame)
+            payload = payload._replace(speed_ramp=ROUNDING * turn / self._frame, load_ramp=self._load_ramp)
+        return payload, step - since + FRAME
+
+    def with_ramps(self, payload: Payload, operating: Operating, present: float) -> Payload:
+        """Return a payload with the ramps of the present frame."""
+        return payload._replace(speed_ramp=present, load_ramp=self._load_ramp)

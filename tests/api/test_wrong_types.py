@@ -1,0 +1,116 @@
+"""Arguments of wrong types and shapes are refused in one sentence by every public function and class that takes input."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+import dcrb_ros
+from dcrb_ros import Refusal
+
+plt.switch_backend("Agg")
+RATE, SAMPLES = 6400, 6400
+SIGNAL = np.random.default_rng(1).normal(size=SAMPLES)
+ANGLE = np.mod(2.0 * np.pi * 20.0 * np.arange(SAMPLES) / RATE, 2.0 * np.pi)
+ORDERS = dcrb_ros.Orders(0.4, 3.6, 5.4, 2.4)
+HOURS = np.arange(20.0)
+TREND = {"hours": HOURS, "severity": np.exp(HOURS / 20.0), "coverage": 0.9}
+MEASURED = {"signal": SIGNAL, "sampling_rate": float(RATE), "shaft_angle": ANGLE, "bearing": "healthy"}
+DETECTOR = {"orders": ORDERS, "rate": RATE, "parameters": dcrb_ros.DetectorParameters(), "sensor_range": 0.0, "baseline": None}
+WRONG = {
+    "nothing": None,
+    "text": "text",
+    "number": 3,
+    "nan": float("nan"),
+    "huge": 10**400,
+    "empty": np.array([]),
+    "nested": [[1], [2, 3]],
+    "texts": ["a", "b"],
+    "mapping": {"a": 1},
+    "object": object(),
+    "cube": np.zeros((2, 2, 2)),
+    "complex": np.array([1j]),
+    "objects": np.array([None, "a"], dtype=object),
+    "type": int,
+}
+CALLS: dict[str, Mapping[str, Any]] = {
+    "characteristic_frequencies": {"bearing": "healthy", "speed": 100.0},
+    "dynamic_load_rating": {"bearing": dcrb_ros.Bearing()},
+    "rating_life": {"rating": 1e5, "load": 1e4},
+    "phm_2008_score": {"true": [1.0, 2.0], "estimated": [1.0, 2.0], "unit": 1.0},
+    "phm_2012_score": {"true": [1.0, 2.0], "estimated": [1.0, 2.0]},
+    "estimate_remaining_life": {**TREND, "limit": 10.0, "growth": "exponential", "limit_deviation": 0.0},
+    "update_remaining_life": {**TREND, "failed": [(2.0 * HOURS, np.exp(HOURS / 20.0))] * 3},
+    "load_configuration": {"source": "healthy", "settings": ()},
+    "simulate": {"configuration": "nowhere", "duration": 0.002, "settings": (), "scenario": None, "seed": None},
+    "healthy_level": {"configuration": "nowhere", "duration": 0.002, "settings": ()},
+    "Simulation": {"configuration": None, "scenario": (), "waveform_only": False, "drive": None},
+    "spectral_coherence": {"signal": SIGNAL, "sampling_rate": float(RATE), "turns": ANGLE, "highest_order": 6.0, "resolution": None},
+    "envelope_spectrum": {**MEASURED, "band": None, "order_tracking": None},
+    "plot_envelope_spectrum": {**MEASURED, "band": None, "order_tracking": None, "x": None, "highest": None, "lines": "BPFO", "ax": None},
+    "plot_waveform": {"signal": SIGNAL, "sampling_rate": float(RATE), "start": None, "stop": None, "axis": "y", "ax": None},
+    "plot_load_zone": {"source": None, "ax": None},
+    "extract_features": {**MEASURED, "window": 1.0, "hop": 0.5, "families": ["spectrum"], "axes": ("x",)},
+    "detect": {**MEASURED, "parameters": None, "baseline": None, "temperatures": None},
+    "detect_vehicle": {"signals": None, "parameters": None, "box_parameters": None},
+    "compare": {"first": None, "second": None, "names": ("a", "b")},
+    "calibrate": {"recordings": None, "base": None, "settings": (), "source_seconds": 4.0, "trust": False, "names": ()},
+    "score": {"detector": None, "exam": "nowhere", "recordings": None, "workers": 1},
+    "DataSet": {"folder": "nowhere"},
+    "Recording": {"path": "nowhere"},
+    "VehicleRecording": {"path": "nowhere"},
+    "Orders": ORDERS.__dict__,
+    "FaultDetector": DETECTOR,
+    "ThermalFaultDetector": DETECTOR,
+    "FeatureExtractor": {"orders": ORDERS, "sampling_rate": RATE, "window": 1.0, "hop": 0.5, "families": None, "axes": ("x", "y")},
+    "VehicleDetector": {"description": None},
+    "DetectorParameters": {"window": 4.0, "baseline": "", "band": "kurtogram"},
+    "Bearing": {"rows": 2},
+    "Configuration": {"bearing": {}},
+    "Waveform": {
+        "acceleration": np.zeros((SAMPLES, 2), np.float32),
+        "shaft_angle": ANGLE.astype(np.float32),
+        "sampling_rate": RATE,
+        "index": np.arange(SAMPLES),
+        "orders": ORDERS,
+        "sensor_range": 0.0,
+    },
+}
+"""Arguments of each public name that takes input, most of them valid."""
+OUTPUTS = {
+    *("Block", "Calibration", "DetectionResult", "Diagnosis", "EnvelopeSpectrum", "FeatureTable", "GroundTruth", "RecordingComparison"),
+    *("Refusal", "RemainingLife", "Report", "SimulationResult", "SpectralCoherence", "StateHistory", "TachoPulses"),
+    *("TemperatureReadings", "VehicleDetectionResult", "__version__"),
+}
+"""Public names that users do not call."""
+
+
+def outcome(function: Callable[..., Any], arguments: Mapping[str, Any]) -> str:
+    """Return what is wrong with the answer to arguments; the empty string if they are taken or refused."""
+    try:
+        function(**arguments)
+    except Refusal as refusal:
+        return "" if len(str(refusal).splitlines()) == 1 else f"not one sentence: {refusal}"
+    except Exception as error:
+        return f"{type(error).__name__}: {error}"
+    return ""
+
+
+def test_every_public_name_is_tried_or_an_output() -> None:
+    assert CALLS.keys() | OUTPUTS == set(dcrb_ros.__all__)
+    assert not CALLS.keys() & OUTPUTS
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_arguments_of_wrong_types_are_refused_in_one_sentence(name: str) -> None:
+    answers = {
+        (argument, label): outcome(getattr(dcrb_ros, name), {**CALLS[name], argument: value})
+        for argument in CALLS[name]
+        for label, value in WRONG.items()
+    }
+    plt.close("all")
+    assert {place: answer for place, answer in answers.items() if answer} == {}
