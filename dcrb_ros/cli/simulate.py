@@ -175,10 +175,10 @@ def simulate_vehicle(
     with replacing("-o", path, force=force), VehicleRecorder(path, parameters, simulation) as recorder:
         progress = _run(path.name, simulation.blocks(seconds), seconds, recorder.write, quiet=quiet, partial=True)
     if as_json:
-        boxes = {name: {"samples": outcome.samples, "sha256": outcome.sha256} for name, outcome in recorder.outcomes.items()}
+        boxes = {name: {"samples": outcome.samples, "sha256": outcome.sha256} for name, outcome in recorder.outcome.boxes.items()}
         _print_object(path, progress, boxes=boxes)
         return
-    print(f"{path}: {progress}, {len(recorder.outcomes)} boxes")
+    print(f"{path}: {progress}, {len(recorder.outcome.boxes)} boxes")
     if not quiet:
         print(f"open it with: dcrb view {path}")
 

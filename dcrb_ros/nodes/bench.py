@@ -179,7 +179,7 @@ def run(
     With ``shown`` Rerun shows the bench; a failure of the viewer does not stop it.
     """
     nodes = Nodes(
-        ("simulator", []),
+        "simulator",
         lambda listeners: _waiting_for(configuration, listeners),
         ("fault_detector", detector_parameters),
         ("viewer", []) if shown else None,
@@ -193,8 +193,8 @@ def run(
 class Nodes:
     """The nodes of a bench."""
 
-    simulator: tuple[str, Sequence[str]]
-    """Name and arguments."""
+    simulator: str
+    """Name."""
     waiting_for: Callable[[int], Any]
     """Returns the parameters with which the simulator waits for a number of subscribers to the waveform."""
     detector: tuple[str, Group]
@@ -223,8 +223,7 @@ def run_nodes(
     stop = stop_on_signals()
     limit_discovery()
     console.print(f"bench {what} as ROS 2 nodes in {NAMESPACE}, {duration:g} s at time scale {configuration.time_scale:g}")
-    simulator, options = nodes.simulator
-    arguments = [*options, "--duration", repr(duration), *(["--scenario", str(scenario)] if scenario else [])]
+    arguments = ["--duration", repr(duration), *(["--scenario", str(scenario)] if scenario else [])]
     with ExitStack() as stack:
         node = stack.enter_context(_observing(observer))
         detector = stack.enter_context(node_process(nodes.detector[0], [], nodes.detector[1]))
@@ -235,7 +234,7 @@ def run_nodes(
             console.print("stopped before the simulator was started")
             return STOPPED
         # Its first block waits until they have discovered it.
-        with node_process(simulator, arguments, nodes.waiting_for(1 + _running(subscribers))) as process:
+        with node_process(nodes.simulator, arguments, nodes.waiting_for(1 + _running(subscribers))) as process:
             status = _watch(observer, node, process, detector, duration, stop, console)
     return status or _conclude(observer, configuration.recording.path, console)
 

@@ -107,7 +107,7 @@ def run(
     configuration = vehicle.boxes[0].configuration
     least = configuration.publishing.listeners
     nodes = Nodes(
-        ("vehicle_simulator", []),
+        "vehicle_simulator",
         lambda listeners: {**parameters, "publishing.listeners": max(least, listeners)},
         ("vehicle_detector", VehicleDetectorSettings(boxes=box_parameters)),
         ("viewer", ["--vehicle"]) if shown else None,

@@ -7,7 +7,7 @@ import shutil
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 from types import TracebackType
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar
 
 import yaml
 
@@ -64,6 +64,20 @@ def chosen_topics(text: str) -> frozenset[Topic]:
     return frozenset(known[name] for name in names or known) | {SENSOR}
 
 
+class Counted(Protocol):
+    """The outcome of a run so far, such as `Outcome`."""
+
+    @property
+    def samples(self) -> int:
+        """Number of samples."""
+
+    def add(self, message: Message) -> None:
+        """Include a message."""
+
+    def records(self) -> dict[str, dict[str, str]]:
+        """Return the metadata records at the end of a file."""
+
+
 class RunRecorder:
     """Writes the messages of a run to a recording, and removes one that ends before its first sample.
 
@@ -78,6 +92,7 @@ class RunRecorder:
         settings: RecordingSettings,
         namespace: str,
         topics: Collection[Topic],
+        counted: Counted,
         opening: Mapping[str, Mapping[str, str]],
         first: Iterable[Message],
     ) -> None:
@@ -88,15 +103,16 @@ class RunRecorder:
             settings: compression and sizes of the files.
             namespace: namespace of the topics.
             topics: those that are recorded.
+            counted: takes every message, recorded or not, and states what came at the end of every file.
             opening: the metadata records at the beginning of every file.
             first: the messages that precede the first block.
         """
-        self._topics, self._namespace = topics, namespace
+        self._topics, self._namespace, self._counted = topics, namespace, counted
         self._channels: dict[Topic, Channel] = {}
         self._bag = Bag(
             Path(path),
             opening=opening,
-            closing=self.records,
+            closing=counted.records,
             compression=settings.compression,
             splitting=Splitting(settings.split_size, round(settings.split_duration * SECOND)),
         )
@@ -108,26 +124,13 @@ class RunRecorder:
             shutil.rmtree(self.path, ignore_errors=True)
             raise Refusal(f"{error}; make room or give another folder") from None
 
-    def count(self, message: Message) -> None:
-        """Count a message, recorded or not, in what `records` states."""
-        raise NotImplementedError
-
-    def records(self) -> dict[str, dict[str, str]]:
-        """Return the metadata records at the end of every file."""
-        raise NotImplementedError
-
-    @property
-    def empty(self) -> bool:
-        """Whether no sample was counted."""
-        raise NotImplementedError
-
     def __enter__(self: Run) -> Run:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None) -> None:
         """Finish the recording; one that an error or a signal ends before its first sample is removed."""
         self.close()
-        if kind is not None and self.empty:
+        if kind is not None and not self._counted.samples:
             shutil.rmtree(self.path, ignore_errors=True)
 
     @property
@@ -138,16 +141,16 @@ class RunRecorder:
     def write_messages(self, messages: Iterable[Message]) -> None:
         """Record messages; those on topics that are not recorded count in the hash of the samples."""
         if self._bag.open:
-            self._bag.write(self._counted(list(messages)))
+            self._bag.write(self._kept(list(messages)))
 
-    def _counted(self, messages: Iterable[Message]) -> Iterator[tuple[Channel, int, bytes]]:
+    def _kept(self, messages: Iterable[Message]) -> Iterator[tuple[Channel, int, bytes]]:
         """Yield the messages on recorded topics; each counts after it is written, so that a split file states its own samples."""
         for message in messages:
             if message.topic in self._topics:
                 if message.topic not in self._channels:
                     self._channels[message.topic] = channel_of(message.topic, self._namespace)
                 yield self._channels[message.topic], message.time_ns, message.data
-            self.count(message)
+            self._counted.add(message)
 
     def close(self) -> None:
         """Finish the recording; a second call does nothing."""
@@ -186,20 +189,8 @@ class Recorder(RunRecorder):
         self._encoder = BlockEncoder(configuration, bodies)
         self.outcome = Outcome(configuration.sensor.sampling_rate, commands)
         about = opening(configuration, bodies, namespace, scenario=scenario)
-        super().__init__(path, settings, namespace, chosen_topics(settings.topics), about, self._encoder.start(start_ns))
-
-    def count(self, message: Message) -> None:
-        """Count a message in the outcome."""
-        self.outcome.add(message)
-
-    def records(self) -> dict[str, dict[str, str]]:
-        """Return the record of the outcome."""
-        return self.outcome.records()
-
-    @property
-    def empty(self) -> bool:
-        """Whether no sample was counted."""
-        return not self.outcome.samples
+        topics = chosen_topics(settings.topics)
+        super().__init__(path, settings, namespace, topics, self.outcome, about, self._encoder.start(start_ns))
 
     def write(self, block: Block) -> None:
         """Record a block."""

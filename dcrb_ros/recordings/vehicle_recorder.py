@@ -21,6 +21,7 @@ from dcrb_ros.simulation.ground_truth import commands_in as changes_in
 from dcrb_ros.stream.events import TimedCommand
 from dcrb_ros.vehicle.block import VehicleBlock
 from dcrb_ros.vehicle.changes import RANGES, checked_command
+from dcrb_ros.vehicle.description import Vehicle
 from dcrb_ros.vehicle.simulation import VehicleSimulation
 
 FORMAT = 2
@@ -64,6 +65,45 @@ def commands_of(block: VehicleBlock) -> tuple[VehicleCommand | BoxCommand, ...]:
     return (*given, *changes)
 
 
+class VehicleOutcome:
+    """The outcome of the run of a vehicle so far: its end and its commands, and the outcome of each box."""
+
+    def __init__(self, vehicle: Vehicle, commands: Iterable[VehicleCommand | BoxCommand], start_ns: int) -> None:
+        """Start without samples at a simulated time [ns], with the ``commands`` that took effect before."""
+        before = list(commands)
+        self._end_ns, self._commands = start_ns, [command for command in before if isinstance(command, VehicleCommand)]
+        changes = [command for command in before if isinstance(command, BoxCommand)]
+        self.boxes = {
+            box.name: Outcome(box.configuration.sensor.sampling_rate, [change.command for change in changes if change.box == box.name])
+            for box in vehicle.boxes
+        }
+        """The outcome of each box by name."""
+        below = [(box.name, plain, topic) for box in vehicle.boxes for plain, topic in box_topics(box.name).items()]
+        self._of_boxes = {topic: (self.boxes[name], plain) for name, plain, topic in below if plain in (VIBRATION, GROUND_TRUTH)}
+
+    @property
+    def samples(self) -> int:
+        """Number of samples of all boxes."""
+        return sum(outcome.samples for outcome in self.boxes.values())
+
+    def add(self, message: Message) -> None:
+        """Include a message."""
+        self._end_ns = max(self._end_ns, message.time_ns)
+        if message.topic == VEHICLE_TRUTH:
+            self._commands += commands_in(message)
+        elif message.topic in self._of_boxes:
+            outcome, plain = self._of_boxes[message.topic]
+            outcome.add(Message(plain, message.time_ns, message.data))
+
+    def records(self) -> dict[str, dict[str, str]]:
+        """Return the metadata records at the end of a file."""
+        commands = [[command.time_ns, command.name, command.value] for command in self._commands]
+        records = {VEHICLE_OUTCOME: {"outcome": json.dumps({"end_ns": self._end_ns, "commands": commands, "ended": now()})}}
+        for name, outcome in self.boxes.items():
+            records[record_name(OUTCOME, name)] = outcome.records()[OUTCOME]
+        return records
+
+
 class VehicleRecorder(RunRecorder):
     """Writes the recording of a vehicle, block by block or message by message; see `RunRecorder`."""
 
@@ -87,44 +127,16 @@ class VehicleRecorder(RunRecorder):
             commands: the commands that took effect before the recording begins.
             start_ns: simulated time at which it begins [ns].
         """
-        vehicle, before = simulation.vehicle, list(commands)
+        vehicle = simulation.vehicle
         settings = vehicle.boxes[0].configuration.recording
         self._encoder = VehicleEncoder(vehicle, {name: box.bodies for name, box in simulation.simulations.items()})
-        self._end_ns, self._commands = start_ns, [command for command in before if isinstance(command, VehicleCommand)]
-        changes = [command for command in before if isinstance(command, BoxCommand)]
-        self.outcomes = {
-            box.name: Outcome(box.configuration.sensor.sampling_rate, [change.command for change in changes if change.box == box.name])
-            for box in vehicle.boxes
-        }
-        """What was recorded of each box."""
-        below = [(box.name, plain, topic) for box in vehicle.boxes for plain, topic in box_topics(box.name).items()]
-        self._of_boxes = {topic: (self.outcomes[name], plain) for name, plain, topic in below if plain in (VIBRATION, GROUND_TRUTH)}
+        self.outcome = VehicleOutcome(vehicle, commands, start_ns)
+        """What was recorded of the vehicle and of each box."""
+        below = [pair for box in vehicle.boxes for pair in box_topics(box.name).items()]
         chosen = chosen_topics(settings.topics)
-        topics = {*(topic for _, plain, topic in below if plain in chosen), *BESIDE, *VEHICLE_DETECTED}
+        topics = {*(topic for plain, topic in below if plain in chosen), *BESIDE, *VEHICLE_DETECTED}
         about = _opening(simulation, parameters, namespace)
-        super().__init__(path, settings, namespace, topics, about, self._encoder.start(start_ns))
-
-    def count(self, message: Message) -> None:
-        """Count a message in the outcome of the vehicle or of a box."""
-        self._end_ns = max(self._end_ns, message.time_ns)
-        if message.topic == VEHICLE_TRUTH:
-            self._commands += commands_in(message)
-        elif message.topic in self._of_boxes:
-            outcome, plain = self._of_boxes[message.topic]
-            outcome.add(Message(plain, message.time_ns, message.data))
-
-    def records(self) -> dict[str, dict[str, str]]:
-        """Return the records of the outcome of the vehicle and of each box."""
-        commands = [[command.time_ns, command.name, command.value] for command in self._commands]
-        records = {VEHICLE_OUTCOME: {"outcome": json.dumps({"end_ns": self._end_ns, "commands": commands, "ended": now()})}}
-        for name, outcome in self.outcomes.items():
-            records[record_name(OUTCOME, name)] = outcome.records()[OUTCOME]
-        return records
-
-    @property
-    def empty(self) -> bool:
-        """Whether no sample of a box was counted."""
-        return not any(outcome.samples for outcome in self.outcomes.values())
+        super().__init__(path, settings, namespace, topics, self.outcome, about, self._encoder.start(start_ns))
 
     def write(self, block: VehicleBlock) -> None:
         """Record a block of every box."""

@@ -206,7 +206,7 @@ def test_a_recorded_run_has_the_samples_of_simulate_and_the_verdicts_of_the_dete
     recording = VehicleRecording(bag)
     for name, box in recording.boxes.items():
         assert box.outcome is not None
-        assert box.outcome["sha256"] == recorder.outcomes[name].sha256
+        assert box.outcome["sha256"] == recorder.outcome.boxes[name].sha256
         assert box.outcome["samples"] == 153600
         assert box.complete
     assert next(recording.messages((VEHICLE_DIAGNOSIS,)), None) is not None
