@@ -8,7 +8,7 @@ therefore be those of another one. They are compared in each band by two quantit
   in the same band, so it does not depend on the gain, but on the noise.
 
 The contrast of two boxes is the mean of both ratios, in the median of the bands [dB]. In a band almost without noise, only the size
-distinguishes them. Where the contrast to the other box of the wheelset is small, the damaged box is that which measures the impacts first.
+distinguishes them. Where the contrast to the other box of the wheelset is small, the damaged box measures the impacts first.
 """
 
 from __future__ import annotations
