@@ -12,6 +12,7 @@ from dcrb_ros.diagnosis.order_spectrum import order_spectra
 from dcrb_ros.diagnosis.rule import Finding
 from dcrb_ros.diagnosis.segments import Segment
 from dcrb_ros.diagnosis.thermal_detector import ThermalFaultDetector
+from dcrb_ros.diagnosis.vehicle.arrival import TurnEnvelopes
 from dcrb_ros.diagnosis.vehicle.turn_average import TurnAverage
 from dcrb_ros.diagnosis.window import Window
 from dcrb_ros.schema.verdicts import Component
@@ -37,8 +38,8 @@ class BoxDetector(ThermalFaultDetector):
         self._rest.add(self._average.removed(segment), self.parameters.fastest, useless=False)
         return super()._diagnosed(segment)
 
-    def own_evidence(self, share: float) -> tuple[Evidence, dict[Component, Finding]] | None:
-        """Return the evidence of the present window without the wheels, with rare impacts limited, and the findings in it.
+    def own_evidence(self, share: float) -> tuple[Evidence, dict[Component, Finding], TurnEnvelopes] | None:
+        """Return the evidence of the present window without the wheels, with rare impacts limited, the findings in it, and the envelopes.
 
         It is None without a judgement. No squared envelope counts with more than the value that it exceeds in a ``share`` of the time [-].
         Kinks of a rail are rarer than the impacts of a damaged bearing, but larger.
@@ -48,6 +49,8 @@ class BoxDetector(ThermalFaultDetector):
         envelopes, missing = self._rest.envelopes()
         most = np.quantile(envelopes[:, ~missing], 1.0 - share, axis=1).astype(np.float32)
         highest = max(self._highest_order, highest_searched(self.orders, self.parameters.slip))
-        spectra = order_spectra(np.minimum(envelopes, most[:, None]), missing, self._rest.bins_per_turn, highest)
+        limited = np.minimum(envelopes, most[:, None])
+        spectra = order_spectra(limited, missing, self._rest.bins_per_turn, highest)
         evidence = self._evidence(spectra, self._rest.frequency)
-        return evidence, self._combination.findings(evidence)
+        # The last band lies below that of the detector.
+        return evidence, self._combination.findings(evidence), TurnEnvelopes(limited[:-1], self._rest.bins_per_turn)

@@ -79,10 +79,10 @@ class BoxWatch:
         own = self.detector.own_evidence(self._share) if diagnosis.verdict != "sensor" else None
         if own is None:
             return None
-        evidence, findings = own
+        evidence, findings, envelopes = own
         scores = {component: finding.excess for component, finding in findings.items()}
         lines = {component: found for component, finding in findings.items() if (found := found_lines(finding)) is not None}
-        return Judgement(evidence, scores, lines, self.detector.rules)
+        return Judgement(evidence, scores, lines, self.detector.rules, envelopes)
 
     def _latest(self, index: int) -> Contact | None:
         """Return what was measured up to a sample, at most a hop earlier; later samples may have arrived or not."""

@@ -8,7 +8,7 @@ therefore be those of another one. They are compared in each band by two quantit
   in the same band, so it does not depend on the gain, but on the noise.
 
 The contrast of two boxes is the mean of both ratios, in the median of the bands [dB]. In a band almost without noise, only the size
-distinguishes them.
+distinguishes them. Where the contrast to the other box of the wheelset is small, the damaged box measures the impacts first.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ import numpy as np
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence
 from dcrb_ros.diagnosis.line_search import GUARD
 from dcrb_ros.diagnosis.rule import BearingRule, LineRule, modulation_excess
+from dcrb_ros.diagnosis.vehicle.arrival import LEAST, TurnEnvelopes, lead
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.verdicts import COMPONENTS, Component
@@ -57,6 +58,7 @@ class Judgement:
     lines: Mapping[Component, FoundLines]
     """Lines found for each component."""
     rules: Sequence[BearingRule[Any]]
+    envelopes: TurnEnvelopes
 
     @property
     def shaft_frequency(self) -> float:
@@ -75,6 +77,8 @@ class Compared(NamedTuple):
     """Contrast to the other box that has these lines most [dB]."""
     rival: str
     """Name of that box; empty without one."""
+    lead: float = 0.0
+    """By how much earlier the impacts are here than in that box [s]; 0 where it does not matter."""
 
 
 def compare(judgements: Mapping[str, Judgement], parameters: VehicleDetectorParameters) -> dict[str, dict[Component, Compared]]:
@@ -99,7 +103,20 @@ def _compared(name: str, component: Component, judged: Mapping[str, Judgement], 
     least = contrasts[rival]
     if least >= parameters.contrast:
         return Compared(max(excess, _relieved(lines, component, own, parameters.relief)), NOT_OWN, least, rival)
-    return Compared(NOT_OWN, excess if least > -parameters.contrast else NOT_OWN, least, rival)
+    if least <= -parameters.contrast:
+        return Compared(NOT_OWN, NOT_OWN, least, rival)
+    earlier = _lead(name, rival, lines, judged) if sum(value < parameters.contrast for value in contrasts.values()) == 1 else 0.0
+    if abs(earlier) < LEAST:
+        return Compared(NOT_OWN, excess, least, rival)
+    return Compared(excess if earlier > 0.0 else NOT_OWN, NOT_OWN, least, rival, earlier)
+
+
+def _lead(name: str, rival: str, lines: FoundLines, judged: Mapping[str, Judgement]) -> float:
+    """Return by how much earlier the impacts are in a box than in the other one of its wheelset [s]; 0 in one of another wheelset."""
+    if name.rpartition("/")[0] != rival.rpartition("/")[0]:
+        return 0.0
+    orders = np.asarray(lines.orders or (lines.order,), np.float64)
+    return lead(judged[name].envelopes, judged[rival].envelopes, orders, judged[name].shaft_frequency)
 
 
 def contrast(lines: FoundLines, own: Judgement, other: Judgement) -> float:

@@ -184,19 +184,20 @@ class VehicleDetector:
                     indicators[f"{name}/{component}/contrast"] = evidence.contrast
             if name in contacts:
                 indicators[f"{name}/wheel/level"] = contacts[name].level
+        kinks = track(self.description, measured, struck, q)
         found = meshes(self.description, rolling)
         for axle_name, status in gears(self.description, found, q).items():
+            # Joints at equal distances make lines at fractions of a turn, as a motor does.
+            line = motor(self.description.axle(axle_name), rolling, q) if kinks.verdict == "healthy" else None
             meshing = self._lasting(f"{axle_name}/gear", status, "gear")
-            turning = self._lasting(f"{axle_name}/gear", motor(self.description.axle(axle_name), rolling, q) or status, "motor")
+            turning = self._lasting(f"{axle_name}/gear", line or status, "motor")
             statuses[f"{axle_name}/gear"] = turning if turning.verdict == "motor" and meshing.verdict != "gear" else meshing
         indicators |= {f"{axle_name}/gear/level": mesh.level for axle_name, mesh in found.items()}
-        statuses["track"] = track(self.description, measured, struck, q)
         waves = corrugation(self.description, rolling, q)
         if waves is not None:
             indicators |= waves[1]
-        if statuses["track"].verdict == "healthy":
-            status = waves[0] if waves is not None else statuses["track"]
-            statuses["track"] = self._lasting("track", status, "corrugation")
+        along = self._lasting("track", waves[0] if waves is not None and kinks.verdict == "healthy" else kinks, "corrugation")
+        statuses["track"] = along if kinks.verdict == "healthy" else kinks
         indicators |= {f"{axle}/clock": difference for axle, difference in clock_differences(self.description, contacts).items()}
         for side, lag in sides.items():
             indicators |= {f"{side}/lag": lag.found, f"{side}/lag/correlation": lag.forward}
@@ -269,7 +270,8 @@ class VehicleDetector:
         others = {c: item for c, item in compared.items() if scores.get(c, NOT_OWN) >= 0.0 and item.contrast < 0.0}
         if others and verdict == "healthy":
             component, item = max(others.items(), key=lambda pair: scores[pair[0]])
-            reason = f"the lines of its {component} are {-item.contrast:.1f} dB weaker than in {item.rival}"
+            earlier = f", which measures the impacts {-item.lead * 1e3:.1f} ms earlier" if item.lead else ""
+            reason = f"the lines of its {component} are {-item.contrast:.1f} dB weaker than in {item.rival}{earlier}"
             return Status(verdict, reason, confidence(verdict, [], own), max(own.values()))
         reason = "to be confirmed by the next hop" if verdict == "waiting" else "no lines are both deep enough and its own"
         return Status(verdict, reason, confidence(verdict, [], own) if verdict == "healthy" else 0.0, max(own.values()))
@@ -280,7 +282,8 @@ def _reason(component: Component, compared: Mapping[Component, Compared], judgem
     item, lines = compared[component], judgement.lines.get(component)
     depth = f"at {lines.order:.3f} orders, depth {lines.depth:.2f}" if lines is not None else "found"
     larger = f", {item.contrast:.1f} dB more than in {item.rival}" if item.rival else ""
-    return f"lines of the {component} {depth}{larger}"
+    later = f", which measures the impacts {item.lead * 1e3:.1f} ms later" if item.lead else ""
+    return f"lines of the {component} {depth}{larger}{later}"
 
 
 def _sensor(hop: BoxHop | None, below: float | None, found: Status | None) -> Status:
