@@ -61,7 +61,7 @@ def decode_truth(data: bytes) -> Truth:
     """Return the ground truth that `encode_truth` wrote.
 
     Raises:
-        Refusal: the bytes are no such message, or a value that has to be a number is none.
+        Refusal: the bytes are no such message, or a value must be a number and is not one.
     """
     time_ns, statuses = decode_diagnostics(data)
     if not statuses or statuses[0].name != "operating":

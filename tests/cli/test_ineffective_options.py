@@ -9,7 +9,7 @@ import pytest
 from made_up_blocks import recorded
 from same_process import dcrb
 
-from dcrb_ros.recordings.vehicle import VehicleRecorder
+from dcrb_ros.recordings.vehicle_recorder import VehicleRecorder
 from dcrb_ros.vehicle.file import read_parameters, vehicle_of
 from dcrb_ros.vehicle.simulation import VehicleSimulation
 
