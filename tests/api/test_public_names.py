@@ -57,6 +57,7 @@ def test_an_unknown_name_is_an_attribute_error() -> None:
         _ = dcrb_ros.simulat  # type: ignore[attr-defined]
 
 
+@pytest.mark.timeout(900)  # a calibration takes some minutes on busy processors
 @pytest.mark.parametrize("name", DOCUMENTED)
 def test_examples_in_docstrings_run(name: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.chdir(ROOT)
