@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shlex
+import shutil
 import signal
 import subprocess
 import time
@@ -46,6 +47,8 @@ MOST_OUTPUT = 64 << 20
 """Longest output in one scenario [bytes]."""
 LISTENING_TIME = 0.5
 """Wall time in which other nodes in the domain are discovered before the detector starts [s]."""
+GATE = 'read -r _ || exit; exec "$@" </dev/null'
+"""Shell script that becomes the detector once a line arrives on its standard input, when the process that ends it knows of it."""
 LOOK_EVERY = 50
 """Bundles between two looks for other publishers on the topics of the exam [-]."""
 
@@ -361,22 +364,23 @@ def _process(command: Sequence[str], domain: int) -> Iterator[tuple[subprocess.P
     groups: list[int] = []
     output = ChildOutput(MOST_OUTPUT, lambda: os.killpg(groups[0], signal.SIGKILL))
     with group_guard(EXIT_TIMEOUT) as guard:
-        try:
-            process = subprocess.Popen(
-                command,
-                env=environment,
-                stdin=subprocess.DEVNULL,
-                stdout=output.writing,
-                stderr=subprocess.STDOUT,
-                start_new_session=True,
-            )
-        except OSError as error:
-            raise CandidateRefusal(
-                f"--node: '{command[0]}' cannot be started: {error.strerror}; give the command as you would type it"
-            ) from None
+        program = shutil.which(command[0])
+        if program is None:
+            raise CandidateRefusal(f"--node: '{command[0]}' cannot be started: no such program; give the command as you would type it")
+        process = subprocess.Popen(
+            ["/bin/sh", "-c", GATE, "gate", program, *command[1:]],
+            env=environment,
+            stdin=subprocess.PIPE,
+            stdout=output.writing,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        )
         groups.append(process.pid)
         try:
             guard(process.pid)
+            assert process.stdin is not None
+            with suppress(BrokenPipeError), process.stdin as gate:
+                gate.write(b"\n")
             output.begin()
             yield process, output
         finally:
