@@ -48,7 +48,7 @@ MOST_OUTPUT = 64 << 20
 LISTENING_TIME = 0.5
 """Wall time in which other nodes in the domain are discovered before the detector starts [s]."""
 GATE = 'read -r _ || exit; exec "$@" </dev/null'
-"""Shell script that becomes the detector once a line arrives on its standard input, when the process that ends it knows of it."""
+"""Shell script that becomes the detector once a line arrives on its standard input, which is sent when the guard of its group has begun."""
 LOOK_EVERY = 50
 """Bundles between two looks for other publishers on the topics of the exam [-]."""
 
