@@ -91,9 +91,9 @@ def _numbers(values: Mapping[str, str]) -> dict[str, float]:
     """Return values as numbers.
 
     Raises:
-        Refusal: one is no number.
+        Refusal: one is not a number.
     """
     try:
         return {key: float(value) for key, value in values.items()}
     except ValueError as error:
-        raise Refusal(f"a value of the ground truth is no number: {error}") from None
+        raise Refusal(f"a value of the ground truth is not a number ({error}): the message is damaged, record the run again") from None

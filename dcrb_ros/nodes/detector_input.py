@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections import deque
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
@@ -52,7 +53,7 @@ class Response(Generic[Judgement]):
             log.warning(self.warning)
 
 
-class MessageInput(Generic[Judgement]):
+class MessageInput(ABC, Generic[Judgement]):
     """Takes the readings of temperatures, and counts refusals."""
 
     def __init__(self) -> None:
@@ -79,9 +80,9 @@ class MessageInput(Generic[Judgement]):
             return self.refuse(refusal)
         return Response()
 
+    @abstractmethod
     def take_temperature(self, box: str, time: float, temperature: float, air: float) -> None:
         """Take the temperatures of outer ring and air [deg C] of a box at a time [s]."""
-        raise NotImplementedError
 
     def diagnoses_of(self, reason: str) -> tuple[Judgement, ...]:
         """Return the diagnoses that answer a refusal."""

@@ -29,9 +29,9 @@ from dcrb_ros.sweep.label import DONE, ERROR, FAILED, REFUSED, base_label, fault
 from dcrb_ros.sweep.plan import PlannedRun, Task
 from dcrb_ros.sweep.store import PART, FileRecord, Store, StoreFailed, file_record, record_of
 from dcrb_ros.sweep.sweep_file import Sweep, SweepFile
-from dcrb_ros.sweep.vehicles.plan import BOX, DAMAGED, TOGETHER
+from dcrb_ros.sweep.vehicles.plan import DAMAGED, TOGETHER
 from dcrb_ros.sweep.vehicles.ride import Ride, ride
-from dcrb_ros.sweep.vehicles.sweep import VehicleSweep
+from dcrb_ros.sweep.vehicles.sweep import BOX, VehicleSweep
 from dcrb_ros.sweep.verification import DIGEST, ERRORS, LABELS, digest_of, flaw, label_name, read_label
 from dcrb_ros.sweep.windows import cut_windows, waveform_file, window_labels, window_starts, windows_file
 

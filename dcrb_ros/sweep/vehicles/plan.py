@@ -10,12 +10,12 @@ from dcrb_ros.sweep.division import splits
 from dcrb_ros.sweep.identity import BEARING_ID, MACHINE
 from dcrb_ros.sweep.identity import TRUTH as IDENTITY
 from dcrb_ros.sweep.plan import Plan, PlannedRun, Task, digest
-from dcrb_ros.sweep.vehicles.sweep import VehicleSweep, placed
+from dcrb_ros.sweep.vehicles.sweep import BOX, VehicleSweep, placed
 
-NOT_OF_VEHICLE = ("vehicle.speed_kmh", "vehicle.curvature", "vehicle.cant", "vehicle.wind", "vehicle.brake", "vehicle.ramp", "track.")
-"""Beginnings of keys that describe the ride, not the vehicle."""
-BOX, TOGETHER, DAMAGED = "box", "together", "damaged"
-"""Columns of the labels of boxes."""
+TOGETHER, DAMAGED = "together", "damaged"
+"""Columns of the labels of boxes, beside `BOX`."""
+VEHICLE_SEED = "vehicle.seed"
+"""Key of the seed from which the bearings, the housings and the noise of a vehicle follow."""
 TRUTH: Mapping[str, tuple[type, str]] = {
     **IDENTITY,
     MACHINE: (str, "the vehicle: shared by its boxes on all rides; never in two splits"),
@@ -32,6 +32,7 @@ class VehiclePlan(Plan):
 
     def __init__(self, sweep: VehicleSweep) -> None:
         super().__init__(sweep)
+        self._seed = sweep.vehicle.journey.seed
         self._boxes = [box.name for box in sweep.vehicle.boxes]
         self._splits = {}
         for points in self._point_batches():
@@ -81,10 +82,10 @@ class VehiclePlan(Plan):
             changes,
             point,
             "",
-            int({**self.sweep.base, **changes}.get("vehicle.seed", 1)),
+            int(changes.get(VEHICLE_SEED, self._seed)),
             {BEARING_ID: digest([vehicle, box]), MACHINE: vehicle, TOGETHER: together, BOX: box},
         )
 
     def _vehicle(self, point: Point) -> str:
-        """Return the hash of the parameters of the vehicle itself, whatever its ride is."""
-        return digest({key: value for key, value in {**self.sweep.base, **point}.items() if not key.startswith(NOT_OF_VEHICLE)})
+        """Return the hash of the seed of the vehicle: points with one seed share the individuals of their bearings."""
+        return digest(point.get(VEHICLE_SEED, self._seed))

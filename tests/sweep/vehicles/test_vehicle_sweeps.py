@@ -128,3 +128,9 @@ def test_too_few_vehicles_for_the_splits_are_refused() -> None:
         plan_of(sweep_of(one, "sweep.yaml"))
     together = {**one, "split": {"train": 1.0, "validation": 0.0, "test": 0.0}}
     assert {run.split for run in plan_of(sweep_of(together, "sweep.yaml")).runs()} == {"train"}
+
+
+def test_other_paths_do_not_make_another_vehicle_of_the_same_bearings() -> None:
+    paths = tree(vary={"paths.seed": [1, 2, 3, 4], "vehicle.speed_kmh": [80.0, 120.0]}, design="grid", points=None, cases=None)
+    with pytest.raises(Refusal, match=r"too few vehicles \(1\)"):
+        plan_of(sweep_of(paths, "sweep.yaml"))
