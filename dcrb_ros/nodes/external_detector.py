@@ -8,18 +8,14 @@ import shutil
 import signal
 import subprocess
 import time
-from abc import ABC, abstractmethod
-from bisect import bisect_left
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass, field, replace
-from itertools import pairwise
 from typing import Any, Protocol
 
-from dcrb_ros.exam.evaluation import CandidateRefusal, Outcome
+from dcrb_ros.exam.evaluation import CandidateRefusal
 from dcrb_ros.messages.bundle import Bundle
-from dcrb_ros.messages.received_diagnosis import decode_diagnosis
 from dcrb_ros.messages.topics import DIAGNOSIS, NAMESPACE, SENSOR, TEMPERATURES, VIBRATION, Message, Topic
+from dcrb_ros.nodes.detector_answers import Answers, Diagnoses
 from dcrb_ros.nodes.other_publishers import OtherPublishers
 from dcrb_ros.nodes.pacing import Pacer
 from dcrb_ros.nodes.publisher import Publisher, message_class, qos
@@ -35,10 +31,6 @@ LEAD = 0.5
 """Signal sent beyond the next expected diagnosis [s]: 25 blocks, which the queue of a subscriber should hold."""
 DIAGNOSIS_TIMEOUT = 2.0
 """Wall time without a diagnosis after which no more are expected [s]."""
-PROMPT = 2.0
-"""Wall time after its signal was sent within which a diagnosis counts as issued at its stamp [s]."""
-MAX_STAMP_LEAD = 1.0
-"""Signal by which a stamp may be ahead of the signal sent [s], for a detector that counts samples itself."""
 SETTLING_TIME = 0.3
 """Wall time between the discovery of the detector and the first block [s]."""
 EXIT_TIMEOUT = 5.0
@@ -73,84 +65,6 @@ class Feed(Protocol):
 
     def bundles(self) -> Iterator[Bundle]:
         """Yield the signal."""
-
-
-@dataclass
-class Answers(ABC):
-    """The messages of a detector in a scenario, and when the signal was sent to which they are the answer."""
-
-    refused: list[str] = field(default_factory=list)
-    """Why messages are invalid."""
-    begin: float = 0.0
-    """Time of the first sample [s]."""
-    received_at: float = 0.0
-    """Wall time of the last message [s]."""
-    stamps: list[float] = field(default_factory=list)
-    """Stamps of the valid messages [s]."""
-    _ends: list[float] = field(default_factory=list)
-    """Time up to which the signal had been sent after each bundle [s]."""
-    _sent_at: list[float] = field(default_factory=list)
-    """Wall time at which each bundle was sent [s]."""
-
-    def signal_sent(self, end: float) -> None:
-        """Note that the signal has been sent up to the time ``end`` [s]."""
-        self._ends.append(end)
-        self._sent_at.append(time.monotonic())
-
-    def receive(self, data: bytes) -> None:
-        """Take a message of the detector."""
-        self.received_at = time.monotonic()
-        try:
-            self.stamps.append(self._taken(data))
-        except Refusal as refusal:
-            self.refused.append(str(refusal))
-
-    @abstractmethod
-    def _taken(self, data: bytes) -> float:
-        """Take a message and return its stamp [s].
-
-        Raises:
-            Refusal: it is invalid.
-        """
-
-    def _signal_received(self, stamp: float) -> float:
-        """Return the signal time at which a message counts as issued [s].
-
-        This is its stamp, unless it arrived after one with a later stamp or more than `PROMPT` after its signal.
-
-        Raises:
-            Refusal: the stamp is later than the signal sent.
-        """
-        sent = self._ends[-1] if self._ends else self.begin
-        if stamp > sent + MAX_STAMP_LEAD:
-            raise Refusal(
-                f"a diagnosis is stamped {stamp:.2f} s when the signal had been sent up to {sent:.2f} s: the stamp must be the simulated "
-                "time of the judged samples, from the block's header"
-            )
-        index = bisect_left(self._ends, stamp)
-        late = index < len(self._sent_at) and self.received_at - self._sent_at[index] > PROMPT
-        return max(stamp, self.latest, sent if late else stamp)
-
-    @property
-    def latest(self) -> float:
-        """Latest stamp [s]."""
-        return max(self.stamps, default=self.begin)
-
-    @property
-    def period(self) -> float:
-        """Longest time between two consecutive stamps, and before the first one [s]."""
-        times = sorted({self.begin, *self.stamps})
-        return max((later - earlier for earlier, later in pairwise(times)), default=0.0)
-
-
-@dataclass
-class Diagnoses(Answers, Outcome):
-    """The diagnoses that a detector published in a scenario."""
-
-    def _taken(self, data: bytes) -> float:
-        diagnosis = decode_diagnosis(data)
-        self.received.append(replace(diagnosis, signal_received=self._signal_received(diagnosis.time)))
-        return diagnosis.time
 
 
 class _RecordingFeed:

@@ -18,7 +18,8 @@ from dcrb_ros.messages.received_diagnosis import checked_time, score_of
 from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.messages.topics import VIBRATION, Message
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DIAGNOSIS
-from dcrb_ros.nodes.external_detector import Answers, NodeProgram
+from dcrb_ros.nodes.detector_answers import Answers
+from dcrb_ros.nodes.external_detector import NodeProgram
 from dcrb_ros.stream.vehicle_description import VehicleDescription
 
 

@@ -22,7 +22,8 @@ from waiting import runs, wait_for
 
 from dcrb_ros.messages.statuses import Status, encode_diagnostics
 from dcrb_ros.nodes import external_detector
-from dcrb_ros.nodes.external_detector import Diagnoses, ExternalDetector
+from dcrb_ros.nodes.detector_answers import Diagnoses
+from dcrb_ros.nodes.external_detector import ExternalDetector
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.settings.files import load_configuration
@@ -152,7 +153,7 @@ def diagnoses_of(*received: tuple[float, float], pace: float = 1.0, begin: float
     events = sorted([(wall, "received", stamp) for stamp, wall in received] + [(end / pace, "sent", begin + end) for end in ends])
     for wall, kind, moment in events:
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr("dcrb_ros.nodes.external_detector.time.monotonic", lambda wall=wall: wall)
+            patch.setattr("dcrb_ros.nodes.detector_answers.time.monotonic", lambda wall=wall: wall)
             if kind == "sent":
                 diagnoses.signal_sent(moment)
             else:
