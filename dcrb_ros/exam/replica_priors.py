@@ -101,7 +101,7 @@ PRIORS: tuple[Prior, ...] = (
     Prior(FLOOR, "bearing", FLOORS["outer"], "-", "quiet quarter between impacts on three rigs", "background", ("outer_ring",)),
     Prior(FLOOR, "bearing", FLOORS["inner"], "-", "the same", "background", ("inner_ring",)),
     Prior(FLOOR, "bearing", FLOORS["roller"], "-", "the same on CWRU", "background", ("roller",)),
-    Prior(GAIN, "bearing", Lognormal(1.0, 3.0), "-", "an amplifier is set when a bearing is mounted; sets differ tenfold; 1 if it is `known`"),
+    Prior(GAIN, "bearing", Lognormal(1.0, 3.0), "-", "an amplifier is set when a bearing is mounted; 1 if it is `known`"),
 )
 """What is drawn for every replica."""
 HOUSINGS = {"balls": "laboratory", "rollers": "axle_box"}

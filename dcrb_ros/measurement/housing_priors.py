@@ -1,7 +1,8 @@
 """Ranges from which housings and their backgrounds are drawn: a laboratory rig and an axle box.
 
-Densities, losses, participation and seat of the laboratory rig follow measured spectra and decays of HIT and MFPT, and its background the
-quiet quarter between the impacts of CWRU, HIT and MFPT; the first mode, the axle box and all spreads are choices. Mode counts: plate and solid, Harris' Shock and Vibration Handbook, Eqs. 11.69 and 11.70.
+Densities, losses, participation and seat of the laboratory rig follow measured spectra and decays of HIT and MFPT. Its background follows
+the quiet quarter between the impacts of CWRU, HIT and MFPT. The first mode, the axle box and all spreads are choices. Mode counts: plate
+and solid, Harris' Shock and Vibration Handbook, Eqs. 11.69 and 11.70.
 """
 
 from __future__ import annotations
