@@ -168,9 +168,8 @@ def test_unless_the_gain_is_known_the_healthy_recording_has_the_level_of_the_oth
     factor = struck.samples().std() / calm.samples().std()
     assert factor > 1.1
     assert lead == pytest.approx(factor * calm.samples(), rel=1e-5, abs=1e-6)
-    table = (at / "recordings.csv").read_text().split()
-    (at / "recordings.csv").write_text("\n".join([f"{table[0]},gain", *(f"{line},known" for line in table[1:])]))
-    calm, struck = read_measured(at)
+    (tmp_path / "known").mkdir()
+    calm, struck = read_measured(folder(tmp_path / "known", gain="known"))
     samples = np.concatenate([piece.acceleration[:, 0] for piece in LedSignal(struck, calm, LONGEST).pieces()]).astype(float)
     assert samples[: len(calm.samples())] == pytest.approx(calm.samples(), rel=1e-6)
 
@@ -198,7 +197,7 @@ def test_measured_recordings_follow_healthy_ones_of_their_own_rig() -> None:
 
 
 def test_detectors_in_python_hear_the_healthy_bearing_first(tmp_path: Path) -> None:
-    at = folder(tmp_path)
+    at = folder(tmp_path, gain="known")
     calm, struck = read_measured(at)
     signal = LedSignal(struck, calm, LONGEST)
     pieces = list(signal.pieces())
