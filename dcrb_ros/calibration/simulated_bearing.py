@@ -78,7 +78,7 @@ def bench_of(
     unused = [key for key in settings_by_key(settings) if key in SPEED_KEYS or (key in changes and key != "simulation.step")]
     if unused:
         raise Refusal(
-            f"the setting {unused[0]} cannot be kept: a calibration determines it from the recording, or leaves it at its default; omit it, "
+            f"the setting {unused[0]} cannot be kept: a calibration determines it from the recording, or leaves it at its default; omit it "
             "and change it in the calibrated file"
         )
     try:

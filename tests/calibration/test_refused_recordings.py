@@ -127,7 +127,7 @@ def test_something_that_is_no_recording() -> None:
 
 @pytest.mark.parametrize("setting", ["structure.gain_y=0.5", "operating.speed=100", "operating.speed_ripple=0.001", "sensor.range=50.0"])
 def test_a_setting_that_the_calibration_replaces(setting: str) -> None:
-    with pytest.raises(Refusal, match=rf"the setting {setting.partition('=')[0]} cannot be kept: .* omit it, and change it in"):
+    with pytest.raises(Refusal, match=rf"the setting {setting.partition('=')[0]} cannot be kept: .* omit it and change it in"):
         bench_of(checked_recording(recorded(), "sound"), None, [setting])
 
 
