@@ -51,6 +51,8 @@ MEASURED_UNITS = UNITS | {"time": "s, index of the sample over the sampling rate
 MODEL = ("bearing", "core", "faults", "measurement", "schema", "settings", "simulation")
 """Packages on whose sources the samples depend."""
 
+DIGEST = "record_sha256"
+"""Entry with the digest of the others."""
 TYPES: dict[str, type] = {
     **dict.fromkeys(("units", "software", "processor", "orders", "faults", "imported", "sensor", "configuration"), dict),
     **dict.fromkeys(("format", "first_index", "samples", "sampling_rate"), int),
@@ -60,8 +62,25 @@ TYPES: dict[str, type] = {
 
 
 def well_formed(content: Any) -> bool:
-    """Return whether the content of a record is an object whose entries have their types; any other is damaged."""
-    return isinstance(content, dict) and all(isinstance(content.get(name, kind()), kind) for name, kind in TYPES.items())
+    """Return whether the content of a record is an object whose entries have their types and its digest; any other is damaged.
+
+    Records of earlier versions have no digest.
+    """
+    if not isinstance(content, dict) or not all(isinstance(content.get(name, kind()), kind) for name, kind in TYPES.items()):
+        return False
+    return content.get(DIGEST) in (None, digest(content))
+
+
+def digest(entries: Mapping[str, Any]) -> str:
+    """Return the SHA-256 of the entries of a record other than `DIGEST`."""
+    others = {name: value for name, value in entries.items() if name != DIGEST}
+    return hashlib.sha256(json.dumps(others, sort_keys=True).encode()).hexdigest()
+
+
+def record_text(entries: Mapping[str, Any]) -> str:
+    """Return the text of a record with its digest."""
+    about = json.loads(json.dumps(entries, default=str))
+    return json.dumps(about | {DIGEST: digest(about)})
 
 
 @functools.cache
@@ -123,7 +142,7 @@ def opening(
         "units": UNITS,
         "recorded": now(),
     }
-    return {MANIFEST: {"manifest": json.dumps(about)}}
+    return {MANIFEST: {"manifest": record_text(about)}}
 
 
 class Outcome:
@@ -197,6 +216,5 @@ class Outcome:
             "command_count": len(self.commands),
             "ended": now(),
         }
-        if len(json.dumps(about)) > MAX_RECORD:
-            about["commands"] = None
-        return {OUTCOME: {"outcome": json.dumps(about)}}
+        text = record_text(about)
+        return {OUTCOME: {"outcome": text if len(text) <= MAX_RECORD else record_text(about | {"commands": None})}}

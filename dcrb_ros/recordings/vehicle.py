@@ -16,12 +16,12 @@ from dcrb_ros.messages.vehicle import box_path, decode_description
 from dcrb_ros.messages.vehicle_encoder import BESIDE
 from dcrb_ros.recordings.digest import digest_mismatch
 from dcrb_ros.recordings.foreign_files import refuse_foreign
-from dcrb_ros.recordings.manifest import vehicle_fingerprint
+from dcrb_ros.recordings.manifest import digest, vehicle_fingerprint
 from dcrb_ros.recordings.reader import DAMAGE, Recording
 from dcrb_ros.recordings.reproduction import ALIKE, NotReproduced, origin_difference, recorded_samples
 from dcrb_ros.recordings.storage import valid_files
-from dcrb_ros.recordings.vehicle_folder import VEHICLE, VEHICLE_OUTCOME, boxes_in
-from dcrb_ros.recordings.vehicle_recorder import FORMAT, VehicleCommand, commands_in, digest
+from dcrb_ros.recordings.vehicle_folder import VEHICLE, VEHICLE_OUTCOME, boxes_in, boxes_of
+from dcrb_ros.recordings.vehicle_recorder import FORMAT, VehicleCommand, commands_in
 from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.events import CommandSchedule
@@ -55,6 +55,9 @@ class VehicleRecording:
         refuse_foreign(path, self._files)
         self.parameters: Mapping[str, Any] = about["vehicle"]
         """Parameters of the vehicle by dotted keys."""
+        lost = [name for name in boxes_of(self.parameters) if name not in names]
+        if lost:
+            raise Refusal(f"{path} is damaged: it does not describe the box {lost[0]} of its vehicle; simulate it again")
         self.model = str(about.get("model", ""))
         """Fingerprint of the model of the vehicle; empty in a recording of an earlier version."""
         self.scenario: Any = about.get("scenario")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -13,7 +12,7 @@ from dcrb_ros.messages.topics import GROUND_TRUTH, MANIFEST, NAMESPACE, VIBRATIO
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DETECTED, VEHICLE_TRUTH
 from dcrb_ros.messages.vehicle import GIVEN, box_path, decode_vehicle_commands
 from dcrb_ros.messages.vehicle_encoder import BESIDE, VehicleEncoder, box_topics
-from dcrb_ros.recordings.manifest import OUTCOME, Outcome, now, opening, vehicle_fingerprint
+from dcrb_ros.recordings.manifest import OUTCOME, Outcome, digest, now, opening, vehicle_fingerprint
 from dcrb_ros.recordings.recorder import RunRecorder, chosen_topics
 from dcrb_ros.recordings.vehicle_folder import VEHICLE, VEHICLE_OUTCOME, record_name
 from dcrb_ros.runtime.version import __version__
@@ -162,8 +161,3 @@ def commands_in(message: Message) -> list[VehicleCommand]:
     if GIVEN.encode() not in message.data:  # few messages have one, and decoding takes time
         return []
     return [VehicleCommand(message.time_ns, name, value) for name, value in decode_vehicle_commands(message.data)]
-
-
-def digest(about: Mapping[str, Any]) -> str:
-    """Return the digest of the entries of a record."""
-    return hashlib.sha256(json.dumps(about, sort_keys=True).encode()).hexdigest()
