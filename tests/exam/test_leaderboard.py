@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from full_disk import files_of_at_most
 from same_process import dcrb
 
 from dcrb_ros.exam.agreement import agreement
@@ -238,3 +239,13 @@ def test_the_command_writes_the_leaderboard(tmp_path: Path, capsys: pytest.Captu
     assert dcrb("exam", "table", str(tmp_path / "gone")) == 2
     assert dcrb("exam", "table", str(tmp_path / "out")) == 2
     assert "has no .json file" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("size", [1000, 20_000])
+def test_a_full_disk_leaves_no_leaderboard(size: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for number, skill in ((1, 0.3), (2, 0.9)):
+        write_entry(detector(number, skill), tmp_path / f"{number}.json")
+    with files_of_at_most(size):
+        assert dcrb("exam", "table", str(tmp_path), "--output", str(tmp_path / "out")) == 2
+    assert capsys.readouterr().err.count("File too large") == 1
+    assert not list((tmp_path / "out").iterdir())
