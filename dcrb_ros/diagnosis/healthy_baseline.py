@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import functools
 import hashlib
+import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
@@ -30,6 +31,8 @@ from dcrb_ros.text.yaml import read_yaml
 
 LEAST_DEPTH = 0.05
 """Modulation depth to which a baseline may lower a limit [-]: impacts with a thirtieth of the power in the band."""
+DIGEST = "sha256"
+"""Entry of a file with the digest of the others."""
 SAME_ORDER = 1e-4
 """Relative difference of orders that are still those of one bearing [-]: four digits are usually given."""
 OTHER_SPEED = 1.3
@@ -127,23 +130,32 @@ class HealthyBaseline(Group):
         Raises:
             Refusal: the file cannot be written.
         """
-        write_whole(path, yaml.safe_dump(self.model_dump(mode="json"), sort_keys=False))
+        tree = self.model_dump(mode="json")
+        write_whole(path, yaml.safe_dump(tree | {DIGEST: _digest(tree)}, sort_keys=False))
 
 
 def read_baseline(path: Path) -> HealthyBaseline:
     """Return the baseline in a YAML file.
 
     Raises:
-        Refusal: the file cannot be read, or is no baseline.
+        Refusal: the file cannot be read, is no baseline, or was changed. One of an earlier version has no digest and is not checked.
     """
     tree = read_yaml(path)
     if not isinstance(tree, dict):
         raise Refusal(f"{path} is not a baseline: save one with dcrb detect BAG --healthy BAG --save-baseline {path}")
+    stated = tree.pop(DIGEST, None)
+    if stated not in (None, _digest(tree)):
+        raise Refusal(f"{path} was changed: its digest does not match; learn the baseline again")
     try:
         return HealthyBaseline.model_validate(tree)
     except ValidationError as error:
         problem = first_problem(error)
         raise Refusal(f"{path} is not a baseline: {problem.key}: {problem.reason}; learn it again") from None
+
+
+def _digest(tree: Mapping[str, object]) -> str:
+    """Return the SHA-256 of the entries of a baseline."""
+    return hashlib.sha256(json.dumps(tree, sort_keys=True, default=str).encode()).hexdigest()
 
 
 def axes(acceleration: npt.NDArray[np.floating]) -> int:
