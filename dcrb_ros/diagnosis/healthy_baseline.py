@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import functools
 import hashlib
-import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
@@ -26,6 +25,7 @@ from dcrb_ros.schema.parameter_field import first_problem
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.verdicts import Component
 from dcrb_ros.stream.axes import AXES
+from dcrb_ros.text.json import digest_of
 from dcrb_ros.text.writing import write_whole
 from dcrb_ros.text.yaml import read_yaml
 
@@ -131,7 +131,7 @@ class HealthyBaseline(Group):
             Refusal: the file cannot be written.
         """
         tree = self.model_dump(mode="json")
-        write_whole(path, yaml.safe_dump(tree | {DIGEST: _digest(tree)}, sort_keys=False))
+        write_whole(path, yaml.safe_dump(tree | {DIGEST: digest_of(tree, DIGEST)}, sort_keys=False))
 
 
 def read_baseline(path: Path) -> HealthyBaseline:
@@ -143,19 +143,13 @@ def read_baseline(path: Path) -> HealthyBaseline:
     tree = read_yaml(path)
     if not isinstance(tree, dict):
         raise Refusal(f"{path} is not a baseline: save one with dcrb detect BAG --healthy BAG --save-baseline {path}")
-    stated = tree.pop(DIGEST, None)
-    if stated not in (None, _digest(tree)):
+    if tree.get(DIGEST) not in (None, digest_of(tree, DIGEST)):
         raise Refusal(f"{path} was changed: its digest does not match; learn the baseline again")
     try:
-        return HealthyBaseline.model_validate(tree)
+        return HealthyBaseline.model_validate({key: value for key, value in tree.items() if key != DIGEST})
     except ValidationError as error:
         problem = first_problem(error)
         raise Refusal(f"{path} is not a baseline: {problem.key}: {problem.reason}; learn it again") from None
-
-
-def _digest(tree: Mapping[str, object]) -> str:
-    """Return the SHA-256 of the entries of a baseline."""
-    return hashlib.sha256(json.dumps(tree, sort_keys=True, default=str).encode()).hexdigest()
 
 
 def axes(acceleration: npt.NDArray[np.floating]) -> int:

@@ -29,6 +29,7 @@ from dcrb_ros.simulation.ground_truth import commands_in
 from dcrb_ros.stream.event_text import encode_command
 from dcrb_ros.stream.events import TimedCommand
 from dcrb_ros.stream.states import BodyNames
+from dcrb_ros.text.json import digest_of
 
 FORMAT = 2
 """Format of the manifest; the first had no second record."""
@@ -68,19 +69,13 @@ def well_formed(content: Any) -> bool:
     """
     if not isinstance(content, dict) or not all(isinstance(content.get(name, kind()), kind) for name, kind in TYPES.items()):
         return False
-    return content.get(DIGEST) in (None, digest(content))
-
-
-def digest(entries: Mapping[str, Any]) -> str:
-    """Return the SHA-256 of the entries of a record other than `DIGEST`."""
-    others = {name: value for name, value in entries.items() if name != DIGEST}
-    return hashlib.sha256(json.dumps(others, sort_keys=True).encode()).hexdigest()
+    return content.get(DIGEST) in (None, digest_of(content, DIGEST))
 
 
 def record_text(entries: Mapping[str, Any]) -> str:
     """Return the text of a record with its digest."""
     about = json.loads(json.dumps(entries, default=str))
-    return json.dumps(about | {DIGEST: digest(about)})
+    return json.dumps(about | {DIGEST: digest_of(about, DIGEST)})
 
 
 @functools.cache

@@ -16,7 +16,7 @@ from dcrb_ros.messages.vehicle import box_path, decode_description
 from dcrb_ros.messages.vehicle_encoder import BESIDE
 from dcrb_ros.recordings.digest import digest_mismatch
 from dcrb_ros.recordings.foreign_files import refuse_foreign
-from dcrb_ros.recordings.manifest import digest, vehicle_fingerprint
+from dcrb_ros.recordings.manifest import vehicle_fingerprint
 from dcrb_ros.recordings.reader import DAMAGE, Recording
 from dcrb_ros.recordings.reproduction import ALIKE, NotReproduced, origin_difference, recorded_samples
 from dcrb_ros.recordings.storage import valid_files
@@ -26,7 +26,7 @@ from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.events import CommandSchedule
 from dcrb_ros.stream.vehicle_description import VehicleDescription
-from dcrb_ros.text.json import parsed_json
+from dcrb_ros.text.json import digest_of, parsed_json
 from dcrb_ros.vehicle.block import VehicleBlock
 from dcrb_ros.vehicle.simulation import VehicleSimulation
 
@@ -50,7 +50,7 @@ class VehicleRecording:
         about = parsed_json(records[VEHICLE].metadata.get("vehicle", ""), f"{path}: the record {VEHICLE}")
         if not isinstance(about, dict) or about.get("format") != FORMAT or not isinstance(about.get("vehicle"), dict):
             raise Refusal(f"{path}: the record {VEHICLE} is damaged: it does not have the form that the bench writes")
-        if about.pop("sha256", None) != digest(about):
+        if about.get("sha256") != digest_of(about, "sha256"):
             raise Refusal(f"{path}: the parameters of the vehicle were changed: their digest does not match; simulate it again")
         refuse_foreign(path, self._files)
         self.parameters: Mapping[str, Any] = about["vehicle"]

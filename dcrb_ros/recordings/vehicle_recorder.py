@@ -12,12 +12,13 @@ from dcrb_ros.messages.topics import GROUND_TRUTH, MANIFEST, NAMESPACE, VIBRATIO
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DETECTED, VEHICLE_TRUTH
 from dcrb_ros.messages.vehicle import GIVEN, box_path, decode_vehicle_commands
 from dcrb_ros.messages.vehicle_encoder import BESIDE, VehicleEncoder, box_topics
-from dcrb_ros.recordings.manifest import OUTCOME, Outcome, digest, now, opening, vehicle_fingerprint
+from dcrb_ros.recordings.manifest import OUTCOME, Outcome, now, opening, vehicle_fingerprint
 from dcrb_ros.recordings.recorder import RunRecorder, chosen_topics
 from dcrb_ros.recordings.vehicle_folder import VEHICLE, VEHICLE_OUTCOME, record_name
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.simulation.ground_truth import commands_in as changes_in
 from dcrb_ros.stream.events import TimedCommand
+from dcrb_ros.text.json import digest_of
 from dcrb_ros.vehicle.block import VehicleBlock
 from dcrb_ros.vehicle.changes import RANGES, checked_command
 from dcrb_ros.vehicle.description import Vehicle
@@ -149,7 +150,7 @@ def _opening(simulation: VehicleSimulation, parameters: Mapping[str, Any], names
     about |= {"namespace": namespace, "recorded": now()}
     if simulation.scenario.content is not None:
         about["scenario"] = simulation.scenario.content
-    records = {VEHICLE: {"vehicle": json.dumps({**about, "sha256": digest(about)})}}
+    records = {VEHICLE: {"vehicle": json.dumps({**about, "sha256": digest_of(about, "sha256")})}}
     for box in vehicle.boxes:
         below = f"{namespace.rstrip('/')}/{box_path(box.name)}"
         records[record_name(MANIFEST, box.name)] = opening(box.configuration, bodies[box.name], below)[MANIFEST]

@@ -70,7 +70,9 @@ def test_an_entry_of_the_first_format_has_no_credit_for_a_fault_that_was_never_d
     file = tmp_path / "e.json"
     file.write_text(json.dumps(tree), encoding="utf-8")
     write_entry(read_entry(file), file)
-    assert json.loads(file.read_text(encoding="utf-8")) == tree
+    written = json.loads(file.read_text(encoding="utf-8"))
+    assert written.pop("sha256")
+    assert written == tree
     file.write_text(json.dumps(edited(tree, ("scenarios", MISSED, "credit"), FULL)), encoding="utf-8")
     with pytest.raises(Refusal, match="a credit of 1"):
         read_entry(file)
@@ -128,6 +130,20 @@ def test_an_edited_entry_is_refused(path: tuple[Any, ...], value: Any, sentence:
     (tmp_path / "e.json").write_text(json.dumps(edited(detector(1, 0.5).model_dump(), path, value)), encoding="utf-8")
     with pytest.raises(Refusal, match=sentence):
         read_entry(tmp_path / "e.json")
+
+
+@pytest.mark.parametrize(
+    ("path", "value"), [(("scenarios", FOUND, "delay_turns"), 1.0), (("false_alarms",), 3), (("detector",), "other"), (("passed",), None)]
+)
+def test_a_written_entry_that_was_edited_is_refused(path: tuple[Any, ...], value: Any, tmp_path: Path) -> None:
+    """Also where the new value contradicts nothing."""
+    file = tmp_path / "e.json"
+    write_entry(detector(1, 0.5), file)
+    tree = json.loads(file.read_text(encoding="utf-8"))
+    value = not tree["passed"] if value is None else value
+    file.write_text(json.dumps(edited(tree, path, value)), encoding="utf-8")
+    with pytest.raises(Refusal, match="was changed: its digest does not match"):
+        read_entry(file)
 
 
 def test_a_detector_is_not_distinguished_from_itself() -> None:

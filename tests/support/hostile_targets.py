@@ -16,7 +16,8 @@ from ros2_bag_record import bag_of, messages_of
 from scipy.io import savemat
 
 from dcrb_ros.settings.shipped import shipped_folder
-from dcrb_ros.sweep.verification import digest_of
+from dcrb_ros.sweep.verification import DIGEST
+from dcrb_ros.text.json import digest_of
 
 ROOT = Path(__file__).parents[2]
 ORDERS = {"FTF": 0.39828, "BPFO": 3.5848, "BPFI": 5.4152, "BSF": 2.35695}
@@ -132,7 +133,7 @@ class Material:
 
 
 def _signed_label(tree: dict[str, Any]) -> dict[str, Any]:
-    return tree | {"digest": digest_of(tree)}
+    return tree | {DIGEST: digest_of(tree, DIGEST)}
 
 
 def targets(material: Material) -> dict[str, Target]:
