@@ -143,13 +143,14 @@ def read_baseline(path: Path) -> HealthyBaseline:
     tree = read_yaml(path)
     if not isinstance(tree, dict):
         raise Refusal(f"{path} is not a baseline: save one with dcrb detect BAG --healthy BAG --save-baseline {path}")
-    if tree.get(DIGEST) not in (None, digest_of(tree, DIGEST)):
-        raise Refusal(f"{path} was changed: its digest does not match; learn the baseline again")
     try:
-        return HealthyBaseline.model_validate({key: value for key, value in tree.items() if key != DIGEST})
+        baseline = HealthyBaseline.model_validate({key: value for key, value in tree.items() if key != DIGEST})
     except ValidationError as error:
         problem = first_problem(error)
         raise Refusal(f"{path} is not a baseline: {problem.key}: {problem.reason}; learn it again") from None
+    if tree.get(DIGEST) not in (None, digest_of(baseline.model_dump(mode="json"), DIGEST)):
+        raise Refusal(f"{path} was changed: its digest does not match; learn the baseline again")
+    return baseline
 
 
 def axes(acceleration: npt.NDArray[np.floating]) -> int:
