@@ -101,6 +101,8 @@ class CatalogueBearing:
         Raises:
             Refusal: see the message.
         """
+        if self.rollers < 1 or self.rows not in (1, 2):
+            raise Refusal(f"{self.rows} x {self.rollers} rollers: give 1 or 2 rows, and the rollers of one row from the catalogue")
         for name, value in self._lengths().items():
             if not (math.isfinite(value) and 0.0 < value < 1e4):
                 raise Refusal(f"{name} = {value:g} mm is outside 0 .. 10000 mm: give the diameter or length from the catalogue")

@@ -137,7 +137,7 @@ def calibrate(
         The bench whose bearing is the source: a configuration or its name. By default the one that made the recording; for imported data
         ``healthy`` with the number and size of rollers that give the recording's orders.
     settings
-        Parameters to change in the base, such as ``{"operating.load": 5000.0}``.
+        Parameters to change in the base, such as ``{"operating.load": 5000.0}``. Those that the recording determines are refused.
     source_seconds
         Simulated time of the source at the speed of each recording [s].
     trust

@@ -17,7 +17,7 @@ from dcrb_ros.faults import Faults
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import flatten, load_configuration
+from dcrb_ros.settings.files import flatten, load_configuration, settings_by_key
 from dcrb_ros.settings.parameters import Publishing, Recording
 from dcrb_ros.settings.sensor import Background, SensorParameters, Structure
 from dcrb_ros.simulation.loop import Simulation
@@ -34,6 +34,8 @@ STEEL = 7850.0
 """Density of rollers [kg/m^3]."""
 USUAL_PREVIEW = 200
 """Rate of the preview where it divides the sampling rate [Hz]."""
+SPEED_KEYS = ("operating.speed_kmh", "operating.speed_fluctuation", "operating.speed_ripple")
+"""Parameters outside of path, background and sensor that a calibration determines, too."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +60,7 @@ def bench_of(
         settings: parameters to change in it.
 
     Raises:
-        Refusal: the base has a bearing with other orders, or it cannot run at this speed or rate.
+        Refusal: the base has a bearing with other orders, or it cannot run at this speed or rate, or a setting would be replaced.
     """
     given = base if base is not None else measured.configuration
     bench = load_configuration(given if given is not None else "healthy", settings)
@@ -72,6 +74,13 @@ def bench_of(
         raise Refusal(f"{measured.name} has another bearing than its bench: {mismatch}; give a base with the machine's bearing")
     if mismatch:
         changes |= flatten({"bearing": rollers_of(measured.orders, bench, measured.name)})
+    # A shorter step is kept: see `rates`.
+    unused = [key for key in settings_by_key(settings) if key in SPEED_KEYS or (key in changes and key != "simulation.step")]
+    if unused:
+        raise Refusal(
+            f"the setting {unused[0]} cannot be kept: a calibration determines it from the recording, or leaves it at its default; omit it "
+            "and change it in the calibrated file"
+        )
     try:
         return load_configuration(bench, changes)
     except Refusal as refusal:

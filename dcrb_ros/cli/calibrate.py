@@ -70,8 +70,9 @@ def calibrate(
             twin = simulate(calibration.configuration, 0.5 + TWIN_SECONDS).between(0.5)
             begin("comparing it with the recording")
             comparison = compared(calibration.measured, twin, names=("measured", "simulated"))
-        beside = write_calibration(calibration, output)
+        # The figure is the largest file: if it does not fit on the disk, none is left.
         write_comparison(comparison, figure, title=f"{output.stem}: {recordings[0]} and the calibrated bench", calibration=calibration)
+        beside = write_calibration(calibration, output)
     if as_json:
         print(json.dumps(_described(calibration) | {"comparison": comparison.as_dict()}, indent=2))
         return

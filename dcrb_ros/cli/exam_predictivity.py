@@ -10,7 +10,7 @@ import typer
 
 from dcrb_ros.cli.literal_help import Commands
 from dcrb_ros.cli.options import Force, JsonOutput, Quiet, Workers, worker_count
-from dcrb_ros.cli.output_file import replacing
+from dcrb_ros.cli.output_file import PICTURES, check_output, replacing
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.writing import write_whole
 
@@ -78,6 +78,9 @@ def predictivity(
     from dcrb_ros.exam.recording_cache import checked_folder, default_folder
     from dcrb_ros.exam.replica import ReplicaPlan, replica_tree
 
+    for option, file, suffixes in (("--output", output, ()), ("--figure", figure, PICTURES)):
+        if file is not None:
+            check_output(option, file, suffixes)
     count, given = worker_count(workers), _checked(table)
     exam = exam_of(replica_tree(given, ReplicaPlan()), f"the replica of {table}") if replica is None else read_exam(replica)
     origin_of(exam, given)
@@ -87,13 +90,13 @@ def predictivity(
     comparison = compare_with_field(
         given, exam, [*shipped_members(), *members], broken, folder, Limits(), count, partial(progress_of, quiet=quiet)
     )
+    _print(comparison, as_json)  # first, so that no result is lost if a file cannot be written
     if output is not None:
         write_whole(output, markdown(comparison))
     if figure is not None:
         from dcrb_ros.exam.predictivity_figure import write_predictivity_figure
 
         write_predictivity_figure(comparison, figure)
-    _print(comparison, as_json)
     for one in comparison.broken:
         typer.echo(f"dcrb: {one.name} is left out: {one.reason}", err=True)
     if comparison.broken:

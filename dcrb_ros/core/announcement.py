@@ -79,6 +79,12 @@ def announce_progress(sentence: str) -> None:
         _announcement.say(sentence)
 
 
+def announce_damage(path: str) -> None:
+    """Say that a file of the cache is damaged, where compilations are announced."""
+    if _announcement.say is not None:
+        _announcement.say(f"{path} is damaged: its kernel is compiled again")
+
+
 def _say_first(sentence: str) -> None:
     """Write a sentence to the standard error, unless another worker has just written it."""
     mark = CACHE / f"announced-{hashlib.sha256(sentence.encode()).hexdigest()[:16]}"

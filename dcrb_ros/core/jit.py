@@ -8,6 +8,8 @@ from typing import Any, TypeVar, cast
 import numpy as np
 from numba import njit
 
+from dcrb_ros.core.kernel_cache import CheckedCacheFile
+
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 NO: Any = np.bool_(False)
@@ -45,9 +47,10 @@ def loop(function: Function) -> Function:
 
 
 def _cached(dispatcher: Any) -> Any:
-    """Return a dispatcher whose cache names its folder if it cannot be written, because the disk is full for instance."""
+    """Return a dispatcher whose cache has checksums, and names its folder if it cannot be written, as on a full disk."""
     cache = getattr(dispatcher, "_cache", None)  # missing without the compiler
     if cache is not None:
+        cache._cache_file.__class__ = CheckedCacheFile
         save = cache.save_overload
 
         def save_overload(signature: Any, data: Any) -> None:

@@ -25,11 +25,14 @@ from dcrb_ros.schema.parameter_field import first_problem
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.verdicts import Component
 from dcrb_ros.stream.axes import AXES
+from dcrb_ros.text.json import digest_of
 from dcrb_ros.text.writing import write_whole
 from dcrb_ros.text.yaml import read_yaml
 
 LEAST_DEPTH = 0.05
 """Modulation depth to which a baseline may lower a limit [-]: impacts with a thirtieth of the power in the band."""
+DIGEST = "sha256"
+"""Entry of a file with the digest of the others."""
 SAME_ORDER = 1e-4
 """Relative difference of orders that are still those of one bearing [-]: four digits are usually given."""
 OTHER_SPEED = 1.3
@@ -127,23 +130,27 @@ class HealthyBaseline(Group):
         Raises:
             Refusal: the file cannot be written.
         """
-        write_whole(path, yaml.safe_dump(self.model_dump(mode="json"), sort_keys=False))
+        tree = self.model_dump(mode="json")
+        write_whole(path, yaml.safe_dump(tree | {DIGEST: digest_of(tree, DIGEST)}, sort_keys=False))
 
 
 def read_baseline(path: Path) -> HealthyBaseline:
     """Return the baseline in a YAML file.
 
     Raises:
-        Refusal: the file cannot be read, or is no baseline.
+        Refusal: the file cannot be read, is no baseline, or was changed. One of an earlier version has no digest and is not checked.
     """
     tree = read_yaml(path)
     if not isinstance(tree, dict):
         raise Refusal(f"{path} is not a baseline: save one with dcrb detect BAG --healthy BAG --save-baseline {path}")
     try:
-        return HealthyBaseline.model_validate(tree)
+        baseline = HealthyBaseline.model_validate({key: value for key, value in tree.items() if key != DIGEST})
     except ValidationError as error:
         problem = first_problem(error)
         raise Refusal(f"{path} is not a baseline: {problem.key}: {problem.reason}; learn it again") from None
+    if tree.get(DIGEST) not in (None, digest_of(baseline.model_dump(mode="json"), DIGEST)):
+        raise Refusal(f"{path} was changed: its digest does not match; learn the baseline again")
+    return baseline
 
 
 def axes(acceleration: npt.NDArray[np.floating]) -> int:

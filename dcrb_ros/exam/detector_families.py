@@ -9,7 +9,7 @@ import inspect
 import json
 import subprocess
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,7 @@ from typing import Any
 from dcrb_ros.exam.plugin import VARIANTS, load_module
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.json import digest_of
 from dcrb_ros.text.writing import write_whole
 
 PATIENCE = 120.0
@@ -100,11 +101,16 @@ def _kept_about(file: Path, digest: str, kept: Path | None) -> dict[str, Any]:
         read = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
         read = None
-    if isinstance(read, dict) and set(read) == {"class", "variants"}:
-        return dict(read)
+    if isinstance(read, dict) and set(read) == {"class", "variants", "digest"} and read.pop("digest") == _digest_in(path, read):
+        return read
     about = _about(str(file))
-    write_whole(path, json.dumps(about) + "\n")
+    write_whole(path, json.dumps(about | {"digest": _digest_in(path, about)}) + "\n")
     return about
+
+
+def _digest_in(path: Path, about: Mapping[str, Any]) -> str:
+    """Return the digest of what a file with this name has on a family: one that was changed or renamed has another."""
+    return digest_of({**about, "file": path.name}, "digest")
 
 
 def _about(file: str) -> dict[str, Any]:

@@ -25,11 +25,13 @@ from dcrb_ros.schema.parameter_field import first_problem
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.verdicts import VERDICTS, FaultClass, is_alarm
 from dcrb_ros.text.files import checked_path, read_text
-from dcrb_ros.text.json import LARGEST, parsed_json
+from dcrb_ros.text.json import LARGEST, digest_of, parsed_json
 from dcrb_ros.text.writing import write_whole
 
 FORMAT: Literal["dcrb exam entry 2"] = "dcrb exam entry 2"
 """Format that is written; the first had no diagnoses."""
+DIGEST = "sha256"
+"""Key of a file with the digest of the others; files of earlier versions have none."""
 AGREEMENT = 1e-4
 """Largest difference between the exam scores stated in an entry and those computed again from its scenarios [-]."""
 EXACT = 1e-6
@@ -197,7 +199,8 @@ def write_entry(entry: Entry, file: Path) -> None:
     Raises:
         Refusal: the file cannot be written, or is larger than `read_entry` reads.
     """
-    text = json.dumps(entry.model_dump(exclude_unset=True), separators=(",", ":"), allow_nan=False) + "\n"
+    tree = entry.model_dump(exclude_unset=True)
+    text = json.dumps(tree | {DIGEST: digest_of(tree, DIGEST)}, separators=(",", ":"), allow_nan=False) + "\n"
     parsed_json(text, f"the entry {file}, with {sum(len(s.diagnoses.time) for s in entry.scenarios if s.diagnoses)} diagnoses,")
     write_whole(file, text)
 
@@ -206,10 +209,12 @@ def read_entry(path: Path) -> Entry:
     """Return the entry in a file.
 
     Raises:
-        Refusal: the file cannot be read or is not an entry, or its scores or area do not follow from its scenarios, or a scenario
-            contradicts itself.
+        Refusal: the file cannot be read, is not an entry or was changed, its scores or area do not follow from its scenarios, or a
+            scenario contradicts itself.
     """
     tree: Any = parsed_json(read_text(checked_path(path), LARGEST), str(path))
+    if isinstance(tree, dict) and DIGEST in tree and tree.pop(DIGEST) != digest_of(tree, DIGEST):
+        raise Refusal(f"{path} was changed: its digest does not match; make it again with dcrb score --entry")
     try:
         entry = Entry.model_validate(tree)
     except ValidationError as error:

@@ -30,7 +30,7 @@ from dcrb_ros.messages.pulses import encode_pulses
 from dcrb_ros.messages.topics import FEATURES, MANIFEST, NAMESPACE, SENSOR, TACHO, VIBRATION, Message, Topic
 from dcrb_ros.messages.topics.sensor import repeats_with
 from dcrb_ros.recordings.arrays import READINGS
-from dcrb_ros.recordings.manifest import FORMAT, MEASURED_UNITS, Outcome, now
+from dcrb_ros.recordings.manifest import FORMAT, MEASURED_UNITS, Outcome, now, record_text
 from dcrb_ros.recordings.recorder import channel_of
 from dcrb_ros.recordings.splitting import Bag, RecordingFailed
 from dcrb_ros.runtime.version import __version__
@@ -323,7 +323,7 @@ class WaveformImport:
     def write(self, path: Path) -> int:
         """Write the recording to a new folder; return its number of samples. Nothing is left behind if it fails."""
         outcome = Outcome(self.rate)
-        about = {MANIFEST: {"manifest": json.dumps(self.manifest(), default=str)}}
+        about = {MANIFEST: {"manifest": record_text(self.manifest())}}
         bag = Bag(path, opening=about, closing=outcome.records)
         topics: list[Topic] = [SENSOR, VIBRATION, FEATURES, TACHO, *READINGS.values()]
         channels = {topic: channel_of(topic, NAMESPACE) for topic in topics}

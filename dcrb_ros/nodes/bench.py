@@ -236,7 +236,7 @@ def run_nodes(
         # Its first block waits until they have discovered it.
         with node_process(nodes.simulator, arguments, nodes.waiting_for(1 + _running(subscribers))) as process:
             status = _watch(observer, node, process, detector, duration, stop, console)
-    return status or _conclude(observer, configuration.recording.path, console)
+    return _conclude(observer, "" if status else configuration.recording.path, console, status)
 
 
 def _waiting_for(configuration: Configuration, listeners: int) -> Configuration:
@@ -313,8 +313,8 @@ def _watch(
     return 0
 
 
-def _conclude(observer: Observer, recorded: str, console: Console) -> int:
-    """Print verdicts, recording and how to open it; return 1 if there is no verdict."""
+def _conclude(observer: Observer, recorded: str, console: Console, status: int) -> int:
+    """Print verdicts, recording and how to open it; return the ``status`` of a node that failed, or 1 if there is no verdict."""
     if recorded:
         path = Path(recorded)
         print(f"recording: {path}")
@@ -322,8 +322,8 @@ def _conclude(observer: Observer, recorded: str, console: Console) -> int:
     if observer.refused:
         console.print(f"{observer.refused} invalid messages on the topics of the bench were ignored")
     verdicts = observer.verdicts()
-    if not verdicts:
+    if verdicts:
+        print("\n".join(verdicts))
+    elif not status:
         console.print(f"no verdict after {observer.blocks} blocks: the detector needs a few seconds of signal with {observer.needs}")
-        return 1
-    print("\n".join(verdicts))
-    return 0
+    return status or int(not verdicts)

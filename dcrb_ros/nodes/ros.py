@@ -16,6 +16,7 @@ from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING
 
+from dcrb_ros.recordings.splitting import RecordingFailed
 from dcrb_ros.runtime.signals import accept_termination, handle_termination, restore_ignored_signals
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.files import is_file
@@ -132,6 +133,8 @@ def _understood(arguments: Sequence[str]) -> Iterator[None]:
 def _status(node: BenchNode) -> int:
     if isinstance(node.failure, Refusal):
         raise node.failure
+    if isinstance(node.failure, RecordingFailed):
+        return 1  # logged when the recording ended
     if node.failure is not None:
         node.get_logger().fatal(f"the {node.purpose} stopped: {node.failure}")
         return 1

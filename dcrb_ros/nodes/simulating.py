@@ -26,6 +26,7 @@ from dcrb_ros.nodes.ros import installed
 from dcrb_ros.nodes.services import Services
 from dcrb_ros.nodes.simulation_interfaces import PACKAGE, SimulationInterfaces
 from dcrb_ros.nodes.subscriber_wait import SubscriberWait
+from dcrb_ros.recordings.splitting import RecordingFailed
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 
@@ -128,8 +129,8 @@ class SimulatingNode(BenchNode):
 
     @property
     def failure(self) -> Exception | None:
-        """The exception that ended the simulation, if one did."""
-        return self.engine.failure
+        """The exception that ended the simulation or the last recording, if one did."""
+        return self.engine.failure or (RecordingFailed(self.recording.state) if self.recording.failed else None)
 
     def close(self) -> None:
         """Stop the simulation and finish the recording."""

@@ -29,6 +29,7 @@ from dcrb_ros.simulation.ground_truth import commands_in
 from dcrb_ros.stream.event_text import encode_command
 from dcrb_ros.stream.events import TimedCommand
 from dcrb_ros.stream.states import BodyNames
+from dcrb_ros.text.json import digest_of
 
 FORMAT = 2
 """Format of the manifest; the first had no second record."""
@@ -51,6 +52,8 @@ MEASURED_UNITS = UNITS | {"time": "s, index of the sample over the sampling rate
 MODEL = ("bearing", "core", "faults", "measurement", "schema", "settings", "simulation")
 """Packages on whose sources the samples depend."""
 
+DIGEST = "record_sha256"
+"""Entry with the digest of the others."""
 TYPES: dict[str, type] = {
     **dict.fromkeys(("units", "software", "processor", "orders", "faults", "imported", "sensor", "configuration"), dict),
     **dict.fromkeys(("format", "first_index", "samples", "sampling_rate"), int),
@@ -60,8 +63,19 @@ TYPES: dict[str, type] = {
 
 
 def well_formed(content: Any) -> bool:
-    """Return whether the content of a record is an object whose entries have their types; any other is damaged."""
-    return isinstance(content, dict) and all(isinstance(content.get(name, kind()), kind) for name, kind in TYPES.items())
+    """Return whether the content of a record is an object whose entries have their types and its digest; any other is damaged.
+
+    Records of earlier versions have no digest.
+    """
+    if not isinstance(content, dict) or not all(isinstance(content.get(name, kind()), kind) for name, kind in TYPES.items()):
+        return False
+    return content.get(DIGEST) in (None, digest_of(content, DIGEST))
+
+
+def record_text(entries: Mapping[str, Any]) -> str:
+    """Return the text of a record with its digest."""
+    about = json.loads(json.dumps(entries, default=str))
+    return json.dumps(about | {DIGEST: digest_of(about, DIGEST)})
 
 
 @functools.cache
@@ -123,7 +137,7 @@ def opening(
         "units": UNITS,
         "recorded": now(),
     }
-    return {MANIFEST: {"manifest": json.dumps(about)}}
+    return {MANIFEST: {"manifest": record_text(about)}}
 
 
 class Outcome:
@@ -197,6 +211,5 @@ class Outcome:
             "command_count": len(self.commands),
             "ended": now(),
         }
-        if len(json.dumps(about)) > MAX_RECORD:
-            about["commands"] = None
-        return {OUTCOME: {"outcome": json.dumps(about)}}
+        text = record_text(about)
+        return {OUTCOME: {"outcome": text if len(text) <= MAX_RECORD else record_text(about | {"commands": None})}}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections import Counter
 from collections.abc import Container, Iterable, Iterator, Mapping
@@ -10,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mcap.records import Metadata
+from pydantic import ValidationError
 
 from dcrb_ros.bearing.frequencies import Orders, characteristic_orders
 from dcrb_ros.bearing.waveform import Piece, Waveform
@@ -36,6 +38,7 @@ from dcrb_ros.recordings.storage import StoredMessage, valid_files
 from dcrb_ros.recordings.vehicle_folder import box_of, boxes_in, record_name
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.numbers import sampling_rate
+from dcrb_ros.schema.parameter_field import first_problem
 from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
@@ -49,6 +52,8 @@ from dcrb_ros.text.json import parsed_json
 if TYPE_CHECKING:
     import pandas as pd
 
+SAME_ORDER = 1e-9
+"""Relative difference of orders in one manifest that are the same [-]."""
 DAMAGE = (ValueError, KeyError, TypeError, RecursionError)
 """Exceptions that a damaged manifest may raise."""
 
@@ -285,13 +290,23 @@ class Recording(RecordedRun):
         if self.imported or self.described:
             return None
         try:
-            return Configuration.model_validate(as_recorded(self.manifest["configuration"]))
+            configuration = Configuration.model_validate(as_recorded(self.manifest["configuration"]))
+            stated = {name: float(order) for name, order in self.manifest.get("orders", {}).items()}
         except DAMAGE as error:
-            first = str(error).splitlines()[0] if str(error) else type(error).__name__
+            problem = first_problem(error) if isinstance(error, ValidationError) else None
+            reason = f"{problem.key}: {problem.reason}" if problem else str(error) or type(error).__name__
+            version = self.manifest.get("dcrb_ros", "unknown")
             raise Refusal(
-                f"the configuration in {self.path} was written by dcrb_ros {self.manifest.get('dcrb_ros', 'of an unknown version')} and is "
-                f"not understood by {__version__} ({first}): read it with that version"
+                f"the configuration in {self.path} (dcrb_ros {version}) is damaged or not understood by dcrb_ros {__version__} ({reason}): "
+                "read it with the version that wrote it"
             ) from None
+        for name, order in characteristic_orders(configuration.bearing).as_dict().items():
+            if not math.isclose(stated.get(name, order), order, rel_tol=SAME_ORDER):
+                raise Refusal(
+                    f"the manifest of {self.path} was changed: its {name} is {stated[name]:.6g}, but {order:.6g} follows from its bearing; "
+                    "get the recording again"
+                )
+        return configuration
 
     def _first_range(self) -> float:
         """Return the sensor's range in the manifest [m/s^2]; 0 if it is unknown."""
@@ -308,7 +323,7 @@ class Recording(RecordedRun):
             return None
         sound = well_formed(content)
         if not sound:
-            self._report(f"{file}: the record {record.name} is damaged: it does not have the form that the bench writes")
+            self._report(f"{file}: the record {record.name} is damaged: it does not have the form and the digest that the bench writes")
         return content if sound else None
 
     def _messages(self, topics: Container[str] | None = None) -> Iterator[StoredMessage]:

@@ -20,13 +20,13 @@ from dcrb_ros.recordings.manifest import vehicle_fingerprint
 from dcrb_ros.recordings.reader import DAMAGE, Recording
 from dcrb_ros.recordings.reproduction import ALIKE, NotReproduced, origin_difference, recorded_samples
 from dcrb_ros.recordings.storage import valid_files
-from dcrb_ros.recordings.vehicle_folder import VEHICLE, VEHICLE_OUTCOME, boxes_in
-from dcrb_ros.recordings.vehicle_recorder import FORMAT, VehicleCommand, commands_in, digest
+from dcrb_ros.recordings.vehicle_folder import VEHICLE, VEHICLE_OUTCOME, boxes_in, boxes_of
+from dcrb_ros.recordings.vehicle_recorder import FORMAT, VehicleCommand, commands_in
 from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.events import CommandSchedule
 from dcrb_ros.stream.vehicle_description import VehicleDescription
-from dcrb_ros.text.json import parsed_json
+from dcrb_ros.text.json import digest_of, parsed_json
 from dcrb_ros.vehicle.block import VehicleBlock
 from dcrb_ros.vehicle.simulation import VehicleSimulation
 
@@ -50,11 +50,14 @@ class VehicleRecording:
         about = parsed_json(records[VEHICLE].metadata.get("vehicle", ""), f"{path}: the record {VEHICLE}")
         if not isinstance(about, dict) or about.get("format") != FORMAT or not isinstance(about.get("vehicle"), dict):
             raise Refusal(f"{path}: the record {VEHICLE} is damaged: it does not have the form that the bench writes")
-        if about.pop("sha256", None) != digest(about):
+        if about.get("sha256") != digest_of(about, "sha256"):
             raise Refusal(f"{path}: the parameters of the vehicle were changed: their digest does not match; simulate it again")
         refuse_foreign(path, self._files)
         self.parameters: Mapping[str, Any] = about["vehicle"]
         """Parameters of the vehicle by dotted keys."""
+        lost = [name for name in boxes_of(self.parameters) if name not in names]
+        if lost:
+            raise Refusal(f"{path} is damaged: it does not describe the box {lost[0]} of its vehicle; simulate it again")
         self.model = str(about.get("model", ""))
         """Fingerprint of the model of the vehicle; empty in a recording of an earlier version."""
         self.scenario: Any = about.get("scenario")

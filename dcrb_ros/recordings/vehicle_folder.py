@@ -37,6 +37,12 @@ def boxes_in(records: Iterable[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name.removeprefix(prefix) for name in records if name.startswith(prefix)))
 
 
+def boxes_of(parameters: Iterable[str]) -> tuple[str, ...]:
+    """Return the boxes that parameters of a vehicle with these dotted keys have."""
+    found = (BOX_NAME.match(key) for key in parameters)
+    return tuple(dict.fromkeys(match.group() for match in found if match))
+
+
 def vehicle_boxes(path: Path) -> tuple[str, ...]:
     """Return the boxes in the recording of a vehicle; none for any other path, which need not exist."""
     if not path.exists():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -19,6 +18,7 @@ from dcrb_ros.recordings.vehicle_folder import VEHICLE, VEHICLE_OUTCOME, record_
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.simulation.ground_truth import commands_in as changes_in
 from dcrb_ros.stream.events import TimedCommand
+from dcrb_ros.text.json import digest_of
 from dcrb_ros.vehicle.block import VehicleBlock
 from dcrb_ros.vehicle.changes import RANGES, checked_command
 from dcrb_ros.vehicle.description import Vehicle
@@ -150,7 +150,7 @@ def _opening(simulation: VehicleSimulation, parameters: Mapping[str, Any], names
     about |= {"namespace": namespace, "recorded": now()}
     if simulation.scenario.content is not None:
         about["scenario"] = simulation.scenario.content
-    records = {VEHICLE: {"vehicle": json.dumps({**about, "sha256": digest(about)})}}
+    records = {VEHICLE: {"vehicle": json.dumps({**about, "sha256": digest_of(about, "sha256")})}}
     for box in vehicle.boxes:
         below = f"{namespace.rstrip('/')}/{box_path(box.name)}"
         records[record_name(MANIFEST, box.name)] = opening(box.configuration, bodies[box.name], below)[MANIFEST]
@@ -162,8 +162,3 @@ def commands_in(message: Message) -> list[VehicleCommand]:
     if GIVEN.encode() not in message.data:  # few messages have one, and decoding takes time
         return []
     return [VehicleCommand(message.time_ns, name, value) for name, value in decode_vehicle_commands(message.data)]
-
-
-def digest(about: Mapping[str, Any]) -> str:
-    """Return the digest of the entries of a record."""
-    return hashlib.sha256(json.dumps(about, sort_keys=True).encode()).hexdigest()

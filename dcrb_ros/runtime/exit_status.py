@@ -10,7 +10,7 @@ from typing import Any
 import typer
 
 from dcrb_ros.runtime.signals import STOPPED
-from dcrb_ros.runtime.standard_output import NAME, discard_standard_output, prepare_standard_output
+from dcrb_ros.runtime.standard_output import NAME, discard, prepare_standard_output
 from dcrb_ros.schema.printable import printable_lines
 from dcrb_ros.schema.refusal import Refusal
 
@@ -33,27 +33,35 @@ def exit_status(program: str, command: Callable[[], Any]) -> int:
         sys.stdout.flush()
         return status
     except Refusal as refusal:
-        print_error(program, str(refusal))
+        _report(program, str(refusal))
         return 2
     except typer.Exit as end:
         return int(end.exit_code)
     except (KeyboardInterrupt, typer.Abort):
-        print_error(program, "stopped")
+        _report(program, "stopped")
         return STOPPED
     except BrokenPipeError:
-        discard_standard_output()
+        discard(sys.stdout)
         return 0
     except Exception as error:
         # Typer's usage errors: their class depends on the release, their method does not.
         explain = getattr(error, "format_message", None)
         if explain is not None:
-            print_error(program, f"{explain()} (try --help)")
+            _report(program, f"{explain()} (try --help)")
             return 2
         where = "" if isinstance(error, RuntimeError) else " (DCRB_DEBUG=1 shows where)"
         if isinstance(error, OSError) and error.filename == NAME:
-            discard_standard_output()
-        print_error(program, f"{_explained(error)}{where}")
+            discard(sys.stdout)
+        _report(program, f"{_explained(error)}{where}")
         return 1
+
+
+def _report(program: str, sentence: str) -> None:
+    """Print the sentence with which a command ends; where it cannot be printed, the exit status remains."""
+    try:
+        print_error(program, sentence)
+    except OSError:
+        discard(sys.stderr)
 
 
 def _explained(error: Exception) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import os
 import sys
-from typing import Any
+from typing import Any, TextIO
 
 NAME = "the standard output"
 
@@ -40,6 +40,6 @@ def prepare_standard_output() -> None:
             stream.reconfigure(errors="backslashreplace")
 
 
-def discard_standard_output() -> None:
-    """Discard later output and the rest of the buffer, which would fail again at the exit."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+def discard(stream: TextIO) -> None:
+    """Discard the later output of a stream and the rest of its buffer, which would fail again at the exit."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())

@@ -259,7 +259,7 @@ def load_configuration(source: Configuration | str | Path, settings: Mapping[str
     <Configuration: 100 rad/s (954.9 rpm), 100 kN, outer_1: 2 mm wide>
     """
     if isinstance(source, Configuration):
-        return changed(source, asked, "settings") if (asked := _asked(settings)) else source
+        return changed(source, asked, "settings") if (asked := settings_by_key(settings)) else source
     flat, wrong = layers(source, settings)
     if wrong:
         raise Refusal(f"{source}: {wrong[0]}{more(len(wrong))}")
@@ -276,14 +276,18 @@ def layers(source: str | Path, settings: Mapping[str, Any] | Sequence[str] | str
     """
     if not isinstance(source, (str, Path)):
         raise Refusal(f"{source!r} is not a configuration: give a shipped name such as 'healthy', a YAML file or a Configuration")
-    asked = _asked(settings)
+    asked = settings_by_key(settings)
     path = find_configuration(source)
     flat, wrong = _read(path, "simulator")
     return layered(flat, asked), wrong
 
 
-def _asked(settings: Mapping[str, Any] | Sequence[str] | str) -> dict[str, Any]:
-    """Return settings by their dotted keys, with the scalars of numpy as those of Python."""
+def settings_by_key(settings: Mapping[str, Any] | Sequence[str] | str) -> dict[str, Any]:
+    """Return settings by their dotted keys, with the scalars of numpy as those of Python.
+
+    Raises:
+        Refusal: a setting cannot be read.
+    """
     if not isinstance(settings, (Mapping, Iterable)):
         raise Refusal(f"settings = {settings!r} is neither a mapping nor texts: write {{'operating.speed': 100.0}}")
     if not isinstance(settings, Mapping):

@@ -32,8 +32,9 @@ from dcrb_ros.sweep.sweep_file import Sweep, SweepFile
 from dcrb_ros.sweep.vehicles.plan import DAMAGED, TOGETHER
 from dcrb_ros.sweep.vehicles.ride import Ride, ride
 from dcrb_ros.sweep.vehicles.sweep import BOX, VehicleSweep
-from dcrb_ros.sweep.verification import DIGEST, ERRORS, LABELS, digest_of, flaw, label_name, read_label
+from dcrb_ros.sweep.verification import DIGEST, ERRORS, LABELS, flaw, label_name, read_label
 from dcrb_ros.sweep.windows import cut_windows, waveform_file, window_labels, window_starts, windows_file
+from dcrb_ros.text.json import digest_of
 
 WAVEFORM_PUBLISHING = {"block_size": 8192, "state_rate": 1}
 """Parameters of `publishing` if only the waveform is written; the samples do not depend on them."""
@@ -97,7 +98,7 @@ def _existing_label(store: Store, run: PlannedRun) -> dict[str, Any] | None:
 
 def write_label(store: Store, label: Mapping[str, Any]) -> None:
     """Write a label with its digest; labels of errors are kept in a folder of their own, since these runs are tried again."""
-    data = json.dumps({**label, DIGEST: digest_of(label)}, indent=1).encode()
+    data = json.dumps({**label, DIGEST: digest_of(label, DIGEST)}, indent=1).encode()
     store.write(label_name(str(label["run"]), ERRORS if label["status"] == ERROR else LABELS), data)
 
 

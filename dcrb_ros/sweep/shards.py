@@ -89,6 +89,8 @@ def shards(plan: Plan, runs: int) -> Iterator[Shard]:
 def write_shards(data_set: Path, folder: Path, runs: int) -> list[str]:
     """Write the shards of a finished data set and their index to a new folder; return the names of the shards.
 
+    If that fails, no shard is left.
+
     Raises:
         Refusal: the data set is not whole, or has bags; or the folder is not empty.
     """
@@ -96,14 +98,19 @@ def write_shards(data_set: Path, folder: Path, runs: int) -> list[str]:
     if folder.exists() and any(folder.iterdir()):
         raise Refusal(f"{folder} contains files: give an empty or a new folder")
     folder.mkdir(parents=True, exist_ok=True)
-    entries = {}
-    for shard in shards(plan, runs):
-        data = packed(store, shard)
-        write_whole(folder / shard.name, data)
-        entries[shard.name] = {**file_record(data), "runs": [run.name for task in shard.tasks for run in task]}
-    recipe = {name: (data_set / name).read_text(encoding="utf-8") for name in RECIPE}
-    about = {"dcrb_ros": __version__, "model": model_fingerprint(), "software": software(), "plan": plan.name, "runs_per_shard": runs}
-    write_whole(folder / INDEX, json.dumps({**about, "recipe": recipe, "shards": entries}, indent=1))
+    entries: dict[str, dict[str, object]] = {}
+    try:
+        for shard in shards(plan, runs):
+            data = packed(store, shard)
+            write_whole(folder / shard.name, data)
+            entries[shard.name] = {**file_record(data), "runs": [run.name for task in shard.tasks for run in task]}
+        recipe = {name: (data_set / name).read_text(encoding="utf-8") for name in RECIPE}
+        about = {"dcrb_ros": __version__, "model": model_fingerprint(), "software": software(), "plan": plan.name, "runs_per_shard": runs}
+        write_whole(folder / INDEX, json.dumps({**about, "recipe": recipe, "shards": entries}, indent=1))
+    except BaseException:
+        for name in entries:
+            (folder / name).unlink(missing_ok=True)
+        raise
     return list(entries)
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from typing import Annotated, Any, Literal
@@ -15,7 +13,7 @@ from dcrb_ros.runtime.threads import show_name
 from dcrb_ros.schema.parameter_field import first_problem
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.sweep.store import Store
-from dcrb_ros.text.json import parsed_json
+from dcrb_ros.text.json import digest_of, parsed_json
 
 LABELS, ERRORS = "labels", "errors"
 """Folders of the labels of runs that are not repeated, and of runs that ended in an error."""
@@ -29,11 +27,6 @@ LONGEST = 1e6
 """Longest run [s], as in a sweep file."""
 DIGEST = "digest"
 """Key of a label: SHA-256 of its other entries."""
-
-
-def digest_of(label: Mapping[str, Any]) -> str:
-    """Return the SHA-256 of a label without its digest, as JSON with sorted keys."""
-    return hashlib.sha256(json.dumps({key: label[key] for key in label if key != DIGEST}, sort_keys=True).encode()).hexdigest()
 
 
 def checked_name(name: str, run: str) -> str:
@@ -131,7 +124,7 @@ def read_label(store: Store, run: str, folder: str = LABELS) -> dict[str, Any] |
         raise DamagedLabel(f"{store.path(name)} is {'damaged: it is not JSON' if data else 'empty'}") from None
     if named != run:
         raise DamagedLabel(f"{store.path(name)} is damaged: it is the label of the run {named}")
-    if DIGEST in label and label[DIGEST] != digest_of(label):
+    if DIGEST in label and label[DIGEST] != digest_of(label, DIGEST):
         raise DamagedLabel(f"{store.path(name)} has been changed: its contents do not have its digest")
     return dict(label)
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
+from collections.abc import Mapping
 from typing import Any
 
 from dcrb_ros.schema.refusal import Refusal
@@ -41,6 +43,12 @@ def parsed_json(text: str | bytes, source: str, largest: int = LARGEST) -> Any:
     except ValueError as error:
         raise Refusal(f"{source} is not valid JSON: {error}") from None
     return value
+
+
+def digest_of(entries: Mapping[str, Any], key: str) -> str:
+    """Return the SHA-256 of the entries of an object other than ``key``, under which the object has it, as JSON with sorted keys."""
+    others = {name: value for name, value in entries.items() if name != key}
+    return hashlib.sha256(json.dumps(others, sort_keys=True, default=str).encode("utf-8", "surrogatepass")).hexdigest()
 
 
 def _integer(digits: str) -> int:

@@ -46,13 +46,15 @@ def write_logged(path: Path, log: Callable[[], None], compose: Callable[[], Blue
     with rr.RecordingStream(APPLICATION) as recording:
         # To a file, Rerun would only log a failed write, or wait without end.
         stream = recording.binary_stream()
-        # Rerun reads the files in threads of its own, parallel to the logging below.
-        with ThreadPoolExecutor(1, "native") as pool:
-            reading = pool.submit(log_native, recording, native)
-            log()
-            reading.result()
-        recording.send_blueprint(compose())
-        written = stream.read()
+        try:
+            # Rerun reads the files in threads of its own, parallel to the logging below.
+            with ThreadPoolExecutor(1, "native") as pool:
+                reading = pool.submit(log_native, recording, native)
+                log()
+                reading.result()
+            recording.send_blueprint(compose())
+        finally:
+            written = stream.read()  # Rerun would report what remains
         recording.disconnect()
     path.write_bytes(written or b"")
 

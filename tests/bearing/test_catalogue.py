@@ -94,6 +94,8 @@ def test_the_file_is_read_back_as_it_was_meant() -> None:
         ({"bore": 33.0}, "bore 33 mm is not below inner raceway 31.5 mm"),
         ({"roller_length": -8.0}, "roller length = -8 mm is outside 0 .. 10000 mm"),
         ({"roller_diameter": float("nan")}, "roller diameter = nan mm is outside"),
+        ({"rollers": -7}, "1 x -7 rollers: give 1 or 2 rows"),
+        ({"rows": -1}, "-1 x 13 rollers: give 1 or 2 rows"),
     ],
 )
 def test_data_that_cannot_be_true_are_refused(change: dict[str, float], sentence: str) -> None:

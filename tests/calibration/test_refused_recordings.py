@@ -9,6 +9,7 @@ from synthetic_bearing import ORDERS, synthetic
 
 from dcrb_ros import Orders, Refusal, Waveform, calibrate
 from dcrb_ros.calibration.healthy_recording import check_one_machine, checked_recording
+from dcrb_ros.calibration.simulated_bearing import bench_of
 
 RATE = 25600
 
@@ -122,3 +123,15 @@ def test_names_for_some_recordings_only() -> None:
 def test_something_that_is_no_recording() -> None:
     with pytest.raises(Refusal, match="recording 1 is not a recording"):
         calibrate([3.0])  # type: ignore[list-item]
+
+
+@pytest.mark.parametrize("setting", ["structure.gain_y=0.5", "operating.speed=100", "operating.speed_ripple=0.001", "sensor.range=50.0"])
+def test_a_setting_that_the_calibration_replaces(setting: str) -> None:
+    with pytest.raises(Refusal, match=rf"the setting {setting.partition('=')[0]} cannot be kept: .* omit it and change it in"):
+        bench_of(checked_recording(recorded(), "sound"), None, [setting])
+
+
+def test_other_settings_are_kept() -> None:
+    bench = bench_of(checked_recording(recorded(), "sound"), None, {"operating": {"load": 5000.0}, "simulation.step": 1.0 / (4 * 51200)})
+    assert bench.operating.load == 5000.0
+    assert bench.simulation.step <= 1.0 / (4 * 51200)

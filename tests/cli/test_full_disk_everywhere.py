@@ -14,6 +14,7 @@ from same_process import dcrb
 
 from dcrb_ros import DataSet, Refusal
 
+ROOT = Path(__file__).parents[2]
 ORDERS = {"FTF": 0.39828, "BPFO": 3.5848, "BPFI": 5.4152, "BSF": 2.35695}
 BEARING = ("-F", "59.5", "-E", "81.5", "-Z", "16", "--roller-diameter", "11", "--roller-length", "16", "--rpm", "1500")
 SWEEP = {"base": "dry", "duration": 0.02, "vary": {"operating.speed": [100.0, 120.0]}, "windows": {"length": 256}}
@@ -33,8 +34,15 @@ COMMANDS = (
     (("simulate", "dry", "--duration", "0.1", "-o", "new"), 3000),
     (("import", "wave.npz", "--about", "about.yaml", "-o", "new"), 3000),
     (("detect", "bag", "--healthy", "bag", "--save-baseline", "new.yaml"), 300),
+    (("exam", "open", "sealed.yaml", "secret", "-o", "new.yaml"), 500),
+    (("score", "bag", "--reference", "--entry", "new.json"), 500),
+    (("score", "bag", "--reference", "--junit", "new.xml"), 700),
+    (("shards", "set", "-o", "new"), 1000),
+    (("shards", "set", "--runs", "1", "-o", "new"), 25000),
+    (("shards", "shards/index.json", "--remake", "train-000000.tar", "-o", "new.tar"), 5000),
+    (("calibrate", "healthy", "--trust", "--quiet", "-o", "new.yaml"), 20000),
 )
-SLOW = ("sweep",)
+SLOW = ("sweep", "shards", "calibrate")
 
 
 @pytest.fixture(scope="module")
@@ -48,6 +56,16 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (folder / f"{name}.yaml").write_text(yaml.safe_dump(content), encoding="utf-8")
     (folder / "list.csv").write_text("file,fault\nwave.npz,healthy\n", encoding="utf-8")
     (folder / "recordings.csv").write_text(f"{HEAD}\n{ROW}\n", encoding="utf-8")
+    (folder / "healthy").symlink_to(ROOT / "bags" / "healthy")
+    commands = (
+        ("exam", "seal", "template.yaml", "--secret", "secret", "-o", "sealed.yaml"),
+        ("sweep", "sweep.yaml", "--workers", "1", "-o", "set"),
+        ("shards", "set", "-o", "shards"),
+    )
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        for command in commands:
+            assert dcrb(*command) in (0, 1)
     return folder
 
 

@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
+from full_disk import files_of_at_most
 from same_process import dcrb
 
 from dcrb_ros.validation import validate
@@ -20,7 +21,7 @@ def comparisons(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch)
     found: list[ReportRow] = request.param
     monkeypatch.setattr(validate, "run_all", lambda processes, on_done: (on_done(1, 1, "run [s]"), validate.Results({}, {}, {}))[1])
     monkeypatch.setattr(validate, "all_rows", lambda results: found)
-    monkeypatch.setattr(validate, "write_report", lambda folder, comparisons, runs: folder / "report.md")
+    monkeypatch.setattr(validate, "write_figures", lambda runs, folder: [])
     return found
 
 
@@ -44,3 +45,15 @@ def test_the_table_has_units(comparisons: list[ReportRow], tmp_path: Path, capsy
     assert "run [s]" in err
     assert all(comparison.chapter in out for comparison in comparisons)
     assert f"Report: {tmp_path / 'report.md'}" in out
+
+
+@pytest.mark.parametrize("old", [False, True], ids=["new", "replaced"])
+def test_a_full_disk_fails_and_leaves_the_earlier_report(
+    comparisons: list[ReportRow], old: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    if old:
+        (tmp_path / "report.md").write_text("old")
+    with files_of_at_most(200):
+        assert dcrb("validate", "-o", str(tmp_path), "--quiet") == 2
+    assert capsys.readouterr().err.count("File too large") == 1
+    assert [(path.name, path.read_text()) for path in tmp_path.iterdir()] == ([("report.md", "old")] if old else [])

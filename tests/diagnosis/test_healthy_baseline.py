@@ -128,6 +128,16 @@ def test_a_saved_baseline_gives_the_same_diagnoses(baseline: HealthyBaseline, tm
     assert [one.scores for one in again.history] == [one.scores for one in found.history]
 
 
+def test_another_number_in_a_saved_baseline_is_found(baseline: HealthyBaseline, tmp_path: Path) -> None:
+    path = tmp_path / "mine.yaml"
+    baseline.save(path)
+    tree = yaml.safe_load(path.read_text())
+    tree["lines"][0]["size"] *= 10.0
+    path.write_text(yaml.safe_dump(tree))
+    with pytest.raises(Refusal, match="was changed: its digest does not match; learn the baseline again"):
+        read_baseline(path)
+
+
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from full_disk import files_of_at_most
 from same_process import dcrb
 
 from dcrb_ros.exam.agreement import agreement
@@ -69,7 +70,9 @@ def test_an_entry_of_the_first_format_has_no_credit_for_a_fault_that_was_never_d
     file = tmp_path / "e.json"
     file.write_text(json.dumps(tree), encoding="utf-8")
     write_entry(read_entry(file), file)
-    assert json.loads(file.read_text(encoding="utf-8")) == tree
+    written = json.loads(file.read_text(encoding="utf-8"))
+    assert written.pop("sha256")
+    assert written == tree
     file.write_text(json.dumps(edited(tree, ("scenarios", MISSED, "credit"), FULL)), encoding="utf-8")
     with pytest.raises(Refusal, match="a credit of 1"):
         read_entry(file)
@@ -127,6 +130,20 @@ def test_an_edited_entry_is_refused(path: tuple[Any, ...], value: Any, sentence:
     (tmp_path / "e.json").write_text(json.dumps(edited(detector(1, 0.5).model_dump(), path, value)), encoding="utf-8")
     with pytest.raises(Refusal, match=sentence):
         read_entry(tmp_path / "e.json")
+
+
+@pytest.mark.parametrize(
+    ("path", "value"), [(("scenarios", FOUND, "delay_turns"), 1.0), (("false_alarms",), 3), (("detector",), "other"), (("passed",), None)]
+)
+def test_a_written_entry_that_was_edited_is_refused(path: tuple[Any, ...], value: Any, tmp_path: Path) -> None:
+    """Also where the new value contradicts nothing."""
+    file = tmp_path / "e.json"
+    write_entry(detector(1, 0.5), file)
+    tree = json.loads(file.read_text(encoding="utf-8"))
+    value = not tree["passed"] if value is None else value
+    file.write_text(json.dumps(edited(tree, path, value)), encoding="utf-8")
+    with pytest.raises(Refusal, match="was changed: its digest does not match"):
+        read_entry(file)
 
 
 def test_a_detector_is_not_distinguished_from_itself() -> None:
@@ -238,3 +255,13 @@ def test_the_command_writes_the_leaderboard(tmp_path: Path, capsys: pytest.Captu
     assert dcrb("exam", "table", str(tmp_path / "gone")) == 2
     assert dcrb("exam", "table", str(tmp_path / "out")) == 2
     assert "has no .json file" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("size", [1000, 20_000])
+def test_a_full_disk_leaves_no_leaderboard(size: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for number, skill in ((1, 0.3), (2, 0.9)):
+        write_entry(detector(number, skill), tmp_path / f"{number}.json")
+    with files_of_at_most(size):
+        assert dcrb("exam", "table", str(tmp_path), "--output", str(tmp_path / "out")) == 2
+    assert capsys.readouterr().err.count("File too large") == 1
+    assert not list((tmp_path / "out").iterdir())

@@ -8,17 +8,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from full_disk import files_of_at_most
 from same_process import dcrb
 
 from dcrb_ros.bearing.frequencies import Orders
+from dcrb_ros.exam import predictivity_report
 from dcrb_ros.exam.detector_families import families_of, shipped_members
 from dcrb_ros.exam.evaluation import no_progress
+from dcrb_ros.exam.exam_file import ReplicaOrigin
 from dcrb_ros.exam.limits import Limits
 from dcrb_ros.exam.measured import read_measured
 from dcrb_ros.exam.plugin import load_plugin
 from dcrb_ros.exam.predictivity import Compared, Marks, class_mean, drawn_bearings, drawn_families, halves, predictivities, scopes
 from dcrb_ros.exam.predictivity_marks import answers_of
-from dcrb_ros.exam.predictivity_report import as_json
+from dcrb_ros.exam.predictivity_report import Comparison, as_json, markdown
 from dcrb_ros.exam.predictivity_task import measured_tasks
 from dcrb_ros.schema.refusal import Refusal
 
@@ -160,6 +163,11 @@ def test_a_changed_file_or_helper_is_another_detector(tmp_path: Path) -> None:
     first = digests()
     assert len(list(tmp_path.glob("family-*.json"))) == 4
     assert digests() == first
+    kept = next(path for path in tmp_path.glob("family-*.json") if "published" in path.read_text())
+    content = kept.read_text()
+    kept.write_text(content.replace("published", "unheardof"))
+    assert digests() == first
+    assert kept.read_text() == content
     assert len(set(first.values())) == 3
     (folder / "shared_code.py").write_text("ANSWER = 'inner_ring'\n")
     second = digests()
@@ -305,13 +313,33 @@ def test_a_replica_is_compared_on_the_command_line(tmp_path: Path, capsys: pytes
     assert "was made from another table" in capsys.readouterr().err
 
 
-def test_the_json_has_every_figure() -> None:
-    from dcrb_ros.exam.exam_file import ReplicaOrigin
-    from dcrb_ros.exam.predictivity_report import Comparison, markdown
-
+def made_up_comparison() -> Comparison:
     origin = ReplicaOrigin(table_sha256="", speed="lines", seed=1, machines=1, counterparts=1, longest=5.0, without=[], dcrb_ros="")
     found = marks(noise=0.3)
-    comparison = Comparison(found, tuple(predictivities(found)), tuple(predictivities(found.representatives)), (), origin, 36)
+    return Comparison(found, tuple(predictivities(found)), tuple(predictivities(found.representatives)), (), origin, 36)
+
+
+@pytest.mark.parametrize(("option", "name", "size"), [("--output", "new.md", 1000), ("--figure", "new.png", 3000)])
+def test_a_full_disk_fails_and_leaves_no_file(
+    option: str, name: str, size: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder, made = measured_folder(tmp_path / "measured"), tmp_path / "replica.yaml"
+    assert dcrb("exam", "replica", str(folder), "--without", "background", "-o", str(made)) == 0
+    monkeypatch.setattr(predictivity_report, "compare_with_field", lambda *_: made_up_comparison())
+    kept = ("--recordings", str(tmp_path / "kept"), "--workers", "1", "--quiet")
+    command = ("exam", "predictivity", str(folder), "--replica", str(made), *kept, option)
+    with files_of_at_most(size):
+        assert dcrb(*command, str(tmp_path / name)) == 2
+    out, err = capsys.readouterr()
+    assert "| all (36) |" in out
+    assert err.count("File too large") == 1
+    assert {path.name for path in tmp_path.iterdir()} == {"measured", "replica.yaml", "kept"}
+    assert dcrb(*command, str(tmp_path / "absent" / name)) == 2
+    assert "there is no folder" in capsys.readouterr().err
+
+
+def test_the_json_has_every_figure() -> None:
+    comparison = made_up_comparison()
     about = json.loads(json.dumps(as_json(comparison)))
     assert about["families"][0]["detectors"] == 8
     assert about["members"][0]["detectors"] == 16

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 import yaml
 from synthetic_bogie import BOXES, DESCRIPTION, bogie
@@ -14,9 +17,10 @@ from dcrb_ros.exam.exam_file import read_exam
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.limits import Limits
 from dcrb_ros.exam.running_detector import checked_statuses
+from dcrb_ros.exam.vehicle import signals
 from dcrb_ros.exam.vehicle.evaluation import ProcessVehicleDetector, PythonVehicleDetector, VehicleOutcome, box_verdict, scored_boxes
 from dcrb_ros.exam.vehicle.exam_file import VehicleCase, read_vehicle_exam
-from dcrb_ros.exam.vehicle.signals import VehicleSignal
+from dcrb_ros.exam.vehicle.signals import MotionMemory, VehicleSignal, kept_signal
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.vehicle_diagnosis import Status, VehicleDiagnosis
@@ -161,3 +165,43 @@ def test_an_invalid_file_is_refused_in_one_sentence(change: dict[str, object], s
 def test_the_exam_of_a_bearing_does_not_read_that_of_a_vehicle() -> None:
     with pytest.raises(Refusal, match="is the exam of a vehicle"):
         read_exam("bogie")
+
+
+def swapped(file: Path) -> None:
+    kept_signal({"other": 1}, 1.0, file.parent, MotionMemory())
+    other = next(one for one in file.parent.glob("*.signal") if one != file)
+    file.write_bytes(other.read_bytes())
+
+
+def flipped(file: Path) -> None:
+    content = bytearray(file.read_bytes())
+    content[len(content) // 2] ^= 1
+    file.write_bytes(content)
+
+
+@pytest.mark.parametrize(
+    "attack", [swapped, flipped, lambda file: file.write_bytes(file.read_bytes()[:-100]), lambda file: file.write_bytes(b"")]
+)
+def test_a_kept_signal_that_is_not_as_it_was_written_is_made_again(
+    attack: Callable[[Path], object], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    made = []
+
+    def simulated(vehicle: Any, duration: float, memory: MotionMemory) -> VehicleSignal:
+        made.append(vehicle)
+        value = np.full((100, 2), float(len(vehicle)), np.float32)
+        return VehicleSignal(DESCRIPTION, dict.fromkeys(BOXES, value), dict.fromkeys(BOXES, value[:, 0]))
+
+    monkeypatch.setattr(signals, "simulated_signal", simulated)
+    monkeypatch.setattr(signals, "vehicle_of", lambda parameters, source: parameters)
+    first = kept_signal({}, 1.0, tmp_path, MotionMemory())
+    (file,) = tmp_path.glob("*.signal")
+    again = kept_signal({}, 1.0, tmp_path, MotionMemory())
+    assert len(made) == 1
+    attack(file)
+    repaired = kept_signal({}, 1.0, tmp_path, MotionMemory())
+    assert "is damaged, or that of another vehicle; it is simulated again" in capsys.readouterr().err
+    assert made[-1] == {}
+    for found in (again, repaired):
+        for box in BOXES:
+            assert np.array_equal(found.acceleration[box], first.acceleration[box])

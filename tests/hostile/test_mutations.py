@@ -1,27 +1,29 @@
 """Random changes of sound files and random command lines: each is answered by work or by one sentence, and none is accepted in silence.
 
-Only `make hostile` runs them, since they take long, and it prints their number. ``DCRB_HOSTILE_FIRST`` chooses other ones, and
-``DCRB_HOSTILE_CASES`` is the number of each kind.
+Only `make hostile` runs them, since they take long. It prints each flaw when it is found, and the number of inputs so far.
+``DCRB_HOSTILE_FIRST`` chooses other ones, and ``DCRB_HOSTILE_CASES`` is the number of each kind.
 """
 
 from __future__ import annotations
 
+import math
 import os
 import random
 import shutil
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import click
 import pytest
 import typer
-from hostile_mutations import Target, command_line
+from hostile_mutations import Target, catalogue_line, command_line
 from hostile_runs import Case, Change, flaws, made
 from hostile_targets import Material, targets
 from measured_commands import Commands, commands
 
 from dcrb_ros.cli.app import app
+from dcrb_ros.settings.files import flatten, load_configuration
 
 ALL = os.environ.get("DCRB_HOSTILE") == "all"
 pytestmark = [
@@ -34,8 +36,10 @@ FIRST = int(os.environ.get("DCRB_HOSTILE_FIRST", "0"))
 """Number of the first case of each kind."""
 CASES = int(os.environ.get("DCRB_HOSTILE_CASES", "200"))
 """Cases of each kind."""
-LINES = 3000
+LINES = 15 * CASES
 """Command lines."""
+BEARINGS = 20 * CASES
+"""Calls of `dcrb config new`."""
 BATCH = 20
 """Commands in one process."""
 ENDLESS = ("bench", "replay", "validate", "calibrate", "exam predictivity", "cache")
@@ -77,16 +81,33 @@ def test_files_without_a_change_are_read(kinds: dict[str, Target], material: Mat
     assert not refused
 
 
+Judge = Callable[[Sequence[Case]], list[str]]
+
+
+@pytest.fixture
+def judge(dcrb: Commands, tally: Counter[str], say: Callable[[str], None]) -> Judge:
+    """Return a function that runs cases of one kind and prints and returns their flaws."""
+
+    def judged(cases: Sequence[Case]) -> list[str]:
+        found = flaws(cases, dcrb)
+        tally[cases[0].target] += len(cases)
+        for flaw in found:
+            say(f"flaw: {flaw}")
+        say(f"{tally.total()} inputs; {len(found)} flaws in {len(cases)} of: {cases[0].target}")
+        return found
+
+    return judged
+
+
 def test_changed_files_are_refused_in_a_sentence_or_used(
-    kinds: dict[str, Target], material: Material, dcrb: Commands, tmp_path: Path, tally: Counter[str]
+    kinds: dict[str, Target], material: Material, tmp_path: Path, judge: Judge
 ) -> None:
     found = []
     for first in range(FIRST, FIRST + CASES, BATCH):
         folder = tmp_path / str(first)
         folder.mkdir()
         for cases in made_all(kinds, material, folder, range(first, min(first + BATCH, FIRST + CASES))):
-            found += flaws(cases, dcrb)
-            tally[cases[0].target] += len(cases)
+            found += judge(cases)
         shutil.rmtree(folder)
     assert not found, "\n".join(found)
 
@@ -105,14 +126,32 @@ def options_of_commands() -> dict[str, list[str]]:
 
 
 def test_random_command_lines_are_refused_in_a_sentence(
-    dcrb: Commands, material: Material, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, tally: Counter[str]
+    material: Material, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, judge: Judge
 ) -> None:
     monkeypatch.chdir(tmp_path)
     options, files = options_of_commands(), [material.words["GOOD"], material.words["ABOUT"], str(tmp_path), str(tmp_path / "new")]
     found: list[str] = []
     for first in range(FIRST, FIRST + LINES, BATCH):
         lines = [command_line(random.Random(number), options, files) for number in range(first, first + BATCH)]
-        cases = [Case("a command line", number, Change(b"", ""), tuple(line)) for number, line in enumerate(lines, first)]
-        found += flaws(cases, dcrb)
-        tally["a command line"] += len(cases)
+        found += judge([Case("a command line", number, Change(b"", ""), tuple(line)) for number, line in enumerate(lines, first)])
     assert not found, "\n".join(found)
+
+
+def test_catalogue_numbers_give_what_was_asked_or_are_refused(tmp_path: Path, say: Callable[[str], None], judge: Judge) -> None:
+    found: list[str] = []
+    for first in range(FIRST, FIRST + BEARINGS, BATCH):
+        lines = [catalogue_line(random.Random(f"catalogue {number}")) for number in range(first, first + BATCH)]
+        files = [tmp_path / f"{number}.yaml" for number in range(first, first + BATCH)]
+        commands = [(*line.words, "-o", str(file)) for line, file in zip(lines, files, strict=True)]
+        found += judge([Case("catalogue", number, Change(b"", ""), command) for number, command in enumerate(commands, first)])
+        for command, line, file in zip(commands, lines, files, strict=True):
+            if file.exists() and (wrong := differing(file, line.asked)):
+                found.append(f"{wrong}: dcrb {' '.join(command)}")
+                say(f"flaw: {found[-1]}")
+    assert not found, "\n".join(found)
+
+
+def differing(file: Path, asked: dict[str, float]) -> dict[str, tuple[float, float]]:
+    """Return the parameters of a configuration that are not as asked."""
+    used = flatten(load_configuration(str(file)).model_dump())
+    return {key: (used[key], value) for key, value in asked.items() if not math.isclose(used[key], value, rel_tol=1e-6)}

@@ -1,20 +1,26 @@
-"""A full disk ends the recording, not the bench."""
+"""A full disk ends the recording, not the bench, whose exit status says so."""
 
 from __future__ import annotations
 
 import resource
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
+from full_disk import files_of_at_most
 from node_arguments import parameters
-from ros_bench import domain, environment, graph_client, node
+from ros_bench import PATIENCE, domain, environment, graph_client, node
 
 from dcrb_ros.messages.statuses import ERROR, decode_diagnostics
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, VIBRATION
 from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.simulation.loop import Simulation
 
 pytestmark = [pytest.mark.node, pytest.mark.slow]
 
@@ -31,6 +37,7 @@ def test_a_full_disk_is_reported_and_publishing_continues(tmp_path: Path) -> Non
         blocks = len(client.received[VIBRATION])
         client.until(lambda: len(client.received[VIBRATION]) > blocks + 50, "more of the waveform")
         assert simulator.output.count("File too large") == 1
+        assert simulator.end(signal.SIGINT) == 1
     recording = Recording(bag)
     assert sum(1 for _ in recording.vibrations()) > 10
     assert not recording.complete
@@ -55,3 +62,16 @@ def test_a_recording_that_cannot_be_created_is_refused_and_reported(tmp_path: Pa
         client.until(lambda: len(client.received[VIBRATION]) > blocks + 50, "more of the waveform")
     assert Recording(bag).complete
     assert not (tmp_path / "bag-2").exists()
+
+
+def test_the_bench_shows_the_verdict_and_fails(tmp_path: Path) -> None:
+    next(iter(Simulation(load_configuration("dry")).blocks(0.02)))  # the compiled kernels are larger than the limit
+    bag = tmp_path / "bag"
+    command = [sys.executable, "-m", "dcrb_ros.cli.program", "bench", "dry", "--duration", "5", "--time-scale", "0", "--record", str(bag)]
+    with files_of_at_most(1_500_000):
+        done = subprocess.run(command, env=environment(domain()), capture_output=True, text=True, timeout=PATIENCE, check=False)
+    assert done.returncode == 1, done.stderr
+    assert done.stderr.count("File too large") == 1, done.stderr
+    assert "verdict: " in done.stdout
+    assert "recording: " not in done.stdout
+    assert not Recording(bag).complete

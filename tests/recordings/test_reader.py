@@ -27,7 +27,7 @@ from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.points import SAMPLE
 from dcrb_ros.messages.topics import ACCELERATION, FEATURES, GROUND_TRUTH, MANIFEST, NAMESPACE, ROLLER_STATES, SENSOR, VIBRATION
 from dcrb_ros.recordings import metadata
-from dcrb_ros.recordings.manifest import OUTCOME, opening
+from dcrb_ros.recordings.manifest import OUTCOME, opening, record_text
 from dcrb_ros.recordings.metadata import metadata_flaw
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder, RecordingFailed, channel_of
@@ -235,7 +235,7 @@ def test_a_changed_range_is_read_with_its_blocks(tmp_path: Path, capsys: pytest.
 def made(path: Path, outcome: Mapping[str, object] | None = None, **changes: object) -> Recording:
     """Write a recording of three blocks whose manifest has some other entries; None removes an entry."""
     about = json.loads(opening(Configuration(), BODIES, NAMESPACE)[MANIFEST]["manifest"]) | changes
-    manifest = json.dumps({key: value for key, value in about.items() if value is not None})
+    manifest = record_text({key: value for key, value in about.items() if value is not None})
     end = {} if outcome is None else {OUTCOME: {"outcome": json.dumps(outcome)}}
     bag = Bag(path, opening={MANIFEST: {"manifest": manifest}, "other": {"a": "1"}}, closing=lambda: end)
     encoder = BlockEncoder(Configuration(), BODIES)
@@ -362,7 +362,7 @@ def test_a_manifest_that_is_damaged_in_the_first_file_is_read_from_the_next(tmp_
         entries = [{"manifest": text}] if text is not None else [{"other": "{}"}]
         folder = tmp_path / f"split{number}"
         folder.mkdir()
-        for file, entry in enumerate([*entries, {"manifest": json.dumps(about)}]):
+        for file, entry in enumerate([*entries, {"manifest": record_text(about)}]):
             Bag(tmp_path / f"part{number}{file}", opening={MANIFEST: entry}, closing=lambda: {OUTCOME: {"outcome": "{}"}}).close()
             (tmp_path / f"part{number}{file}" / f"part{number}{file}_0.mcap").rename(folder / f"split_{file}.mcap")
         assert Recording(folder).manifest["seed"] == 99
@@ -376,10 +376,41 @@ def test_the_outcome_is_the_last_one_in_the_last_file(tmp_path: Path) -> None:
 
 
 def test_a_configuration_of_another_version_is_refused_with_the_reason(tmp_path: Path) -> None:
-    with pytest.raises(Refusal, match=r"was written by dcrb_ros 0\.0\.1 and is not understood by .* \(1 validation error for"):
+    with pytest.raises(Refusal, match=r"\(dcrb_ros 0\.0\.1\) is damaged or not understood by .* \(.*: .*\): read it"):
         made(tmp_path / "bag", {}, configuration={"gear": 3}, dcrb_ros="0.0.1")
-    with pytest.raises(Refusal, match=r"of an unknown version and is not understood by .* \('configuration'\): read it with"):
+    with pytest.raises(Refusal, match=r"\(dcrb_ros unknown\) is damaged or not understood by .* \('configuration'\): read it with"):
         made(tmp_path / "none", {}, configuration=None, dcrb_ros=None)
+
+
+def edited(bag: Path, old: bytes, new: bytes) -> Path:
+    """Replace bytes in the file of a recording by others of the same length."""
+    file = next(bag.glob("*.mcap"))
+    content = file.read_bytes()
+    assert old in content
+    assert len(old) == len(new)
+    file.write_bytes(content.replace(old, new))
+    return bag
+
+
+def test_another_number_in_the_manifest_is_named_and_not_used(tmp_path: Path) -> None:
+    """The description of the sensor, which a checksum covers, takes the place of the manifest."""
+    bag = recorded(tmp_path / "bag", 3)
+    orders = Recording(bag).orders
+    damaged = Recording(edited(bag, b'"rollers_per_row": 16', b'"rollers_per_row": 17'))
+    assert "the record dcrb_ros is damaged" in damaged.damage[0]
+    assert damaged.orders == orders
+
+
+def test_another_number_in_the_outcome_is_named(tmp_path: Path) -> None:
+    damaged = Recording(edited(recorded(tmp_path / "bag", 3), b'"samples": 3072', b'"samples": 3071'))
+    assert damaged.outcome is None
+    assert "the record dcrb_ros_outcome is damaged" in damaged.damage[0]
+
+
+def test_a_manifest_without_a_digest_that_contradicts_itself_is_refused(tmp_path: Path) -> None:
+    orders = {**made(tmp_path / "bag", {}).manifest["orders"], "BPFO": 7.0}
+    with pytest.raises(Refusal, match=r"was changed: its BPFO is 7, but 6\.7\d* follows from its bearing"):
+        made(tmp_path / "other", {}, orders=orders)
 
 
 def test_metadata_must_name_every_file(tmp_path: Path) -> None:

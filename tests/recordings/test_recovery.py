@@ -17,7 +17,7 @@ from separate_process import fresh_dcrb
 
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.topics import FEATURES, GROUND_TRUTH, MANIFEST, NAMESPACE, VIBRATION, Message
-from dcrb_ros.recordings.manifest import OUTCOME, opening
+from dcrb_ros.recordings.manifest import OUTCOME, opening, record_text
 from dcrb_ros.recordings.mcap_reader import McapRecords
 from dcrb_ros.recordings.metadata import metadata_flaw
 from dcrb_ros.recordings.reader import Recording
@@ -172,7 +172,7 @@ def test_unrecoverable_input_is_refused(bag: Path, tmp_path: Path) -> None:
 def message_bag(path: Path, messages: Sequence[Message], *, namespace: str = NAMESPACE, **changes: object) -> Path:
     """Write messages with the manifest of the bench, in which some entries differ; None removes an entry."""
     about = json.loads(opening(Configuration(), BODIES, namespace)[MANIFEST]["manifest"]) | changes
-    manifest = json.dumps({key: value for key, value in about.items() if value is not None})
+    manifest = record_text({key: value for key, value in about.items() if value is not None})
     bag = Bag(path, opening={MANIFEST: {"manifest": manifest}}, closing=lambda: {OUTCOME: {"outcome": "{}"}}, compression="lz4")
     bag.write((channel_of(message.topic, namespace), message.time_ns, message.data) for message in messages)
     bag.close()
@@ -236,7 +236,7 @@ def test_messages_of_another_namespace_are_not_examined(tmp_path: Path) -> None:
     assert Recording(source).manifest["namespace"] == "/other" != about["namespace"]
     with pytest.raises(Refusal, match="no message can be read: outer_ring/vibration"):
         recover(source, tmp_path / "new")
-    bag = Bag(tmp_path / "two", opening={MANIFEST: {"manifest": json.dumps(about)}}, closing=dict)
+    bag = Bag(tmp_path / "two", opening={MANIFEST: {"manifest": record_text(about)}}, closing=dict)
     bag.write([(channel_of(VIBRATION, "/other"), 7, b"corrupt")])
     bag.close()
     assert recover(tmp_path / "two", tmp_path / "kept").messages == 1

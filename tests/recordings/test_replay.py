@@ -16,7 +16,7 @@ from dcrb_ros.messages.description import decode_range, sensor_text
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.plain import decode_text
 from dcrb_ros.messages.topics import FEATURES, GROUND_TRUTH, MANIFEST, SENSOR, SIMULATED, VIBRATION, Message
-from dcrb_ros.recordings.manifest import opening
+from dcrb_ros.recordings.manifest import opening, record_text
 from dcrb_ros.recordings.recorder import Recorder, channel_of
 from dcrb_ros.recordings.replay import Replay, ReplayParameters
 from dcrb_ros.recordings.splitting import Bag
@@ -141,7 +141,7 @@ def test_without_a_recorded_description_that_of_the_manifest_is_sent(described: 
     configuration = Configuration()
     about = json.loads(opening(configuration, BODIES, "/dcrb")[MANIFEST]["manifest"])
     about["sensor"] = {"sampling_rate": 51200, "range": 7.0, "frame": "a"} if described else None
-    bag = Bag(tmp_path / "bag", opening={MANIFEST: {"manifest": json.dumps({k: v for k, v in about.items() if v})}}, closing=dict)
+    bag = Bag(tmp_path / "bag", opening={MANIFEST: {"manifest": record_text({k: v for k, v in about.items() if v})}}, closing=dict)
     encoder = BlockEncoder(configuration, BODIES)
     bag.write(
         (channel_of(message.topic, "/dcrb"), message.time_ns, message.data) for block in blocks(2) for message in encoder.encode(block)

@@ -58,3 +58,22 @@ def test_a_full_disk_behind_the_output_is_named(words: list[str], unbuffered: st
     assert done.returncode == 1
     assert done.stderr.startswith("dcrb: the standard output cannot be used: No space left on device")
     assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(("words", "status"), [(["config", "show", "nonsense"], 2), (["nonsense"], 2), (["info", "nonsense"], 2)])
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="a device that is always full")
+def test_the_status_is_the_same_if_the_sentence_cannot_be_printed(words: list[str], status: int, unbuffered: str) -> None:
+    command = [sys.executable, "-m", "dcrb_ros.cli.program", *words]
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(
+            command, stdout=full, stderr=full, text=True, env={**os.environ, "PYTHONUNBUFFERED": unbuffered}, timeout=200.0, check=False
+        )
+    assert done.returncode == status
+
+
+def test_a_warning_that_cannot_be_printed_is_a_failure() -> None:
+    command = [sys.executable, "-m", "dcrb_ros.cli.program", "config", "check", "healthy", "--set", "operating.load=-5.0"]
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=full, timeout=200.0, check=False)
+    assert done.returncode == 1

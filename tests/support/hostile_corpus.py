@@ -21,7 +21,7 @@ from dcrb_ros.messages.plain import encode_text
 from dcrb_ros.messages.points import encode_vibration
 from dcrb_ros.messages.statuses import encode_truth
 from dcrb_ros.messages.topics import GROUND_TRUTH, MANIFEST, VIBRATION
-from dcrb_ros.recordings.manifest import OUTCOME, opening
+from dcrb_ros.recordings.manifest import DIGEST, OUTCOME, opening
 from dcrb_ros.recordings.mcap_reader import MAGIC
 from dcrb_ros.recordings.mcap_writer import Channel
 from dcrb_ros.recordings.recorder import channel_of
@@ -120,8 +120,9 @@ def description(**changes: Any) -> Callable[[Path], object]:
 
 
 def manifest(**changes: Any) -> dict[str, Any]:
-    """Return the manifest of a bench with some keys changed."""
-    return {**json.loads(opening(Configuration(), BODIES, "/dcrb")[MANIFEST]["manifest"]), **changes}
+    """Return the manifest of a bench with some keys changed, without a digest, as that of an earlier version."""
+    about = json.loads(opening(Configuration(), BODIES, "/dcrb")[MANIFEST]["manifest"])
+    return {key: value for key, value in about.items() if key != DIGEST} | changes
 
 
 def bag(

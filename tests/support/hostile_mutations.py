@@ -12,7 +12,9 @@ import io
 import json
 import math
 import random
+import sqlite3
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -235,3 +237,66 @@ def command_line(draw: random.Random, options: Mapping[str, Sequence[str]], file
             value = hostile_value(draw)
             words.append(draw.choice((str(value), draw.choice(TEXTS), draw.choice(files), f"{draw.choice(TEXTS)}={value}")))
     return [word.replace("\0", "\\0").encode("utf-8", "replace").decode()[:1000] for word in words]
+
+
+def changed_database(draw: random.Random, content: bytes) -> Change:
+    """Return an SQLite file with other bytes, or with another value in one of its rows."""
+    if draw.random() < 0.5:
+        return changed_bytes(draw, content)
+    with closing(sqlite3.connect(":memory:", isolation_level=None)) as connection:
+        connection.deserialize(content)
+        table = draw.choice([name for (name,) in connection.execute("SELECT name FROM sqlite_master WHERE type = 'table'")])
+        column = draw.choice([row[1] for row in connection.execute(f"PRAGMA table_info({table})")])
+        rows = [row for (row,) in connection.execute(f"SELECT rowid FROM {table}")]
+        value = draw.choice((draw.choice(TEXTS), draw.choice(NUMBERS), draw.randbytes(50), None))
+        stored = (
+            str(value).encode("utf-8", "replace") if isinstance(value, str) or (isinstance(value, int) and abs(value) >= 2**63) else value
+        )
+        words = f"{column} of a row of {table} = {str(value)[:60]!r}"
+        try:
+            connection.execute(f"UPDATE {table} SET {column} = ? WHERE rowid = ?", (stored, draw.choice(rows)))
+        except sqlite3.Error as error:  # such as a second row with the same key
+            words = f"no change: {error}"
+        return Change(connection.serialize(), words)
+
+
+class CatalogueLine(NamedTuple):
+    """A call of `dcrb config new`."""
+
+    words: tuple[str, ...]
+    asked: dict[str, float]
+    """Parameters that the configuration must have."""
+
+
+def catalogue_line(draw: random.Random) -> CatalogueLine:
+    """Return a call with the data of a possible bearing, of which up to two are replaced by any value."""
+    diameter, rollers = draw.uniform(3.0, 60.0), draw.randrange(6, 40)
+    inner = diameter * rollers * draw.uniform(0.31, 0.45) - diameter
+    given: dict[str, Any] = {
+        "-F": inner,
+        "-Z": rollers,
+        "--roller-diameter": diameter,
+        "--roller-length": diameter * draw.uniform(0.7, 3.0),
+        "--rpm": draw.uniform(-3000.0, 3000.0),
+    }
+    others = {
+        "-E": inner + 2.0 * diameter,
+        "--rows": draw.choice((1, 2)),
+        "-d": inner - diameter * draw.uniform(0.3, 1.0),
+        "-D": inner + diameter * draw.uniform(2.3, 3.0),
+        "-B": diameter * draw.uniform(1.0, 6.0),
+        "--clearance": draw.uniform(0.0, 200.0),
+        "--load": draw.uniform(0.0, 1e5),
+        "--contact-angle": draw.uniform(0.0, 30.0),
+    }
+    given |= {option: value for option, value in others.items() if draw.random() < 0.3}
+    for option in draw.sample(list(given), draw.choice((0, 0, 1, 1, 2))):
+        factor = draw.choice((-1.0, 0.0, 1e-3, 0.1, 10.0, 1e3))
+        given[option] = draw.choice((factor * float(given[option]), draw.choice(NUMBERS), hostile_value(draw)))
+    words = [str(word).replace("\0", "\\0").encode("utf-8", "replace").decode() for pair in given.items() for word in pair]
+    keys = {"-Z": ("bearing.rollers_per_row", 1.0), "-F": ("bearing.inner_raceway_radius", 5e-4), "--load": ("operating.load", 1.0)}
+    keys |= {"--rpm": ("operating.speed", math.pi / 30.0), "--roller-length": ("bearing.roller_length", 1e-3)}
+    numbers = {option: value for option, value in given.items() if isinstance(value, int | float)}
+    return CatalogueLine(
+        ("config", "new", *words), {key: factor * numbers[option] for option, (key, factor) in keys.items() if option in numbers}
+    )

@@ -10,12 +10,14 @@ from typing import Any
 import numpy as np
 import yaml
 from hostile_corpus import INPUT, NEW
-from hostile_mutations import Target, changed_bytes, changed_json, changed_table, changed_yaml
+from hostile_mutations import Target, changed_bytes, changed_database, changed_json, changed_table, changed_yaml
 from made_up_blocks import narrowed, recorded
+from ros2_bag_record import bag_of, messages_of
 from scipy.io import savemat
 
 from dcrb_ros.settings.shipped import shipped_folder
-from dcrb_ros.sweep.verification import digest_of
+from dcrb_ros.sweep.verification import DIGEST
+from dcrb_ros.text.json import digest_of
 
 ROOT = Path(__file__).parents[2]
 ORDERS = {"FTF": 0.39828, "BPFO": 3.5848, "BPFI": 5.4152, "BSF": 2.35695}
@@ -71,6 +73,7 @@ class Material:
     def _recordings(self) -> None:
         self.words["GOOD"] = str(recorded(self.folder / "good", 3))
         self.words["LONG"] = str(narrowed(self.folder / "long", 150, at=1000, limit=5000.0))
+        bag_of(self.folder / "ros2", messages_of(150), "sqlite3")
         bag = str(ROOT / "bags" / "healthy")
         self._run("detect", bag, "--healthy", bag, "--save-baseline", str(self.folder / "baseline.yaml"))
         np.savez(self.folder / "wave.npz", de=np.sin(np.arange(4000.0)))
@@ -130,7 +133,7 @@ class Material:
 
 
 def _signed_label(tree: dict[str, Any]) -> dict[str, Any]:
-    return tree | {"digest": digest_of(tree)}
+    return tree | {DIGEST: digest_of(tree, DIGEST)}
 
 
 def targets(material: Material) -> dict[str, Target]:
@@ -188,15 +191,11 @@ def targets(material: Material) -> dict[str, Target]:
         add(f"recording, {name}", bag.read_bytes(), changed_bytes, command, suffix=".mcap")
     simulated = next((material.folder / "simulated").glob("*.mcap"))
     add("recording, from", simulated.read_bytes(), changed_bytes, ("simulate", "--from", INPUT, "--quiet"), suffix=".mcap")
-    for suffix in ("npz", "mat"):
-        add(
-            f"waveform {suffix}",
-            material.read(f"wave.{suffix}"),
-            changed_bytes,
-            ("import", INPUT, "--about", "ABOUT", "-o", NEW),
-            suffix=f".{suffix}",
-        )
-    add("waveform csv", material.read("wave.csv"), changed_bytes, ("import", INPUT, "--about", "ABOUT", "-o", NEW), suffix=".csv")
+    bag = next((material.folder / "ros2").glob("*.db3"))
+    add("recording, SQLite", bag.read_bytes(), changed_database, *(command for _, command in commands.values()), suffix=".db3")
+    about = ("import", INPUT, "--about", "ABOUT", "-o", NEW)
+    for suffix in ("npz", "mat", "csv"):
+        add(f"waveform {suffix}", material.read(f"wave.{suffix}"), changed_bytes, about, suffix=f".{suffix}")
 
     label = next((material.folder / "set" / "labels").glob("*.json"))
     sweep_again, pack = ("sweep", "SWEEP", "-o", INPUT, "--workers", "1"), ("shards", INPUT, "-o", NEW)

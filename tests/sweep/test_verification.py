@@ -24,7 +24,8 @@ from dcrb_ros.sweep.loader import sweep_of
 from dcrb_ros.sweep.plan import Plan
 from dcrb_ros.sweep.store import Store, StoreFailed
 from dcrb_ros.sweep.table import write_table
-from dcrb_ros.sweep.verification import digest_of, flaw
+from dcrb_ros.sweep.verification import DIGEST, flaw
+from dcrb_ros.text.json import digest_of
 
 pytestmark = pytest.mark.slow
 
@@ -58,7 +59,7 @@ def edit(key: str, value: object, *, sign: bool = False) -> Callable[[Path], Non
     def change(path: Path) -> None:
         label = json.loads(path.read_text()) | {key: value}
         if sign:
-            label["digest"] = digest_of(label)
+            label["digest"] = digest_of(label, DIGEST)
         path.write_text(json.dumps(label))
 
     return change

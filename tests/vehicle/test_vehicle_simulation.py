@@ -432,6 +432,16 @@ def test_changed_parameters_are_found_out(run: Path, tmp_path: Path) -> None:
         VehicleRecording(changed)
 
 
+def test_a_box_whose_record_is_lost_is_missed(run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    damaged = tmp_path / "damaged"
+    shutil.copytree(run, damaged)
+    (file,) = damaged.glob("*.mcap")
+    file.write_bytes(file.read_bytes().replace(b"dcrb_ros/axle_2.right", b"dcrb_r0s/axle_2.right"))
+    for command in (("simulate", "--from"), ("detect",), ("info",)):
+        assert dcrb(*command, str(damaged)) == 2
+        assert "is damaged: it does not describe the box axle_2.right of its vehicle" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("name", ["a_0.mcap", "z_0.mcap"])
 @pytest.mark.parametrize("vehicle", [True, False])
 def test_a_file_of_another_recording_is_refused(

@@ -7,6 +7,7 @@ stepped once and mixed anew for each of them, which gives the same bits as a sim
 from __future__ import annotations
 
 import hashlib
+import io
 from collections import OrderedDict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -19,11 +20,12 @@ from dcrb_ros.diagnosis.vehicle.detector import BoxBlock
 from dcrb_ros.exam.case import canonical
 from dcrb_ros.measurement.sensor import Measurement, Sensor
 from dcrb_ros.recordings.manifest import model_fingerprint, software, vehicle_fingerprint
+from dcrb_ros.runtime.exit_status import print_error
 from dcrb_ros.schema.arrays import Floats, Samples
 from dcrb_ros.simulation.block_queue import wrapped
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.stream.vehicle_description import VehicleDescription
-from dcrb_ros.text.writing import whole_file
+from dcrb_ros.text.writing import write_whole
 from dcrb_ros.vehicle.description import Box, Vehicle, described
 from dcrb_ros.vehicle.file import vehicle_of
 from dcrb_ros.vehicle.frame import FRAME
@@ -37,6 +39,8 @@ MOST_REMEMBERED = 20
 OF_SENSOR = ("sensor", "structure", "publishing", "tacho", "recording", "background")
 """Groups of a box's configuration on which the motion of its outer ring does not depend."""
 
+DIGEST_SIZE = 32
+"""Bytes of the SHA-256 at the beginning of a kept signal [-]."""
 Motion = list[tuple[Floats, Floats]]
 """Acceleration of an outer ring and angle of its shaft, frame by frame."""
 
@@ -131,15 +135,17 @@ def _mixed(vehicle: Vehicle, duration: float, motions: Sequence[Motion]) -> Vehi
 
 
 def kept_signal(parameters: Mapping[str, Any], duration: float, folder: Path, memory: MotionMemory) -> VehicleSignal:
-    """Return the signal of a vehicle given by its parameters; simulate it if it is not in the folder."""
+    """Return the signal of a vehicle given by its parameters; simulate it if it is not in the folder, or not as it was written."""
     path = signal_path(parameters, duration, folder)
-    if not path.is_file():
-        signal = simulated_signal(vehicle_of(parameters, "the exam"), duration, memory)
+    content = _kept(path)
+    if content is None:
+        signal, stream = simulated_signal(vehicle_of(parameters, "the exam"), duration, memory), io.BytesIO()
         arrays: dict[str, Any] = {f"acceleration.{name}": values for name, values in signal.acceleration.items()}
         arrays |= {f"shaft_angle.{name}": values for name, values in signal.shaft_angle.items()}
-        with whole_file(path) as temporary, temporary.open("wb") as file:
-            np.savez(file, description=np.array(signal.description.to_json()), **arrays)
-    with np.load(path, allow_pickle=False) as kept:
+        np.savez(stream, description=np.array(signal.description.to_json()), **arrays)
+        content = stream.getvalue()
+        write_whole(path, _digest(path, content) + content)
+    with np.load(io.BytesIO(content), allow_pickle=False) as kept:
         names = {name.partition(".")[2] for name in kept.files if "." in name}
         return VehicleSignal(
             VehicleDescription.from_json(str(kept["description"])),
@@ -148,10 +154,26 @@ def kept_signal(parameters: Mapping[str, Any], duration: float, folder: Path, me
         )
 
 
+def _kept(path: Path) -> bytes | None:
+    """Return what a file of a signal contains after its digest; None if there is none, or it is damaged, which is reported."""
+    if not path.is_file():
+        return None
+    written = path.read_bytes()
+    if written[:DIGEST_SIZE] == _digest(path, written[DIGEST_SIZE:]):
+        return written[DIGEST_SIZE:]
+    print_error("dcrb", f"{path} is damaged, or that of another vehicle; it is simulated again")
+    return None
+
+
+def _digest(path: Path, content: bytes) -> bytes:
+    """Return the hash of a content and of the name of its file, so that the signal of another vehicle is found."""
+    return hashlib.sha256(path.name.encode() + content).digest()
+
+
 def signal_path(parameters: Mapping[str, Any], duration: float, folder: Path) -> Path:
     """Return the file of a vehicle's signal; its name is a hash of everything on which the samples depend."""
     about = canonical([dict(parameters), duration, model_fingerprint(), vehicle_fingerprint(), software()])
-    return folder / f"{hashlib.sha256(about.encode()).hexdigest()[:24]}.npz"
+    return folder / f"{hashlib.sha256(about.encode()).hexdigest()[:24]}.signal"
 
 
 def _on_which_motion_depends(vehicle: Vehicle, box: Box) -> list[Any]:
