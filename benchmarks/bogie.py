@@ -17,6 +17,7 @@ import numpy as np
 
 from dcrb_ros.diagnosis.vehicle.detector import VehicleDetector
 from dcrb_ros.exam.statistics import share
+from dcrb_ros.exam.vehicle.evaluation import pieces
 from dcrb_ros.exam.vehicle.exam_file import VehicleCase, read_vehicle_exam
 from dcrb_ros.exam.vehicle.signals import VehicleSignal, kept_signal, signal_path
 from dcrb_ros.schema.verdicts import BEARING_FAULTS
@@ -43,8 +44,11 @@ def alarms(signal: VehicleSignal) -> tuple[Alarms, set[str]]:
     detector = VehicleDetector(signal.description)
     found: dict[str, dict[str, str]] = {name: {} for name in DETECTORS}
     causes: set[str] = set()
-    for blocks in signal.blocks():
+    for blocks, _, _ in pieces(signal):
         diagnosis = detector.add(blocks)
+        for name, block in blocks.items():
+            for reading in block.temperatures:
+                detector.take_temperature(name, *reading)
         if diagnosis is None:
             continue
         found["comparing"].update(diagnosis.damaged())

@@ -2,24 +2,37 @@
 
 from __future__ import annotations
 
+import dataclasses
+from collections.abc import Mapping
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 from synthetic_bogie import BOXES, DESCRIPTION, bogie
 
 from dcrb_ros.exam.credit import vehicle_detection
 from dcrb_ros.exam.criteria import Criteria
+from dcrb_ros.exam.entry import entry_of, read_entry, write_entry
+from dcrb_ros.exam.evaluation import evaluate
 from dcrb_ros.exam.exam_file import read_exam
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.limits import Limits
-from dcrb_ros.exam.running_detector import checked_statuses
-from dcrb_ros.exam.vehicle.evaluation import ProcessVehicleDetector, PythonVehicleDetector, VehicleOutcome, box_verdict, scored_boxes
-from dcrb_ros.exam.vehicle.exam_file import VehicleCase, read_vehicle_exam
-from dcrb_ros.exam.vehicle.signals import VehicleSignal
+from dcrb_ros.exam.running_detector import BoxSamples, checked_statuses
+from dcrb_ros.exam.vehicle.evaluation import (
+    ProcessVehicleDetector,
+    PythonVehicleDetector,
+    VehicleOutcome,
+    box_verdict,
+    scored_boxes,
+    vehicle_scenarios,
+)
+from dcrb_ros.exam.vehicle.exam_file import VehicleCase, VehicleExam, read_vehicle_exam
+from dcrb_ros.exam.vehicle.signals import VehicleSignal, keep_signal, signal_path
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.vehicle_diagnosis import Status, VehicleDiagnosis
+from dcrb_ros.vehicle.file import read_parameters
 
 CRITERIA = Criteria(silence=3.0)
 CASE = VehicleCase("case", {"vehicle.speed_kmh": 120.0}, 3.0, {"axle_1.left": "outer_ring"})
@@ -124,6 +137,53 @@ def test_a_class_takes_part_in_a_process_of_its_own(tmp_path: Path) -> None:
 def test_a_detector_without_add_is_refused() -> None:
     with pytest.raises(Refusal, match="has no method add"):
         PythonVehicleDetector("x", lambda description: object()).diagnose(signal())
+
+
+class Listening:
+    """A detector that remembers the temperatures, and finds a hot box a roller defect."""
+
+    def __init__(self, description: object) -> None:
+        self.readings: list[tuple[str, float, float, float]] = []
+        self.samples = 0
+
+    def add(self, blocks: Mapping[str, BoxSamples]) -> dict[str, str] | None:
+        self.samples += len(blocks[BOXES[0]].acceleration)
+        hot = {name for name, _, ring, air in self.readings if ring - air > 50.0}
+        return {f"{name}/bearing": "roller" if name in hot else "healthy" for name in BOXES} if self.samples > 2 * 51200 else None
+
+    def take_temperature(self, box: str, time: float, temperature: float, ambient: float) -> None:
+        self.readings.append((box, time, temperature, ambient))
+
+
+def test_a_detector_receives_the_temperatures_of_each_box_once() -> None:
+    warm = {BOXES[2]: np.array([[0.0, 80.0, 20.0], [1.0, 81.0, 20.0], [2.0, 82.0, 20.5]])}
+    detectors: list[Listening] = []
+
+    def made(description: object) -> Listening:
+        detectors.append(Listening(description))
+        return detectors[0]
+
+    found = PythonVehicleDetector("listening", made).diagnose(dataclasses.replace(signal(), temperatures=warm))
+    assert detectors[0].readings == [(BOXES[2], *row) for row in warm[BOXES[2]].tolist()]
+    assert {name: received[-1].verdict for name, received in found.received.items()} == {
+        name: "roller" if name == BOXES[2] else "healthy" for name in BOXES
+    }
+
+
+def test_vehicles_are_evaluated_as_bearings_are(tmp_path: Path) -> None:
+    parameters = {**read_parameters("healthy_bogie"), "vehicle.speed_kmh": 120.0}
+    case = VehicleCase("case", parameters, 3.0, {"axle_2.left": "roller"})
+    exam = VehicleExam("one", "", CRITERIA, (case,))
+    scenarios = vehicle_scenarios(exam, tmp_path, workers=2)
+    assert not scenarios.scenarios[0].recorded()  # type: ignore[misc]
+    given = dataclasses.replace(signal(), temperatures={BOXES[2]: np.array([[0.0, 80.0, 20.0]])})
+    keep_signal(given, signal_path(parameters, 3.0, tmp_path))
+    report = evaluate(PythonVehicleDetector("listening", Listening), scenarios, workers=2)
+    assert {result.expectation.name: result.answer for result in report.results} == {
+        f"case/{name}": "roller" if name == BOXES[2] else "healthy" for name in BOXES
+    }
+    write_entry(entry_of(report), tmp_path / "entry.json")
+    assert [scenario.name for scenario in read_entry(tmp_path / "entry.json").scenarios] == [f"case/{name}" for name in BOXES]
 
 
 def test_the_shipped_exam_covers_boxes_components_and_cross_talk() -> None:

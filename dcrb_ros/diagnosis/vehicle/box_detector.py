@@ -23,7 +23,7 @@ from dcrb_ros.stream.diagnosis import Diagnosis
 BEFORE, AFTER = 2e-3, 0.012
 """Time before and after a kink of the rail in which an envelope shows it [s]: lateness of the other box, and the ringing of the structure.
 
-With 8 to 30 ms, healthy bearings beside joints had 2 to 10 dB less evidence than with 0, and 12 ms left the least."""
+With 8 to 30 ms, healthy bearings beside joints had 5 to 9 dB less evidence than with 0, and 12 ms left the least in the mean."""
 
 
 class OwnWindow(NamedTuple):

@@ -75,7 +75,7 @@ class PythonVehicleDetector:
             RuntimeError: it raised an exception.
         """
         outcome, detector = VehicleOutcome(), RunningVehicleDetector(self.factory, signal.description)
-        for piece, _, end in _pieces(signal):
+        for piece, _, end in pieces(signal):
             statuses = detector.take(piece)
             if statuses is not None:
                 outcome.add(signal.description, (end - 1) / signal.description.sampling_rate, statuses)
@@ -105,7 +105,7 @@ class ProcessVehicleDetector:
 
                 def exchange() -> None:
                     begin = BeginVehicle(description.to_json())
-                    for kind, content, end in process.answers(begin, _pieces(signal), description.sampling_rate):
+                    for kind, content, end in process.answers(begin, pieces(signal), description.sampling_rate):
                         if kind == STATUSES:
                             outcome.add(description, (end - 1) / description.sampling_rate, _statuses(content))
 
@@ -175,7 +175,7 @@ def scored_boxes(case: VehicleCase, description: VehicleDescription, outcome: Ve
     return results
 
 
-def _pieces(signal: VehicleSignal) -> Iterator[tuple[dict[str, BoxSamples], int, int]]:
+def pieces(signal: VehicleSignal) -> Iterator[tuple[dict[str, BoxSamples], int, int]]:
     """Yield blocks of all boxes, with the index of their first sample and the one after their last."""
     rate = signal.description.sampling_rate
     for number, blocks in enumerate(signal.blocks(BLOCK)):

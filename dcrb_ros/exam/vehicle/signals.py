@@ -156,14 +156,19 @@ def _mixed(vehicle: Vehicle, duration: float, motions: Sequence[Motion]) -> Vehi
     return VehicleSignal(described(vehicle), dict(zip(names, accelerations, strict=True)), dict(zip(names, angles, strict=True)))
 
 
+def keep_signal(signal: VehicleSignal, path: Path) -> None:
+    """Write a signal to a file, from which `kept_signal` reads it."""
+    arrays: dict[str, Any] = {f"{kind}.{name}": values for kind in KINDS for name, values in getattr(signal, kind).items()}
+    with whole_file(path) as temporary, temporary.open("wb") as file:
+        np.savez(file, description=np.array(signal.description.to_json()), **arrays)
+
+
 def kept_signal(parameters: Mapping[str, Any], duration: float, folder: Path, *, threads: int | None = None) -> VehicleSignal:
     """Return the signal of a vehicle given by its parameters; simulate it with some threads if it is not in the folder."""
     path = signal_path(parameters, duration, folder)
     if not path.is_file():
         signal = simulated_signal(vehicle_of(parameters, "the exam"), duration, _memory(duration), threads)
-        given: dict[str, Any] = {f"{kind}.{name}": values for kind in KINDS for name, values in getattr(signal, kind).items()}
-        with whole_file(path) as temporary, temporary.open("wb") as file:
-            np.savez(file, description=np.array(signal.description.to_json()), **given)
+        keep_signal(signal, path)
     with np.load(path, allow_pickle=False) as kept:
         arrays: dict[str, dict[str, Any]] = {kind: {} for kind in KINDS}
         for name in sorted(kept.files):
