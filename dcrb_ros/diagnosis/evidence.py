@@ -195,10 +195,12 @@ class Levels(NamedTuple):
     """Power, shape (bands,) [dB]."""
     change: Floats
     """Change since the first average at this speed, shape (bands,) [dB]."""
+    fall: float
+    """Fall of the power, mean over the bands, from the lowest of the first hops to the highest of the latest [dB]."""
     signal: Floats
     """Change of the power without the noise of the sensor, NaN in bands in which there was more noise than signal, shape (bands,) [dB]."""
-    fall: float
-    """Fall of that power, mean over those bands, from the lowest of the first hops to the highest of the latest; NaN without bands [dB]."""
+    signal_fall: float
+    """The same fall of that power, mean over those bands; NaN without bands [dB]."""
 
 
 class LevelHistory:
@@ -240,18 +242,24 @@ class LevelHistory:
         latest = np.array(self._latest)
         if self._first is None:
             self._first = latest
-        first, level = _decibels(self._first).mean(axis=0), _decibels(latest).mean(axis=0)
-        return Levels(level, level - first, *self._without_noise(self._first, latest))
+        first, last = _decibels(self._first), _decibels(latest)
+        level = last.mean(axis=0)
+        return Levels(level, level - first.mean(axis=0), _fall(first, last), *self._without_noise(self._first, latest))
 
     def _without_noise(self, first: Floats, latest: Floats) -> tuple[Floats, float]:
-        """Return `Levels.signal` and `Levels.fall` of hops of shape (hops, bands) [(m/s^2)^2]."""
+        """Return `Levels.signal` and `Levels.signal_fall` of hops of shape (hops, bands) [(m/s^2)^2]."""
         noise = self._density * self._widths
         heard = first.mean(axis=0) >= 2.0 * noise
         before, now = (_decibels(np.maximum(powers - noise, LEAST_SIGNAL * noise)) for powers in (first, latest))
         signal = np.where(heard, now.mean(axis=0) - before.mean(axis=0), np.nan)
         if not heard.any():
             return signal, math.nan
-        return signal, float(before[:, heard].mean(axis=1).min() - now[:, heard].mean(axis=1).max())
+        return signal, _fall(before[:, heard], now[:, heard])
+
+
+def _fall(first: Floats, latest: Floats) -> float:
+    """Return the fall of the mean over the bands from the lowest of the first hops to the highest of the latest [dB]."""
+    return float(first.mean(axis=1).min() - latest.mean(axis=1).max())
 
 
 def _decibels(powers: Floats) -> Floats:

@@ -55,8 +55,8 @@ class JudgedRecording(Protocol):
         """Characteristic orders of the bearing."""
 
     @property
-    def gains_differ(self) -> bool:
-        """Whether its level cannot be compared with that of another bearing of the machine."""
+    def gain_known(self) -> bool:
+        """Whether its level can be compared with that of another bearing of the machine."""
 
     def longest_part(self, seconds: float) -> Floats:
         """Return the acceleration of the first ``seconds`` [m/s^2], shape (samples,)."""
@@ -69,7 +69,7 @@ Judged = TypeVar("Judged", bound=JudgedRecording)
 class LedSignal(Generic[Judged]):
     """A recording after a healthy one; the shaft turns on without a jump, at the speed of each.
 
-    Where gains differ, the healthy one is scaled to the rms of the recording, so that no detector is misled by the difference of levels.
+    Unless the gain is known to be one, the healthy recording is scaled to the rms of the other: levels cannot be compared then.
     """
 
     recording: Judged
@@ -118,7 +118,7 @@ class LedSignal(Generic[Judged]):
         common = gcd(self.lead.rate, rate)
         if self.lead.rate != rate:
             signal = np.asarray(resample_poly(signal, rate // common, self.lead.rate // common))
-        return signal * self._scale(signal) if self.recording.gains_differ else signal
+        return signal if self.recording.gain_known else signal * self._scale(signal)
 
     def _scale(self, lead: Floats) -> float:
         """Return the factor that gives the healthy recording the rms of the other one; 1 if one of them is constant."""

@@ -36,8 +36,8 @@ OPTIONAL_COLUMNS = ("speed_rpm_from_lines", "machine", "bearing")
 """Columns that the table may have: the measured speed, the physical rig and the bearing of each recording; see `read_measured`."""
 REPLICA_COLUMNS = ("seconds", "load", "pitch_diameter_mm", "gain")
 """Columns that only a replica uses; see `replica_table`."""
-KNOWN, UNKNOWN, DIFFERENT = "known", "unknown", "different"
-"""Values of the column `gain`: all bearings of the machine were recorded with one gain, perhaps with one, or with different ones."""
+KNOWN, UNKNOWN = "known", "unknown"
+"""Values of the column `gain`: whether all bearings of the machine are known to have been recorded with one gain."""
 COLUMNS = ("name", "rig", "truth", "sampling_rate", "unit", "speed_rpm_documented", *CHARACTERISTIC_FREQUENCIES)
 """Columns that the table must have."""
 SPEEDS = {"lines": "speed_rpm_from_lines", "documented": "speed_rpm_documented"}
@@ -69,8 +69,8 @@ class MeasuredRecording:
     """Physical rig: a rig that is recorded in two ways is one machine."""
     bearing: str
     """Bearing on the machine; recordings of one bearing are not independent."""
-    gains_differ: bool = False
-    """Whether levels of different bearings of the machine cannot be compared."""
+    gain_known: bool = False
+    """Whether all bearings of the machine are known to have been recorded with one gain, so that their levels can be compared."""
 
     def samples(self) -> Floats:
         """Return the acceleration, shape (samples,) [m/s^2].
@@ -142,10 +142,10 @@ def _row(table: Path, line: int, row: dict[str, str], speed: str) -> MeasuredRec
             f"{table}, line {line}: name = '{name}' is not the name of a file in {table.parent / 'recordings'}: give it without a path"
         )
     gain = row.get("gain") or UNKNOWN
-    if gain not in (KNOWN, UNKNOWN, DIFFERENT):
+    if gain not in (KNOWN, UNKNOWN):
         raise Refusal(
             f"{table}, line {line}: gain = {gain} is invalid: give {KNOWN} if all bearings of this rig were recorded with one gain, "
-            f"{DIFFERENT} if they were not, or {UNKNOWN}"
+            f"otherwise {UNKNOWN} or nothing"
         )
     machine = row.get("machine") or _machine(row["rig"], rate)
     bearing = row.get("bearing") or f"{row['truth']} {name.rpartition('_')[0] or name}"
@@ -161,7 +161,7 @@ def _row(table: Path, line: int, row: dict[str, str], speed: str) -> MeasuredRec
         file,
         machine,
         f"{machine} {bearing}",
-        gains_differ=gain == DIFFERENT,
+        gain_known=gain == KNOWN,
     )
 
 

@@ -69,9 +69,9 @@ class SimulatedRecording:
         return self.original.orders
 
     @property
-    def gains_differ(self) -> bool:
-        """Whether levels of different bearings cannot be compared, according to the table."""
-        return self.original.gains_differ
+    def gain_known(self) -> bool:
+        """Whether levels of different bearings can be compared, according to the table."""
+        return self.original.gain_known
 
     def longest_part(self, seconds: float) -> Floats:
         """Return the vertical acceleration of the first ``seconds`` [m/s^2], shape (samples,); it is simulated if it is missing."""
@@ -150,7 +150,7 @@ def _task(one: Judged, original: MeasuredRecording, others: Sequence[Judged], lo
         one.orders.as_dict(),
         getattr(one, "unit", ""),
         longest,
-        *(["gains differ"] if one.gains_differ else []),
+        one.gain_known,
     ]
     digest = hashlib.sha256(json.dumps(about).encode()).hexdigest()
     return Task(LedSignal(one, lead, longest, longest), original, digest)

@@ -20,10 +20,8 @@ from dcrb_ros.exam.replica_priors import (
     AZIMUTH,
     BACKGROUND,
     DEPTH,
-    EQUAL_GAINS,
     FLOOR,
     GAIN,
-    GAIN_KNOWN,
     HOUSINGS,
     LINES,
     LOAD,
@@ -207,8 +205,8 @@ def _drawn_settings(
     truth, kind = recording.truth, "balls" if bench.contact.law == BALLS else "rollers"
     of_machine = drawn("machine", truth, kind, seed_of(plan.seed, machine), plan.left_out)
     of_bearing = drawn("bearing", truth, kind, seed_of(plan.seed, machine, recording.bearing), plan.left_out)
-    gain, equal, load = of_bearing.pop(GAIN), of_machine.pop(GAIN_KNOWN) < EQUAL_GAINS, of_machine.pop(LOAD) * bench.operating.load
-    gain = 1.0 if (equal if columns.gain_known is None else columns.gain_known) else gain
+    gain, load = of_bearing.pop(GAIN), of_machine.pop(LOAD) * bench.operating.load
+    gain = 1.0 if recording.gain_known else gain
     fault = {name: of_bearing.pop(name) for name in (WIDTH, DEPTH, SHARE, AZIMUTH) if name in of_bearing}
     speed = 2.0 * math.pi * recording.speed
     settings = {

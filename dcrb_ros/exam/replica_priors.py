@@ -67,14 +67,13 @@ class Prior:
 
 
 RINGS = ("outer_ring", "inner_ring")
-LOAD, GAIN, GAIN_KNOWN, WIDTH, DEPTH, SHARE, AZIMUTH = "load", "gain", "gain known", "width", "depth", "share", "azimuth"
+LOAD, GAIN, WIDTH, DEPTH, SHARE, AZIMUTH = "load", "gain", "width", "depth", "share", "azimuth"
 BACKGROUND, LINES, FLOOR = "structure.background", "structure.background_lines", "structure.floor"
 PRIORS: tuple[Prior, ...] = (
     Prior(LOAD, "machine", LogUniform(0.5, 5.0), "of the bench's load", "unknown on CWRU and HIT; 110 to 1340 N on MFPT"),
     Prior("operating.speed_fluctuation", "machine", LogUniform(3e-4, 3e-3), "-", "motors without a flywheel"),
     Prior("structure.seed", "machine", Seed(), "-", "the housing: distributions of `housing_priors.LABORATORY`", "path"),
     Prior("sensor.noise_density", "machine", LogUniform(5e-4, 4e-3), "m/s²/√Hz", "data sheets of IEPE sensors, times the gain"),
-    Prior(GAIN_KNOWN, "machine", Uniform(0.0, 1.0), "-", "below 0.5 all bearings have one gain; a column `gain` says so instead"),
     Prior("surfaces.seed", "bearing", Seed(), "-", "the individual"),
     Prior("surfaces.waviness", "bearing", LogUniform(1e-8, 1e-7), "m", "new and run bearings"),
     Prior("surfaces.run_out", "bearing", LogUniform(5e-7, 5e-6), "m", "tolerance classes P5 to normal"),
@@ -99,18 +98,16 @@ PRIORS: tuple[Prior, ...] = (
     Prior(BACKGROUND, "machine", AXLE_BOX.background, "dB", "over the healthy bearing", "background", (), "rollers"),
     Prior(LINES, "machine", LABORATORY.lines, "-", "share of lines on CWRU and HIT", "background", (), "balls"),
     Prior(LINES, "machine", AXLE_BOX.lines, "-", "a choice", "background", (), "rollers"),
-    Prior(FLOOR, "bearing", FLOORS["outer"], "-", "quiet quarter between impacts on CWRU", "background", ("outer_ring",)),
+    Prior(FLOOR, "bearing", FLOORS["outer"], "-", "quiet quarter between impacts on three rigs", "background", ("outer_ring",)),
     Prior(FLOOR, "bearing", FLOORS["inner"], "-", "the same", "background", ("inner_ring",)),
-    Prior(FLOOR, "bearing", FLOORS["roller"], "-", "the same", "background", ("roller",)),
-    Prior(GAIN, "bearing", Lognormal(1.0, 3.0), "-", "an amplifier is set when a bearing is mounted; sets differ tenfold"),
+    Prior(FLOOR, "bearing", FLOORS["roller"], "-", "the same on CWRU", "background", ("roller",)),
+    Prior(GAIN, "bearing", Lognormal(1.0, 3.0), "-", "an amplifier is set when a bearing is mounted; 1 if it is `known`"),
 )
 """What is drawn for every replica."""
 HOUSINGS = {"balls": "laboratory", "rollers": "axle_box"}
 """Housing of a replica with a path, by the kind of its bench; see `dcrb_ros.measurement.housing_priors`."""
 MOST_SPREAD = 1.3
 """Largest spread of the strength of impacts [-]."""
-EQUAL_GAINS = 0.5
-"""Probability that all bearings of a machine are recorded with one gain [-]."""
 
 
 def drawn(owner: Owner, truth: str, bench: str, random: np.random.Generator, without: Iterable[str] = ()) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from dcrb_ros.exam.measured import COLUMNS, KNOWN, OPTIONAL_COLUMNS, REPLICA_COLUMNS
+from dcrb_ros.exam.measured import COLUMNS, OPTIONAL_COLUMNS, REPLICA_COLUMNS
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.tables import read_rows
 
@@ -22,8 +22,6 @@ class ReplicaColumns:
     """Radial load, column `load` [N]."""
     pitch_radius: float | None
     """Half of the column `pitch_diameter_mm` [m]."""
-    gain_known: bool | None
-    """Whether all bearings of the machine are known to have been recorded with one gain, column `gain`; None without it."""
 
 
 def read_replica_columns(table: Path) -> Mapping[str, ReplicaColumns]:
@@ -38,12 +36,11 @@ def read_replica_columns(table: Path) -> Mapping[str, ReplicaColumns]:
 
 def _columns(table: Path, line: int, row: Mapping[str, str | None]) -> ReplicaColumns:
     where = f"{table}, line {line}"
-    pitch, gain = _number(row, "pitch_diameter_mm", "mm", where), row.get("gain") or None
+    pitch = _number(row, "pitch_diameter_mm", "mm", where)
     return ReplicaColumns(
         _number(row, "seconds", "s", where) or math.inf,
         _number(row, "load", "N", where),
         None if pitch is None else 5e-4 * pitch,
-        None if gain is None else gain == KNOWN,
     )
 
 

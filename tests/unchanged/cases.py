@@ -119,6 +119,7 @@ CASES: dict[str, tuple[str, tuple[str, ...]]] = {
 """Configuration, `paper` or the name of a dry bench, and settings of each run."""
 
 FILM = ("lubrication.law=film", "lubrication.lubricant=grease", "lubrication.temperature=60.0", "operating.start=settled")
+DRY_CAGE = "lubrication.law=film"
 """An oil film between smooth surfaces."""
 OILED_CASES: dict[str, tuple[str, tuple[str, ...]]] = {
     "oiled_healthy": ("healthy", ()),
@@ -146,9 +147,10 @@ OILED_CASES: dict[str, tuple[str, tuple[str, ...]]] = {
             "faults.clearance.lost=5e-5",
         ),
     ),
-    "balls": ("ball_bearing_6205", ()),
-    "balls_outer": ("ball_bearing_6205", ("faults.outer_1.width=0.0005",)),
-    "balls_roller": ("ball_bearing_6205", ("faults.roller_1.width=0.0005", "simulation.seed=4")),
+    "balls": ("ball_bearing_6205", (DRY_CAGE,)),
+    "balls_outer": ("ball_bearing_6205", (DRY_CAGE, "faults.outer_1.width=0.0005")),
+    "balls_roller": ("ball_bearing_6205", (DRY_CAGE, "faults.roller_1.width=0.0005", "simulation.seed=4")),
+    "balls_oiled_cage": ("ball_bearing_6205", ()),
 }
 """Shipped benches with oil, profiles, heat and balls, or the bench `dry` with one of them, and settings of each run."""
 

@@ -31,7 +31,7 @@ class GainDrift(LevelRule[GainDriftParameters]):
 
     A gain g lowers the signal S_k of each band, but not the noise N_k of the sensor, so that its power becomes g^2 S_k + N_k. The fall must
     be common to the powers of all bands, as without noise, or to S_k in the bands that had more signal than noise at first. Random
-    impacts vary from one hop to the next; all of the latest S_k must therefore be lower than each of the first ones.
+    impacts vary from one hop to the next; all of the latest powers must therefore be lower than each of the first ones.
     """
 
     parameters = GainDriftParameters
@@ -47,15 +47,12 @@ class GainDrift(LevelRule[GainDriftParameters]):
             return ""
         heard = levels.signal[np.isfinite(levels.signal)]
         changes = [levels.change, *([heard] if len(heard) >= FEWEST_BANDS else [])]
-        together = [self._alike(levels.change), self._alike(heard) and levels.fall >= self.p.gain_drop]
+        together = [self._alike(levels.change, levels.fall), self._alike(heard, levels.signal_fall)]
         # Further down the noise of the sensor dominates in the weaker bands, and they no longer fall together.
         self._low = any(together) or (self._low and any(float(change.max()) <= -self.p.gain_drop for change in changes))
         fall = -float(changes[-1].mean())
         return f"all bands have decreased by {fall:.1f} dB at the same speed: the gain of the sensor drifts" if self._low else ""
 
-    def _alike(self, change: Floats) -> bool:
-        """Return whether several bands have fallen enough, and nearly by the same [dB]."""
-        if len(change) < FEWEST_BANDS:
-            return False
-        fall = -float(change.mean())
-        return fall >= self.p.gain_drop and float(np.ptp(change)) <= self.p.gain_spread * fall
+    def _alike(self, change: Floats, fall: float) -> bool:
+        """Return whether several bands have fallen in every hop by enough, and in the mean nearly by the same [dB]."""
+        return len(change) >= FEWEST_BANDS and fall >= self.p.gain_drop and float(np.ptp(change)) <= -self.p.gain_spread * change.mean()

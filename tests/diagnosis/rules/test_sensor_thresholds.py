@@ -232,7 +232,8 @@ def test_a_signal_that_drifts_without_vibrating_is_dead_at_any_gain(frequency: f
 def levels(*change: float, level: tuple[float, ...] = (), third: int | None = 2) -> Any:
     """Return levels without noise, whose change is certain."""
     return SimpleNamespace(
-        levels=Levels(np.array(level or change), np.array(change), np.array(change), -float(np.mean(change))), third=third
+        levels=Levels(np.array(level or change), np.array(change), -float(np.mean(change)), np.array(change), -float(np.mean(change))),
+        third=third,
     )
 
 
@@ -291,6 +292,9 @@ def test_a_drift_exceeds_the_scatter_of_the_hops() -> None:
     assert drifted(0.6)
     assert drifted(0.6, scatter=1.0) == ""
     assert drifted(0.4, scatter=1.0)
+    loud = (2e4, 1e4, 5e3, 1e3)  # so that the powers of all bands fall alike
+    assert drifted(0.6, signal=loud)
+    assert drifted(0.6, signal=loud, scatter=1.0) == ""
 
 
 def test_levels_without_noise_of_which_nothing_is_heard_are_unknown() -> None:
@@ -298,7 +302,7 @@ def test_levels_without_noise_of_which_nothing_is_heard_are_unknown() -> None:
     found = [history.add(np.array([1.0, 1.0]), 20.0) for _ in range(4)][-1]
     assert found is not None
     assert np.isnan(found.signal).all()
-    assert np.isnan(found.fall)
+    assert np.isnan(found.signal_fall)
     assert GainDrift(P).flaw(SimpleNamespace(levels=found)) == ""  # type: ignore[arg-type]
 
 
