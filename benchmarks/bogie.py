@@ -17,8 +17,9 @@ import numpy as np
 
 from dcrb_ros.diagnosis.vehicle.detector import VehicleDetector
 from dcrb_ros.exam.statistics import share
+from dcrb_ros.exam.vehicle.evaluation import pieces
 from dcrb_ros.exam.vehicle.exam_file import VehicleCase, read_vehicle_exam
-from dcrb_ros.exam.vehicle.signals import MotionMemory, VehicleSignal, kept_signal, signal_path
+from dcrb_ros.exam.vehicle.signals import VehicleSignal, kept_signal, signal_path
 from dcrb_ros.schema.verdicts import BEARING_FAULTS
 from dcrb_ros.stream.vehicle_diagnosis import UNDECIDED, VEHICLE_VERDICTS, kind_of
 
@@ -43,8 +44,11 @@ def alarms(signal: VehicleSignal) -> tuple[Alarms, set[str]]:
     detector = VehicleDetector(signal.description)
     found: dict[str, dict[str, str]] = {name: {} for name in DETECTORS}
     causes: set[str] = set()
-    for blocks in signal.blocks():
+    for blocks, _, _ in pieces(signal):
         diagnosis = detector.add(blocks)
+        for name, block in blocks.items():
+            for reading in block.temperatures:
+                detector.take_temperature(name, *reading)
         if diagnosis is None:
             continue
         found["comparing"].update(diagnosis.damaged())
@@ -78,13 +82,13 @@ def main() -> None:
     parser.add_argument("--recordings", type=Path, required=True)
     parser.add_argument("--kept", action="store_true")
     given = parser.parse_args()
-    exam, memory = read_vehicle_exam("bogie"), MotionMemory()
+    exam = read_vehicle_exam("bogie")
     rows: dict[str, list[dict[str, tuple[bool, bool]]]] = defaultdict(list)
     causes: dict[str, list[set[str]]] = defaultdict(list)
     for case in exam.cases:
         if given.kept and not signal_path(case.parameters, case.duration, given.recordings).is_file():
             continue
-        found, named = alarms(kept_signal(case.parameters, case.duration, given.recordings, memory))
+        found, named = alarms(kept_signal(case.parameters, case.duration, given.recordings))
         rows[row_of(case)].append({name: outcome(found[name], case) for name in DETECTORS})
         causes[row_of(case)].append(named)
     print_tables(rows, causes)

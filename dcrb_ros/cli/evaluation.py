@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from dcrb_ros.exam.exam_file import Exam
     from dcrb_ros.exam.limits import Limits
     from dcrb_ros.exam.report import Report
-    from dcrb_ros.exam.vehicle.evaluation import VehicleCandidate
     from dcrb_ros.exam.vehicle.exam_file import VehicleExam
+    from dcrb_ros.exam.vehicle.signals import VehicleSignal
     from dcrb_ros.recordings.reader import Recording
 
 
@@ -72,7 +72,7 @@ class DetectorOptions(NamedTuple):
 
         return shipped_detector(self.parameters, self.name)
 
-    def vehicle_candidate(self) -> VehicleCandidate:
+    def vehicle_candidate(self) -> Candidate[VehicleSignal]:
         """Return the detector for the signals of a vehicle."""
         from dcrb_ros.exam.vehicle.evaluation import ProcessVehicleDetector, shipped_vehicle_detector
 
@@ -109,15 +109,17 @@ def evaluate_exam(exam: Exam, options: DetectorOptions, recordings: Path | None,
     return evaluate(candidate, simulated_scenarios(exam, folder), workers=workers, progress=partial(progress_of, quiet=quiet))
 
 
-def evaluate_vehicle_exam(exam: VehicleExam, options: DetectorOptions, recordings: Path | None, *, quiet: bool) -> Report:
+def evaluate_vehicle_exam(exam: VehicleExam, options: DetectorOptions, recordings: Path | None, workers: int, *, quiet: bool) -> Report:
     """Return the report of the exam of a vehicle."""
+    from dcrb_ros.exam.evaluation import evaluate
     from dcrb_ros.exam.recording_cache import checked_folder, default_folder
-    from dcrb_ros.exam.vehicle.evaluation import evaluate_vehicles
+    from dcrb_ros.exam.vehicle.evaluation import vehicle_scenarios
 
     folder = checked_folder(recordings or default_folder() / "vehicles")
     candidate = options.vehicle_candidate()
     announce_compilation(quiet=quiet)
-    return evaluate_vehicles(exam, candidate, folder, partial(progress_of, quiet=quiet))
+    scenarios = vehicle_scenarios(exam, folder, workers)
+    return evaluate(candidate, scenarios, workers=workers, progress=partial(progress_of, quiet=quiet))
 
 
 def evaluate_bags(bags: Sequence[Path], options: DetectorOptions, *, run_detector: bool, workers: int, quiet: bool) -> Report:

@@ -115,13 +115,11 @@ def score(
         if len(given) > 1:
             raise Refusal(f"{len(given)} exams are given ({', '.join(given)}): give one at a time")
         if is_vehicle_exam(given[0]):
-            if workers or entry is not None:
-                raise Refusal(f"{given[0]} is the exam of a vehicle, whose boxes use all processors: leave out --workers and --entry")
             vehicles = _select_vehicles(read_vehicle_exam(given[0]), only)
             if show:
                 print_vehicles(vehicles)
                 return
-            report = evaluate_vehicle_exam(vehicles, options, recordings, quiet=quiet)
+            report = evaluate_vehicle_exam(vehicles, options, recordings, count, quiet=quiet)
         else:
             selected = _select(read_exam(given[0]), only)
             if show:

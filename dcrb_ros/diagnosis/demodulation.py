@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 from scipy import fft
-from scipy.ndimage import uniform_filter1d
+from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
@@ -33,6 +33,13 @@ LARGEST_LIFT = 30.0
 
 A slow bearing has such parts above the frequencies of its waves. Nothing is left there but the faint strikes of healthy rollers at the edge
 of the load zone, which must not count as much as the loud parts."""
+
+TONE = 0.5
+"""Share of the power within the width of whitening from which three neighbouring values are a tone [-].
+
+Impacts at intervals make lines at all multiples of their frequency. Two of them share the power if it is below half of that width."""
+LEAKAGE = 4
+"""Values on either side of a tone that are removed with it [-]: the rest of a segment without a window is 13 dB below."""
 
 QUARTERS = 4
 """Parts of the detector's band in which levels are compared."""
@@ -101,9 +108,12 @@ def tukey(length: int, taper: float) -> Floats:
 class Demodulator:
     """Computes the squared envelopes of segments of equal length in several bands."""
 
-    def __init__(self, bands: tuple[Band, ...], rate: int, samples: int, whitening: float = 0.0) -> None:
-        """Prepare for segments of ``samples`` at ``rate`` [Hz], whitened over a width of ``whitening`` [Hz], 0 for not at all."""
-        self.bands, self.samples = bands, samples
+    def __init__(self, bands: tuple[Band, ...], rate: int, samples: int, whitening: float = 0.0, *, tones: bool = True) -> None:
+        """Prepare for segments of ``samples`` at ``rate`` [Hz], whitened over a width of ``whitening`` [Hz], 0 for not at all.
+
+        Without ``tones``, those that whitening leaves are removed.
+        """
+        self.bands, self.samples, self._tones = bands, samples, tones
         self._length = fft.next_fast_len(samples, real=True)
         self._bins = [range(round(band.low * self._length / rate), round(band.high * self._length / rate)) for band in bands]
         counts = [fft.next_fast_len(OVERSAMPLING * len(bins)) for bins in self._bins]
@@ -124,6 +134,9 @@ class Demodulator:
         np.multiply(segment.T, 1.0 / largest, out=padded[:, : len(segment)], casting="same_kind")
         spectrum = fft.rfft(padded)
         power = _summed_squares(spectrum) if self._width else None
+        if power is not None and not self._tones:
+            removed = self._tonal(power)
+            spectrum[:, removed], power[removed] = 0.0, 0.0
         white = self._whitening_gain(power) if power is not None else None
         envelopes = []
         for bins, gain, positions in zip(self._bins, self._gains, self._positions, strict=True):
@@ -148,6 +161,14 @@ class Demodulator:
         local = uniform_filter1d(power.astype(np.float64), self._width, mode="nearest")
         quiet = max(10.0 ** (-LARGEST_LIFT / 10.0) * float(local[self._range].max()), float(np.finfo(np.float32).tiny))
         return np.asarray(np.sqrt(np.maximum(local, 0.0)) / (local + quiet), np.float32)
+
+    def _tonal(self, power: npt.NDArray[np.float32]) -> npt.NDArray[np.bool_]:
+        """Return which values of a power spectrum belong to tones, shape (frequencies,)."""
+        values = power.astype(np.float64)
+        tones = 3.0 * uniform_filter1d(values, 3, mode="nearest") > TONE * self._width * uniform_filter1d(
+            values, self._width, mode="nearest"
+        )
+        return np.asarray(maximum_filter1d(tones, 2 * LEAKAGE + 1), np.bool_)
 
     def _envelope(self, part: npt.NDArray[Any], gain: npt.NDArray[np.float32], count: int) -> Floats:
         """Return the squared magnitude of the analytic signals with that spectrum at ``count`` samples, summed over the columns."""

@@ -22,6 +22,7 @@ from dcrb_ros.diagnosis.hysteresis import Suspicion, probability
 from dcrb_ros.diagnosis.registry import HEAT_RULES
 from dcrb_ros.diagnosis.rules.starved_noise import StarvedNoise
 from dcrb_ros.diagnosis.window import Hop
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.verdicts import COMPONENTS, Trouble, Verdict, fault_class
 from dcrb_ros.stream.diagnosis import Diagnosis
 
@@ -43,7 +44,9 @@ class ThermalFaultDetector(FaultDetector):
         self._noise_finding: HeatFinding | None = None
         self._heat: HeatJudgement | None = None
         self._frequency = math.nan
-        """Latest shaft frequency [Hz]."""
+        """Latest shaft frequency [Hz], but for `_angle`."""
+        self._angle: Floats | None = None
+        """Angle of a later block from which the frequency is taken when it is needed [rad]."""
 
     def take_temperature(self, time: float, bearing: float, ambient: float, load: float = math.nan) -> None:
         """Take a reading at a ``time`` [s] of the ``bearing``, at its outer ring or axle box, and of the ``ambient`` air.
@@ -52,23 +55,24 @@ class ThermalFaultDetector(FaultDetector):
         account. Readings need not be regular; after a pause of ten minutes nothing is known about what the bearing did meanwhile. Values
         that no thermometer at a bearing reads are counted, and remarked in the diagnosis.
         """
+        self._take_angle()
         if not math.isnan(self._frequency):
             self._heat = self._monitor.update(time, self._frequency, bearing, ambient, load) or self._heat
 
     def update(self, index: int, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any] | None = None) -> Diagnosis | None:
         """Take a block; see `FaultDetector.update`."""
         diagnosis = super().update(index, acceleration, shaft_angle)
-        self._frequency = self._latest_frequency(shaft_angle, diagnosis)
+        if shaft_angle is not None and len(shaft_angle) > 1 and np.isfinite(shaft_angle).all():
+            self._angle = np.array(shaft_angle, np.float64)
+        elif diagnosis is not None and diagnosis.shaft_frequency > 0.0:
+            self._frequency, self._angle = diagnosis.shaft_frequency, None
         return None if diagnosis is None else self._with_noise(self._with_heat(diagnosis))
 
-    def _latest_frequency(self, angle: npt.NDArray[Any] | None, diagnosis: Diagnosis | None) -> float:
-        """Return the shaft frequency of a block [Hz]; that of the diagnosis without a shaft angle."""
-        if angle is not None and len(angle) > 1:
-            with np.errstate(invalid="ignore"):  # a message may have any bits
-                steps = np.diff(np.unwrap(np.asarray(angle, np.float64)))
-            if np.isfinite(steps).all():
-                return abs(float(steps.mean())) * self.rate / (2.0 * math.pi)
-        return diagnosis.shaft_frequency if diagnosis is not None and diagnosis.shaft_frequency > 0.0 else self._frequency
+    def _take_angle(self) -> None:
+        """Take the shaft frequency from the angle of the latest block."""
+        if self._angle is not None:
+            steps = np.diff(np.unwrap(self._angle))
+            self._frequency, self._angle = abs(float(steps.mean())) * self.rate / (2.0 * math.pi), None
 
     def _level_flaw(self, hop: Hop) -> str:
         """Take the levels of a hop for the loss of lubricant, too."""

@@ -123,6 +123,12 @@ class Window:
         missing = np.concatenate([hop.missing for hop in self._hops]) if self._hops else np.ones(1, np.bool_)
         return float(missing.mean()) if len(missing) else 1.0
 
+    def ages(self) -> Floats:
+        """Return the time from each bin to the end of the window, for a shaft that turns evenly within each hop, shape (bins,) [s]."""
+        seconds, count = self._hop / self._rate, len(self._hops)
+        ages = [(np.arange(len(hop.missing), 0, -1) - 0.5) / max(len(hop.missing), 1) for hop in self._hops]
+        return np.concatenate([(count - 1 - number + age) * seconds for number, age in enumerate(ages)])
+
     def envelopes(self) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.bool_]]:
         """Return the squared envelopes of all hops, shape (bands, bins), and which bins are missing."""
         return np.concatenate([hop.envelopes for hop in self._hops], axis=1), np.concatenate([hop.missing for hop in self._hops])

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence, Sized
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Generic, Protocol, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
 from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.report import Report
-from dcrb_ros.exam.scoring import score_scenario
+from dcrb_ros.exam.scoring import ScenarioResult, score_scenario
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.runtime.processes import in_processes
 from dcrb_ros.schema.refusal import Refusal
@@ -19,6 +19,7 @@ from dcrb_ros.schema.refusal import Refusal
 Value = TypeVar("Value")
 Signal = TypeVar("Signal")
 Evaluated = TypeVar("Evaluated", contravariant=True)
+Given = TypeVar("Given", covariant=True)
 OnDone = Callable[[str], None]
 """Called with the name of every scenario that is done."""
 Progress = Callable[[str, int], AbstractContextManager[OnDone]]
@@ -43,6 +44,18 @@ class Outcome:
     """Why it failed; empty if it did not. The other scenarios are evaluated all the same."""
 
 
+class AnyOutcome(Protocol):
+    """What a candidate did: an `Outcome`, or the diagnoses of several boxes."""
+
+    @property
+    def received(self) -> Sized:
+        """Its diagnoses."""
+
+    @property
+    def failure(self) -> str:
+        """Why it failed; empty if it did not."""
+
+
 class Candidate(Protocol[Evaluated]):
     """Whatever can be evaluated: a detector in this process, a node, or the diagnoses that a recording contains."""
 
@@ -54,7 +67,7 @@ class Candidate(Protocol[Evaluated]):
     def parallel(self) -> bool:
         """Whether scenarios are evaluated in processes of their own, to which the candidate is pickled."""
 
-    def diagnose(self, signal: Evaluated, /) -> Outcome:
+    def diagnose(self, signal: Evaluated, /) -> AnyOutcome:
         """Return the outcome for the signal of one scenario; the truth is not part of it.
 
         Raises:
@@ -62,9 +75,28 @@ class Candidate(Protocol[Evaluated]):
         """
 
 
+class AnyScenario(Protocol[Given]):
+    """A signal, and the results of an outcome."""
+
+    @property
+    def name(self) -> str:
+        """Name of the scenario."""
+
+    @property
+    def signal(self) -> Callable[[], Given]:
+        """Returns the signal, also in another process; simulates it if it is missing."""
+
+    @property
+    def recorded(self) -> Callable[[], bool] | None:
+        """Returns whether the signal has been simulated; None if it never is."""
+
+    def results(self, outcome: Any, criteria: Criteria) -> list[ScenarioResult]:
+        """Return the result for each bearing, of an outcome of a candidate for these signals."""
+
+
 @dataclass(frozen=True)
 class Scenario(Generic[Signal]):
-    """A signal and what is expected of its diagnosis."""
+    """The signal of a bearing and what is expected of its diagnosis."""
 
     expectation: Expectation
     signal: Callable[[], Signal]
@@ -77,9 +109,9 @@ class Scenario(Generic[Signal]):
         """Name of the scenario."""
         return self.expectation.name
 
-    def record(self) -> None:
-        """Simulate the signal if it is missing."""
-        self.signal()
+    def results(self, outcome: Outcome, criteria: Criteria) -> list[ScenarioResult]:
+        """Return the result of an outcome."""
+        return [score_scenario(self.expectation, outcome.received, criteria, failure=outcome.failure)]
 
 
 @dataclass(frozen=True)
@@ -88,7 +120,7 @@ class ScenarioSet(Generic[Signal]):
 
     name: str
     criteria: Criteria
-    scenarios: Sequence[Scenario[Signal]]
+    scenarios: Sequence[AnyScenario[Signal]]
     digest: str = ""
     """SHA-256 of the scenarios; empty if they are recordings."""
     seal: str = ""
@@ -115,7 +147,7 @@ def evaluate(
     if not candidate.parallel:
         _simulate_missing(scenario_set.scenarios, workers, progress)
     calls = {scenario.name: partial(_outcome, candidate, scenario.signal) for scenario in scenario_set.scenarios}
-    outcomes: dict[str, Outcome] = {}
+    outcomes: dict[str, AnyOutcome] = {}
     with progress("evaluated", len(calls)) as on_done:
         for name, outcome in _results(calls, workers, apart=candidate.parallel):
             if outcome.failure and not (candidate.parallel or outcome.received or outcomes):
@@ -123,20 +155,22 @@ def evaluate(
             outcomes[name] = outcome
             on_done(name)
     results = tuple(
-        score_scenario(scenario.expectation, outcome.received, scenario_set.criteria, failure=outcome.failure)
-        for scenario in scenario_set.scenarios
-        for outcome in [outcomes[scenario.name]]
+        result for scenario in scenario_set.scenarios for result in scenario.results(outcomes[scenario.name], scenario_set.criteria)
     )
     return Report(
         scenario_set.name, candidate.name, scenario_set.criteria, scenario_set.digest, results, scenario_set.seal, scenario_set.seeds
     )
 
 
-def _outcome(candidate: Candidate[Signal], signal: Callable[[], Signal]) -> Outcome:
+def _outcome(candidate: Candidate[Signal], signal: Callable[[], Signal]) -> AnyOutcome:
     return candidate.diagnose(signal())
 
 
-def _simulate_missing(scenarios: Sequence[Scenario[Signal]], workers: int, progress: Progress) -> None:
+def _record(signal: Callable[[], Signal]) -> None:
+    signal()
+
+
+def _simulate_missing(scenarios: Sequence[AnyScenario[Signal]], workers: int, progress: Progress) -> None:
     """Simulate the signals that are missing, with more than one worker in processes of their own."""
     simulated = {scenario.name: scenario.recorded() for scenario in scenarios if scenario.recorded is not None}
     if not simulated:
@@ -144,7 +178,7 @@ def _simulate_missing(scenarios: Sequence[Scenario[Signal]], workers: int, progr
     with progress("simulated", len(simulated)) as on_done:
         for name in (name for name, recorded in simulated.items() if recorded):
             on_done(name)
-        missing = {scenario.name: scenario.record for scenario in scenarios if simulated.get(scenario.name) is False}
+        missing = {scenario.name: partial(_record, scenario.signal) for scenario in scenarios if simulated.get(scenario.name) is False}
         for name, _ in _results(missing, workers, apart=workers > 1):
             on_done(name)
 

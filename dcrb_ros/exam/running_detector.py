@@ -121,10 +121,15 @@ class BoxSamples:
     """Shape (samples, 2) [m/s^2]."""
     shaft_angle: npt.NDArray[Any] | None
     """Shape (samples,) [rad]; None without a tachometer."""
+    temperatures: tuple[tuple[float, float, float], ...] = ()
+    """Time [s], temperature of the bearing and of the air [deg C] of each reading during the block."""
 
 
 class RunningVehicleDetector:
-    """A detector of a vehicle during one scenario."""
+    """A detector of a vehicle during one scenario.
+
+    A detector with a method ``take_temperature(box, time, temperature, ambient)`` receives the readings, too.
+    """
 
     def __init__(self, factory: VehicleDetectorFactory, description: VehicleDescription) -> None:
         """Make the detector.
@@ -145,7 +150,12 @@ class RunningVehicleDetector:
             RuntimeError: it raised an exception.
         """
         where = f" at sample {min(block.index for block in blocks.values())}"
-        return checked_statuses(_called("add", where, lambda: self._detector.add(blocks)))
+        output = _called("add", where, lambda: self._detector.add(blocks))
+        if hasattr(self._detector, "take_temperature"):
+            for name, block in blocks.items():
+                for reading in block.temperatures:
+                    _called("take_temperature", where, lambda: self._detector.take_temperature(name, *reading))  # noqa: B023
+        return checked_statuses(output)
 
 
 def checked_statuses(output: Any) -> dict[str, tuple[str, float]] | None:

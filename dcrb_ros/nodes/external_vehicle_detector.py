@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from dcrb_ros.exam.evaluation import NoDiagnosis
 from dcrb_ros.exam.running_detector import checked_statuses
 from dcrb_ros.exam.vehicle.evaluation import VehicleOutcome
 from dcrb_ros.exam.vehicle.signals import VehicleSignal
 from dcrb_ros.messages.bundle import Bundle
-from dcrb_ros.messages.plain import encode_text
+from dcrb_ros.messages.plain import encode_temperature, encode_text
 from dcrb_ros.messages.points import encode_waveform
 from dcrb_ros.messages.received_diagnosis import checked_time, score_of
 from dcrb_ros.messages.statuses import decode_diagnostics
-from dcrb_ros.messages.topics import VIBRATION, Message
+from dcrb_ros.messages.topics import AMBIENT_TEMPERATURE, OUTER_RING_TEMPERATURE, VIBRATION, Message
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DIAGNOSIS
 from dcrb_ros.nodes.detector_answers import Answers
 from dcrb_ros.nodes.external_detector import NodeProgram
@@ -47,7 +47,10 @@ class _VehicleFeed:
         self._signal = signal
         self._waveforms = {box.name: VIBRATION.below(box.name) for box in signal.description.boxes}
         self.awaited = tuple(self._waveforms.values())
-        self.topics = (*self.awaited, VEHICLE_DESCRIPTION)
+        self._thermometers = {
+            name: [topic.below(name) for topic in (AMBIENT_TEMPERATURE, OUTER_RING_TEMPERATURE)] for name in signal.temperatures
+        }
+        self.topics = (*self.awaited, *itertools.chain(*self._thermometers.values()), VEHICLE_DESCRIPTION)
 
     def start(self) -> Iterable[Message]:
         """Return the description of the vehicle."""
@@ -63,6 +66,13 @@ class _VehicleFeed:
                 data = encode_waveform(block.index, rate, block.acceleration, angle, f"{name}/outer_ring")
                 messages.append(Message(self._waveforms[name], block.index * 1_000_000_000 // rate, data))
             end = max(block.index + len(block.acceleration) for block in blocks.values()) * 1_000_000_000 // rate
+            for name, (air, ring) in self._thermometers.items():
+                for time, warm, ambient in self._signal.readings(name, begin * 1e-9, end * 1e-9):
+                    at = round(time * 1e9)
+                    messages += [
+                        Message(topic, at, encode_temperature(at, value, 0.0, f"{name}/outer_ring"))
+                        for topic, value in ((air, ambient), (ring, warm))
+                    ]
             yield Bundle(begin, end, tuple(messages))
             begin = end
 
@@ -70,17 +80,8 @@ class _VehicleFeed:
 class ExternalVehicleDetector(NodeProgram):
     """A detector of a vehicle given by its command as a candidate."""
 
-    _answered = False
-
     def diagnose(self, signal: VehicleSignal) -> VehicleAnswers:
-        """Return the diagnoses for the signals of one vehicle; see `play` for further errors.
-
-        Raises:
-            NoDiagnosis: it failed with its first vehicle and published no diagnosis.
-        """
+        """Return the diagnoses for the signals of one vehicle; see `play` for errors."""
         answers = VehicleAnswers(description=signal.description)
         answers.failure = self.play(_VehicleFeed(signal), answers)
-        self._answered = self._answered or bool(answers.received)
-        if answers.failure and not self._answered:
-            raise NoDiagnosis(f"the detector '{self.name}' failed with the first vehicle: {answers.failure}")
         return answers

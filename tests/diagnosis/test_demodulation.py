@@ -123,3 +123,26 @@ def test_bands_are_divided_on_a_logarithmic_scale() -> None:
 @pytest.mark.parametrize("length", [1, 2, 3, 10, 11, 4096, 22501])
 def test_window_equals_that_of_scipy(length: int) -> None:
     assert tukey(length, TAPER).tolist() == windows.tukey(length, TAPER).tolist()
+
+
+def tonal(signal: Floats, *, tones: bool) -> Floats:
+    """Return the squared envelope of a signal whose spectrum is whitened."""
+    ((_, squared),) = Demodulator((WHOLE,), RATE, len(signal), 500.0, tones=tones).squared_envelopes(signal[:, None])
+    return squared
+
+
+def test_tones_that_beat_are_removed() -> None:
+    noise = np.random.default_rng(5).normal(size=len(TIME))
+    beating = noise + 3.0 * np.cos(2.0 * math.pi * 11874.3 * TIME) + np.cos(2.0 * math.pi * 11964.3 * TIME)
+    depth = [
+        abs(np.fft.rfft(squared)[round(90.0 * len(TIME) / RATE)]) * 2.0 / squared.sum()
+        for squared in (tonal(beating, tones=kept) for kept in (True, False))
+    ]
+    assert depth[0] > 0.02
+    assert depth[1] < 0.01
+
+
+def test_periodic_impacts_are_no_tones() -> None:
+    impacts = np.random.default_rng(5).normal(scale=0.01, size=len(TIME))
+    impacts[:: RATE // 200] += 10.0
+    np.testing.assert_array_equal(tonal(impacts, tones=False), tonal(impacts, tones=True))

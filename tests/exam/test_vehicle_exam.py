@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import dataclasses
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -13,17 +14,27 @@ from synthetic_bogie import BOXES, DESCRIPTION, bogie
 
 from dcrb_ros.exam.credit import vehicle_detection
 from dcrb_ros.exam.criteria import Criteria
+from dcrb_ros.exam.entry import entry_of, read_entry, write_entry
+from dcrb_ros.exam.evaluation import evaluate
 from dcrb_ros.exam.exam_file import read_exam
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.limits import Limits
-from dcrb_ros.exam.running_detector import checked_statuses
+from dcrb_ros.exam.running_detector import BoxSamples, checked_statuses
 from dcrb_ros.exam.vehicle import signals
-from dcrb_ros.exam.vehicle.evaluation import ProcessVehicleDetector, PythonVehicleDetector, VehicleOutcome, box_verdict, scored_boxes
-from dcrb_ros.exam.vehicle.exam_file import VehicleCase, read_vehicle_exam
-from dcrb_ros.exam.vehicle.signals import MotionMemory, VehicleSignal, kept_signal
+from dcrb_ros.exam.vehicle.evaluation import (
+    ProcessVehicleDetector,
+    PythonVehicleDetector,
+    VehicleOutcome,
+    box_verdict,
+    scored_boxes,
+    vehicle_scenarios,
+)
+from dcrb_ros.exam.vehicle.exam_file import VehicleCase, VehicleExam, read_vehicle_exam
+from dcrb_ros.exam.vehicle.signals import VehicleSignal, keep_signal, kept_signal, signal_path
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.vehicle_diagnosis import Status, VehicleDiagnosis
+from dcrb_ros.vehicle.file import read_parameters
 
 CRITERIA = Criteria(silence=3.0)
 CASE = VehicleCase("case", {"vehicle.speed_kmh": 120.0}, 3.0, {"axle_1.left": "outer_ring"})
@@ -130,6 +141,53 @@ def test_a_detector_without_add_is_refused() -> None:
         PythonVehicleDetector("x", lambda description: object()).diagnose(signal())
 
 
+class Listening:
+    """A detector that remembers the temperatures, and finds a hot box a roller defect."""
+
+    def __init__(self, description: object) -> None:
+        self.readings: list[tuple[str, float, float, float]] = []
+        self.samples = 0
+
+    def add(self, blocks: Mapping[str, BoxSamples]) -> dict[str, str] | None:
+        self.samples += len(blocks[BOXES[0]].acceleration)
+        hot = {name for name, _, ring, air in self.readings if ring - air > 50.0}
+        return {f"{name}/bearing": "roller" if name in hot else "healthy" for name in BOXES} if self.samples > 2 * 51200 else None
+
+    def take_temperature(self, box: str, time: float, temperature: float, ambient: float) -> None:
+        self.readings.append((box, time, temperature, ambient))
+
+
+def test_a_detector_receives_the_temperatures_of_each_box_once() -> None:
+    warm = {BOXES[2]: np.array([[0.0, 80.0, 20.0], [1.0, 81.0, 20.0], [2.0, 82.0, 20.5]])}
+    detectors: list[Listening] = []
+
+    def made(description: object) -> Listening:
+        detectors.append(Listening(description))
+        return detectors[0]
+
+    found = PythonVehicleDetector("listening", made).diagnose(dataclasses.replace(signal(), temperatures=warm))
+    assert detectors[0].readings == [(BOXES[2], *row) for row in warm[BOXES[2]].tolist()]
+    assert {name: received[-1].verdict for name, received in found.received.items()} == {
+        name: "roller" if name == BOXES[2] else "healthy" for name in BOXES
+    }
+
+
+def test_vehicles_are_evaluated_as_bearings_are(tmp_path: Path) -> None:
+    parameters = {**read_parameters("healthy_bogie"), "vehicle.speed_kmh": 120.0}
+    case = VehicleCase("case", parameters, 3.0, {"axle_2.left": "roller"})
+    exam = VehicleExam("one", "", CRITERIA, (case,))
+    scenarios = vehicle_scenarios(exam, tmp_path, workers=2)
+    assert not scenarios.scenarios[0].recorded()  # type: ignore[misc]
+    given = dataclasses.replace(signal(), temperatures={BOXES[2]: np.array([[0.0, 80.0, 20.0]])})
+    keep_signal(given, signal_path(parameters, 3.0, tmp_path))
+    report = evaluate(PythonVehicleDetector("listening", Listening), scenarios, workers=2)
+    assert {result.expectation.name: result.answer for result in report.results} == {
+        f"case/{name}": "roller" if name == BOXES[2] else "healthy" for name in BOXES
+    }
+    write_entry(entry_of(report), tmp_path / "entry.json")
+    assert [scenario.name for scenario in read_entry(tmp_path / "entry.json").scenarios] == [f"case/{name}" for name in BOXES]
+
+
 def test_the_shipped_exam_covers_boxes_components_and_cross_talk() -> None:
     exam = read_vehicle_exam("bogie")
     single = [case for case in exam.cases if len(case.damaged) == 1 and case.tags["kind"] in ("outer", "inner", "roller")]
@@ -168,7 +226,7 @@ def test_the_exam_of_a_bearing_does_not_read_that_of_a_vehicle() -> None:
 
 
 def swapped(file: Path) -> None:
-    kept_signal({"other": 1}, 1.0, file.parent, MotionMemory())
+    kept_signal({"other": 1}, 1.0, file.parent)
     other = next(one for one in file.parent.glob("*.signal") if one != file)
     file.write_bytes(other.read_bytes())
 
@@ -187,19 +245,19 @@ def test_a_kept_signal_that_is_not_as_it_was_written_is_made_again(
 ) -> None:
     made = []
 
-    def simulated(vehicle: Any, duration: float, memory: MotionMemory) -> VehicleSignal:
+    def simulated(vehicle: Any, duration: float, memory: object, threads: int | None) -> VehicleSignal:
         made.append(vehicle)
         value = np.full((100, 2), float(len(vehicle)), np.float32)
         return VehicleSignal(DESCRIPTION, dict.fromkeys(BOXES, value), dict.fromkeys(BOXES, value[:, 0]))
 
     monkeypatch.setattr(signals, "simulated_signal", simulated)
     monkeypatch.setattr(signals, "vehicle_of", lambda parameters, source: parameters)
-    first = kept_signal({}, 1.0, tmp_path, MotionMemory())
+    first = kept_signal({}, 1.0, tmp_path)
     (file,) = tmp_path.glob("*.signal")
-    again = kept_signal({}, 1.0, tmp_path, MotionMemory())
+    again = kept_signal({}, 1.0, tmp_path)
     assert len(made) == 1
     attack(file)
-    repaired = kept_signal({}, 1.0, tmp_path, MotionMemory())
+    repaired = kept_signal({}, 1.0, tmp_path)
     assert "is damaged, or that of another vehicle; it is simulated again" in capsys.readouterr().err
     assert made[-1] == {}
     for found in (again, repaired):

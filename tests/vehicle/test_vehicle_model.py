@@ -137,6 +137,12 @@ def test_a_joint_reaches_the_wheelsets_after_the_wheelbase() -> None:
     assert int(np.argmax(np.correlate(behind, ahead, "valid"))) - 40 == pytest.approx(0, abs=8)
 
 
+def test_a_joint_reaches_a_turned_bogie_in_the_other_order() -> None:
+    turned = smooth(vehicle__speed_kmh=120.0, track__joint_spacing=25.0, axle_1__x=-1.28, axle_2__x=1.28)
+    times = {event.box: event.time for event in run(turned, 1.0)[2] if event.place == 25.0}
+    assert (times["axle_2.left"] - times["axle_1.left"]) * 51200.0 == pytest.approx(-3932.2, abs=1.0)
+
+
 def test_a_crossing_is_met_on_its_rail_alone_where_the_file_says() -> None:
     _, _, events = run(
         smooth(vehicle__speed_kmh=120.0, track__crossings="12 left", track__joint_spacing=10.0, track__joint_rail="right"), 0.6

@@ -12,10 +12,11 @@ from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.demodulation import NYQUIST_SHARE, Band
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.rule import found_lines
-from dcrb_ros.diagnosis.vehicle.box_detector import BoxDetector
+from dcrb_ros.diagnosis.vehicle.box_detector import BoxDetector, OwnWindow
 from dcrb_ros.diagnosis.vehicle.comparison import Judgement
 from dcrb_ros.diagnosis.vehicle.contact import Contact, ContactMonitor
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.diagnosis import Diagnosis
 from dcrb_ros.stream.vehicle_description import BoxDescription
@@ -27,8 +28,8 @@ class BoxHop:
 
     diagnosis: Diagnosis
     """The diagnosis of the box by itself."""
-    judgement: Judgement | None
-    """The evidence to be compared; None without a judgement of the bearing."""
+    own: OwnWindow | None
+    """The window to be judged without wheels and kinks; None without a judgement of the bearing."""
     contact: Contact | None
     """None while the window begins anew."""
 
@@ -72,14 +73,12 @@ class BoxWatch:
         self.reached = max(self.reached, index + len(acceleration) - 1)
         if diagnosis is None:
             return
-        self.hops.append(BoxHop(diagnosis, self._judged(diagnosis), self._latest(diagnosis.index)))
+        own = self.detector.own_window() if diagnosis.verdict != "sensor" else None
+        self.hops.append(BoxHop(diagnosis, own, self._latest(diagnosis.index)))
 
-    def _judged(self, diagnosis: Diagnosis) -> Judgement | None:
-        """Return the evidence on the bearing without wheels and kinks of the rail; None without a judgement."""
-        own = self.detector.own_evidence(self._share) if diagnosis.verdict != "sensor" else None
-        if own is None:
-            return None
-        evidence, findings, envelopes = own
+    def judged(self, window: OwnWindow, kinks: Floats) -> Judgement:
+        """Return the evidence on the bearing without wheels and ``kinks`` of the rail [s]."""
+        evidence, findings, envelopes = self.detector.own_evidence(window, self._share, kinks)
         scores = {component: finding.excess for component, finding in findings.items()}
         lines = {component: found for component, finding in findings.items() if (found := found_lines(finding)) is not None}
         return Judgement(evidence, scores, lines, self.detector.rules, envelopes)

@@ -146,25 +146,49 @@ def crossed_rails(description: VehicleDescription, contacts: Mapping[str, Contac
     return across >= SAME_RAIL and along < 0.5 * across
 
 
-def track(
-    description: VehicleDescription, contacts: Mapping[str, Contact], wheels: Mapping[str, Status], parameters: VehicleDetectorParameters
-) -> Status:
-    """Return the status of the track from impacts that meet one wheelset after the other.
+class Kinks(NamedTuple):
+    """Impacts that meet one wheelset after the other."""
 
-    Boxes of both wheelsets measure each kink. Which of them has more of it depends on the structure, so that times count only. Boxes
-    above a flat are left out, because it strikes in every turn.
+    first: Floats
+    """Times at which they meet the first wheelset [s]."""
+    lag: float
+    """Time until they meet the other one [s]."""
+    louder: Floats
+    """By how much louder each is on the left than on the right at the first wheelset [dB]."""
+
+    @property
+    def times(self) -> Floats:
+        """Times at which they meet any wheelset, in order [s]."""
+        return np.unique(np.concatenate([self.first, self.first + self.lag]))
+
+
+def kinks_of(
+    description: VehicleDescription, contacts: Mapping[str, Contact], wheels: Mapping[str, Status], tolerance: float
+) -> Kinks | None:
+    """Return the impacts that meet one wheelset after the other; None if the vehicle hardly moves, or without a shaft angle.
+
+    Boxes of both wheelsets measure each kink. Which of them has more of it depends on the structure, so that times count only, with a
+    ``tolerance`` [s]. Boxes above a flat are left out, because it strikes in every turn.
     """
     expected = next((lag for side in SIDES if (lag := expected_lag(description, contacts, side)) is not None), None)
     if expected is None:
-        return Status("waiting", "two wheelsets with a shaft angle are needed")
+        return None
+    lag = abs(expected)
     measured = {name: contact.impacts for name, contact in contacts.items() if name not in wheels or wheels[name].verdict == "healthy"}
     times = _together([impact.time for impacts in measured.values() for impact in impacts])
-    kinks = [time for time in times if np.any(np.abs(times - time - abs(expected)) <= parameters.lag_tolerance)]
-    if not kinks:
+    first = np.array([time for time in times if np.any(np.abs(times - time - lag) <= tolerance)])
+    louder = [_side_level(measured, time, SIDES[0]) - _side_level(measured, time, SIDES[1]) for time in first]
+    return Kinks(first, lag, np.array(louder))
+
+
+def track(kinks: Kinks | None) -> Status:
+    """Return the status of the track from the impacts that meet one wheelset after the other."""
+    if kinks is None:
+        return Status("waiting", "two wheelsets with a shaft angle are needed")
+    if not len(kinks.first):
         return Status("healthy", "no impact meets one wheelset after the other")
-    louder = [_side_level(measured, time, SIDES[0]) - _side_level(measured, time, SIDES[1]) for time in kinks]
-    difference, score = float(np.median(louder)), 3.0 * len(kinks)
-    again = f"{len(kinks)} impacts that the other wheelset repeats {abs(expected) * 1e3:.1f} ms later"
+    difference, score = float(np.median(kinks.louder)), 3.0 * len(kinks.first)
+    again = f"{len(kinks.first)} impacts that the other wheelset repeats {kinks.lag * 1e3:.1f} ms later"
     if abs(difference) < ONE_RAIL:
         return Status("joint", f"{again}, on both sides alike", probability(score), score)
     side = SIDES[0] if difference > 0.0 else SIDES[1]

@@ -6,6 +6,7 @@ no fixed angle: it is larger than nearly all of the time. Long waves of the rail
 
 from __future__ import annotations
 
+import itertools
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.diagnosis.demodulation import Band, Demodulator
-from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum
+from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum, medians
 from dcrb_ros.diagnosis.order_tracking import bin_means
 from dcrb_ros.diagnosis.segments import Segment, Segmenter
 from dcrb_ros.diagnosis.vehicle.turn_spectrum import TurnSpectrum
@@ -158,9 +159,10 @@ def _around(envelope: npt.NDArray[Any], turns: npt.NDArray[Any]) -> tuple[float,
     angle = np.floor(np.mod(turns, 1.0) * ANGLES).astype(np.int64) % ANGLES
     order = np.argsort(angle, kind="stable")
     starts = np.searchsorted(angle[order], np.arange(ANGLES + 1))
-    parts = [envelope[order[starts[k] : starts[k + 1]]] for k in range(ANGLES)]
-    around = np.array([float(np.median(part)) if len(part) else np.nan for part in parts])
-    around = np.where(np.isfinite(around), around, np.nanmedian(around))
+    values = envelope[order]
+    around = np.array([medians(values[first:last]) if last > first else np.nan for first, last in itertools.pairwise(starts.tolist())])
+    known = np.isfinite(around)
+    around = around if known.all() else np.where(known, around, medians(around[known]))
     largest = int(np.argmax(around))
     peak, middle = float(around[largest]), float(np.median(around))
     return peak, 10.0 * float(np.log10(max(peak, 1e-30) / max(middle, 1e-30))), (largest + 0.5) / ANGLES

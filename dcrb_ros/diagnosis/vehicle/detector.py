@@ -9,13 +9,14 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol, TypeAlias
 
+import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.diagnosis.hysteresis import Hysteresis, Suspicion, confidence, least_evidence
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.rule import LEAST_EXCESS
 from dcrb_ros.diagnosis.vehicle.box_watch import BoxHop, BoxWatch
-from dcrb_ros.diagnosis.vehicle.causes import Lag, crossed_rails, flats, lags, silent_boxes, swapped_sides, track
+from dcrb_ros.diagnosis.vehicle.causes import Lag, crossed_rails, flats, kinks_of, lags, silent_boxes, swapped_sides, track
 from dcrb_ros.diagnosis.vehicle.clocks import clock_differences, clocks
 from dcrb_ros.diagnosis.vehicle.comparison import NOT_OWN, Compared, Judgement, compare
 from dcrb_ros.diagnosis.vehicle.contact import Contact
@@ -169,12 +170,15 @@ class VehicleDetector:
         wheels = self._wheels(struck, polygons(rolling, q))
         sides = lags(self.description, measured, q.lag_tolerance)
         sensors = self._sensors(contacts, measured, sides)
-        compared = compare({name: hop.judgement for name, hop in hops.items() if hop.judgement is not None and name not in quiet}, q)
+        kinks = kinks_of(self.description, measured, struck, q.lag_tolerance)
+        times = kinks.times if kinks is not None else np.zeros(0)
+        judged = {name: self._boxes[name].judged(hop.own, times) for name, hop in hops.items() if hop.own is not None and name not in quiet}
+        compared = compare(judged, q)
         statuses: dict[str, Status] = {}
         indicators: dict[str, float] = {}
         for name in self._boxes:
             hop = hops.get(name)
-            statuses[f"{name}/bearing"] = self._bearing(name, hop, compared.get(name), quiet)
+            statuses[f"{name}/bearing"] = self._bearing(name, hop, judged.get(name), compared.get(name), quiet)
             statuses[f"{name}/wheel"] = wheels.get(name, Status("waiting", "no turn of the wheel is known yet"))
             statuses[f"{name}/sensor"] = _sensor(hop, quiet.get(name), sensors.get(name))
             if hop is not None:
@@ -184,11 +188,11 @@ class VehicleDetector:
                     indicators[f"{name}/{component}/contrast"] = evidence.contrast
             if name in contacts:
                 indicators[f"{name}/wheel/level"] = contacts[name].level
-        kinks = track(self.description, measured, struck, q)
+        rails = track(kinks)
         found = meshes(self.description, rolling)
         for axle_name, status in gears(self.description, found, q).items():
             # Joints at equal distances make lines at fractions of a turn, as a motor does.
-            line = motor(self.description.axle(axle_name), rolling, q) if kinks.verdict == "healthy" else None
+            line = motor(self.description.axle(axle_name), rolling, q) if rails.verdict == "healthy" else None
             meshing = self._lasting(f"{axle_name}/gear", status, "gear")
             turning = self._lasting(f"{axle_name}/gear", line or status, "motor")
             statuses[f"{axle_name}/gear"] = turning if turning.verdict == "motor" and meshing.verdict != "gear" else meshing
@@ -196,8 +200,8 @@ class VehicleDetector:
         waves = corrugation(self.description, rolling, q)
         if waves is not None:
             indicators |= waves[1]
-        along = self._lasting("track", waves[0] if waves is not None and kinks.verdict == "healthy" else kinks, "corrugation")
-        statuses["track"] = along if kinks.verdict == "healthy" else kinks
+        along = self._lasting("track", waves[0] if waves is not None and rails.verdict == "healthy" else rails, "corrugation")
+        statuses["track"] = along if rails.verdict == "healthy" else rails
         indicators |= {f"{axle}/clock": difference for axle, difference in clock_differences(self.description, contacts).items()}
         for side, lag in sides.items():
             indicators |= {f"{side}/lag": lag.found, f"{side}/lag/correlation": lag.forward}
@@ -240,26 +244,33 @@ class VehicleDetector:
             return Status("waiting", f"to be confirmed by the next hop: {status.reason}", 0.0, status.score)
         return status
 
-    def _bearing(self, name: str, hop: BoxHop | None, compared: Mapping[Component, Compared] | None, quiet: Mapping[str, float]) -> Status:
+    def _bearing(
+        self,
+        name: str,
+        hop: BoxHop | None,
+        judgement: Judgement | None,
+        compared: Mapping[Component, Compared] | None,
+        quiet: Mapping[str, float],
+    ) -> Status:
         """Return the status of a bearing."""
         if hop is None:
             return Status("waiting", "no signal")
         diagnosis = hop.diagnosis
-        if compared is None or hop.judgement is None:
+        if compared is None or judgement is None:
             self._decided[name].reset()
             self._undecided[name].reset()
             if name in quiet:
                 return Status("waiting", f"the sensor is {quiet[name]:.0f} dB quieter than the others")
             verdict = diagnosis.verdict if diagnosis.verdict in ("waiting", *TROUBLES) else "waiting"
             return Status(verdict, diagnosis.reason, diagnosis.confidence)
-        p, scores = self.box_parameters, hop.judgement.scores
+        p, scores = self.box_parameters, judgement.scores
         least = dict.fromkeys(COMPONENTS, least_evidence(p.confirm, diagnosis.time, p.alarm_evidence))
         own = {component: compared[component].excess if component in compared else NOT_OWN for component in COMPONENTS}
         open_ = {component: compared[component].undecided if component in compared else NOT_OWN for component in COMPONENTS}
         verdict, doubtful = self._decided[name].verdict(own, least), self._undecided[name].verdict(open_, least)
         if is_alarm(verdict):
             confirmed = self._decided[name].confirmed
-            reasons = "; ".join(_reason(component, compared, hop.judgement) for component in confirmed)
+            reasons = "; ".join(_reason(component, compared, judgement) for component in confirmed)
             return Status(verdict, reasons, confidence(verdict, confirmed, own), max(own.values()))
         if is_alarm(doubtful):
             doubted = self._undecided[name].confirmed

@@ -84,9 +84,14 @@ def corrugation(
         turn, around = abs(contacts[first].shaft_frequency), 2.0 * math.pi * description.axles[0].wheel_radius
         for line in prominent(spectra[first], (around / WAVELENGTHS[1], around / WAVELENGTHS[0]), parameters.corrugation):
             frequency = line.order * turn
-            level = {name: at_frequency(contacts[name], spectra[name], frequency) for pair in pairs for name in pair}
-            here, ahead = min(level[name] for name, _ in pairs), min(level[name] - level[other] for name, other in pairs)
-            if here < parameters.corrugation or ahead < OTHER_RAIL or is_whole(frequency, (contacts[name] for name in spectra)):
+            if is_whole(frequency, (contacts[name] for name in spectra)):
+                continue
+            level = {name: at_frequency(contacts[name], spectra[name], frequency) for name, _ in pairs}
+            here = min(level.values())
+            if here < parameters.corrugation:
+                continue
+            ahead = min(level[name] - at_frequency(contacts[other], spectra[other], frequency) for name, other in pairs)
+            if ahead < OTHER_RAIL:
                 continue
             wavelength, score = around / line.order, here - parameters.corrugation
             reason = (
@@ -109,10 +114,12 @@ def motor(axle: AxleDescription, contacts: Mapping[str, Contact], parameters: Ve
     turn = abs(contacts[first].shaft_frequency)
     for line in prominent(own[first], MOTOR_ORDERS, parameters.motor):
         frequency = line.order * turn
+        if is_whole(frequency, (contacts[name] for name in spectra)):
+            continue
         levels = [at_frequency(contacts[name], own[name], frequency) for name in (first, second)]
         elsewhere = max((at_frequency(contacts[name], spectra[name], frequency) for name in spectra if name not in own), default=0.0)
         alike = min(levels) >= parameters.motor and abs(levels[0] - levels[1]) <= ALIKE
-        if not alike or min(levels) - elsewhere < AHEAD or is_whole(frequency, (contacts[name] for name in spectra)):
+        if not alike or min(levels) - elsewhere < AHEAD:
             continue
         score = min(levels) - parameters.motor
         reason = (

@@ -74,7 +74,7 @@ def levels(spectrum: OrderSpectrum) -> list[OrderLevel]:
 
     def level(order: int) -> float:
         beside = [found[other] for other in range(order - NEIGHBOURS, order + NEIGHBOURS + 1) if other != order and other in found]
-        return float(found[order] - np.median(beside))
+        return float(found[order] - medians(np.array(beside)))
 
     return sorted((OrderLevel(float(order), level(order), found[order]) for order in POLYGONS), key=lambda one: -one.level)
 

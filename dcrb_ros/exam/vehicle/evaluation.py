@@ -7,29 +7,29 @@ any.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
-from typing import Protocol
 
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.vehicle.detector import VehicleDetector
 from dcrb_ros.exam.credit import vehicle_detection
 from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.detector_process import STATUSES, BeginVehicle
-from dcrb_ros.exam.evaluation import CandidateRefusal, Progress, no_progress
+from dcrb_ros.exam.evaluation import CandidateRefusal, ScenarioSet
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.limits import Limits
 from dcrb_ros.exam.plugin_process import DetectorFailure, running_process
-from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.running_detector import BoxSamples, RunningVehicleDetector, VehicleDetectorFactory
 from dcrb_ros.exam.scoring import ScenarioResult, score_scenario
 from dcrb_ros.exam.vehicle.exam_file import VehicleCase, VehicleExam
-from dcrb_ros.exam.vehicle.signals import BLOCK, MotionMemory, VehicleSignal, kept_signal
+from dcrb_ros.exam.vehicle.signals import BLOCK, VehicleSignal, kept_signal, signal_path
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.schema.verdicts import VERDICTS
 from dcrb_ros.stream.vehicle_description import VehicleDescription
 from dcrb_ros.text.json import parsed_json
+from dcrb_ros.vehicle.description import described
 
 Statuses = Mapping[str, tuple[str, float | None]]
 """Verdict and score [dB] by status; the score is None if the detector gives none."""
@@ -59,23 +59,13 @@ def box_verdict(statuses: Statuses, box: str) -> tuple[str, float | None]:
     return verdict if verdict in VERDICTS else "waiting", score
 
 
-class VehicleCandidate(Protocol):
-    """A detector of a vehicle under evaluation."""
-
-    @property
-    def name(self) -> str:
-        """Name in the report."""
-
-    def diagnose(self, signal: VehicleSignal) -> VehicleOutcome:
-        """Return the outcome for the signals of one vehicle; the truth is not part of them."""
-
-
 @dataclass(frozen=True)
 class PythonVehicleDetector:
     """A detector of a vehicle written in Python, in this process."""
 
     name: str
     factory: VehicleDetectorFactory
+    parallel: bool = True
 
     def diagnose(self, signal: VehicleSignal) -> VehicleOutcome:
         """Return its diagnoses.
@@ -85,7 +75,7 @@ class PythonVehicleDetector:
             RuntimeError: it raised an exception.
         """
         outcome, detector = VehicleOutcome(), RunningVehicleDetector(self.factory, signal.description)
-        for piece, _, end in _pieces(signal):
+        for piece, _, end in pieces(signal):
             statuses = detector.take(piece)
             if statuses is not None:
                 outcome.add(signal.description, (end - 1) / signal.description.sampling_rate, statuses)
@@ -94,7 +84,7 @@ class PythonVehicleDetector:
 
 def shipped_vehicle_detector(parameters: DetectorParameters, name: str) -> PythonVehicleDetector:
     """Return the shipped detector of a vehicle as a candidate."""
-    return PythonVehicleDetector(name, lambda description: VehicleDetector(description, box_parameters=parameters))
+    return PythonVehicleDetector(name, partial(VehicleDetector, box_parameters=parameters))
 
 
 @dataclass(frozen=True)
@@ -105,6 +95,7 @@ class ProcessVehicleDetector:
     given: str
     """``module:Class`` or ``file.py:Class``."""
     limits: Limits
+    parallel: bool = True
 
     def diagnose(self, signal: VehicleSignal) -> VehicleOutcome:
         """Return its diagnoses; a failure is part of the outcome."""
@@ -114,7 +105,7 @@ class ProcessVehicleDetector:
 
                 def exchange() -> None:
                     begin = BeginVehicle(description.to_json())
-                    for kind, content, end in process.answers(begin, _pieces(signal), description.sampling_rate):
+                    for kind, content, end in process.answers(begin, pieces(signal), description.sampling_rate):
                         if kind == STATUSES:
                             outcome.add(description, (end - 1) / description.sampling_rate, _statuses(content))
 
@@ -124,21 +115,42 @@ class ProcessVehicleDetector:
         return outcome
 
 
-def evaluate_vehicles(exam: VehicleExam, candidate: VehicleCandidate, folder: Path, progress: Progress = no_progress) -> Report:
-    """Return the report of a detector of a vehicle; signals that are not in the folder are simulated.
+@dataclass(frozen=True)
+class VehicleScenario:
+    """A vehicle, and the correct verdict on each of its boxes."""
 
-    Raises:
-        Refusal: a vehicle is invalid, or the detector returns something invalid.
-    """
-    results: list[ScenarioResult] = []
-    memory = MotionMemory()
-    with progress("evaluated", len(exam.cases)) as on_done:
-        # Vehicles at one operating point have bearings in common.
-        for case in sorted(exam.cases, key=lambda case: case.tags.get("point", "")):
-            signal = kept_signal(case.parameters, case.duration, folder, memory)
-            results += scored_boxes(case, signal.description, candidate.diagnose(signal), exam.criteria)
-            on_done(case.name)
-    return Report(exam.name, candidate.name, exam.criteria, exam.digest, tuple(results), exam.seal, exam.seeds)
+    case: VehicleCase
+    folder: Path
+    """Folder that keeps its signal."""
+    threads: int | None = None
+    """Threads of its simulation, one for each core by default [-]."""
+
+    @property
+    def name(self) -> str:
+        """Name of the scenario."""
+        return self.case.name
+
+    @property
+    def signal(self) -> Callable[[], VehicleSignal]:
+        """Returns the signal, simulated if it is missing."""
+        return partial(kept_signal, self.case.parameters, self.case.duration, self.folder, threads=self.threads)
+
+    @property
+    def recorded(self) -> Callable[[], bool]:
+        """Returns whether the signal has been simulated."""
+        return signal_path(self.case.parameters, self.case.duration, self.folder).is_file
+
+    def results(self, outcome: VehicleOutcome, criteria: Criteria) -> list[ScenarioResult]:
+        """Return the result of every box."""
+        return scored_boxes(self.case, described(self.case.vehicle()), outcome, criteria)
+
+
+def vehicle_scenarios(exam: VehicleExam, folder: Path, workers: int = 1) -> ScenarioSet[VehicleSignal]:
+    """Return the scenarios of the exam of a vehicle, whose signals are kept in a folder; more ``workers`` than one have a thread each."""
+    # Vehicles at one operating point have bearings in common.
+    cases = sorted(exam.cases, key=lambda case: case.tags.get("point", ""))
+    scenarios = [VehicleScenario(case, folder, None if workers == 1 else 1) for case in cases]
+    return ScenarioSet(exam.name, exam.criteria, scenarios, exam.digest, exam.seal, exam.seeds)
 
 
 def scored_boxes(case: VehicleCase, description: VehicleDescription, outcome: VehicleOutcome, criteria: Criteria) -> list[ScenarioResult]:
@@ -163,12 +175,17 @@ def scored_boxes(case: VehicleCase, description: VehicleDescription, outcome: Ve
     return results
 
 
-def _pieces(signal: VehicleSignal) -> Iterator[tuple[dict[str, BoxSamples], int, int]]:
+def pieces(signal: VehicleSignal) -> Iterator[tuple[dict[str, BoxSamples], int, int]]:
     """Yield blocks of all boxes, with the index of their first sample and the one after their last."""
+    rate = signal.description.sampling_rate
     for number, blocks in enumerate(signal.blocks(BLOCK)):
-        piece = {name: BoxSamples(block.index, block.acceleration, block.shaft_angle) for name, block in blocks.items()}
         first = number * BLOCK
-        yield piece, first, first + max(len(block.acceleration) for block in blocks.values())
+        last = first + max(len(block.acceleration) for block in blocks.values())
+        piece = {
+            name: BoxSamples(block.index, block.acceleration, block.shaft_angle, signal.readings(name, first / rate, last / rate))
+            for name, block in blocks.items()
+        }
+        yield piece, first, last
 
 
 def _statuses(content: bytes) -> dict[str, tuple[str, float]]:

@@ -6,11 +6,12 @@ stepped once and mixed anew for each of them, which gives the same bits as a sim
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import io
 from collections import OrderedDict
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,7 @@ from dcrb_ros.runtime.exit_status import print_error
 from dcrb_ros.schema.arrays import Floats, Samples
 from dcrb_ros.simulation.block_queue import wrapped
 from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.stream.block import Block
 from dcrb_ros.stream.vehicle_description import VehicleDescription
 from dcrb_ros.text.writing import write_whole
 from dcrb_ros.vehicle.description import Box, Vehicle, described
@@ -36,6 +38,8 @@ BLOCK = 1024
 """Samples of a block that a detector receives [-]."""
 MOST_REMEMBERED = 20
 """Bearings whose motion is remembered [-]: four boxes, healthy and with three faults, and some; each second takes 5 MB."""
+KINDS = ("acceleration", "shaft_angle", "temperatures")
+"""Arrays of a signal by box."""
 OF_SENSOR = ("sensor", "structure", "publishing", "tacho", "recording", "background")
 """Groups of a box's configuration on which the motion of its outer ring does not depend."""
 
@@ -54,6 +58,13 @@ class VehicleSignal:
     """By box, shape (samples, 2) [m/s^2]."""
     shaft_angle: Mapping[str, Samples]
     """By box, shape (samples,) [rad]."""
+    temperatures: Mapping[str, Floats] = field(default_factory=dict)
+    """Time [s], temperature of the outer ring and of the air [deg C] of each reading, shape (readings, 3), by box with a network."""
+
+    def readings(self, box: str, first: float, last: float) -> tuple[tuple[float, float, float], ...]:
+        """Return the readings of a box from a time up to another one [s]."""
+        rows = self.temperatures.get(box, np.zeros((0, 3)))
+        return tuple((time, ring, air) for time, ring, air in rows.tolist() if first <= time < last)
 
     def blocks(self, size: int = BLOCK) -> Iterator[dict[str, BoxBlock]]:
         """Yield blocks of all boxes with equal stamps."""
@@ -81,6 +92,12 @@ class MotionMemory:
         return motion
 
 
+@functools.lru_cache(maxsize=1)
+def _memory(duration: float) -> MotionMemory:
+    """Return the motion that this process has stepped over a time [s]."""
+    return MotionMemory()
+
+
 class RememberedBearing:
     """The simulation of a bearing that steps only frames that are not remembered; everything else is the simulation's."""
 
@@ -101,13 +118,15 @@ class RememberedBearing:
 def simulated_signal(vehicle: Vehicle, duration: float, memory: MotionMemory, threads: int | None = None) -> VehicleSignal:
     """Return the signal of a vehicle over a time [s]; a remembered motion must be as long."""
     remembered = [memory.motion(vehicle, box) for box in vehicle.boxes]
-    if all(remembered) and not any(box.swapped_with for box in vehicle.boxes):
+    if any(box.configuration.thermal.law != "none" for box in vehicle.boxes):
+        memory = MotionMemory()  # only bearings that are stepped become warm
+    elif all(remembered) and not any(box.swapped_with for box in vehicle.boxes):
         return _mixed(vehicle, duration, remembered)
     simulation = VehicleSimulation(vehicle, threads=threads)
     for box in vehicle.boxes:
         bearing: Any = RememberedBearing(simulation.simulations[box.name], memory.motion(vehicle, box))
         simulation.simulations[box.name] = bearing
-    pieces: dict[str, list[Any]] = {box.name: [] for box in vehicle.boxes}
+    pieces: dict[str, list[Block]] = {box.name: [] for box in vehicle.boxes}
     for block in simulation.blocks(duration):
         for name, box_block in block.boxes.items():
             pieces[name].append(box_block)
@@ -115,7 +134,14 @@ def simulated_signal(vehicle: Vehicle, duration: float, memory: MotionMemory, th
         described(vehicle),
         {_topic(name): np.concatenate([block.acceleration for block in blocks]) for name, blocks in pieces.items()},
         {_topic(name): np.concatenate([block.shaft_angle for block in blocks]) for name, blocks in pieces.items()},
+        {_topic(name): rows for name, blocks in pieces.items() if len(rows := _readings(blocks))},
     )
+
+
+def _readings(blocks: Sequence[Block]) -> Floats:
+    """Return the readings of a box; see `VehicleSignal.temperatures`."""
+    read = [(reading.time_ns * 1e-9, reading.outer_ring, reading.ambient) for block in blocks for reading in block.temperatures]
+    return np.array(read, np.float64).reshape(-1, 3)
 
 
 def _mixed(vehicle: Vehicle, duration: float, motions: Sequence[Motion]) -> VehicleSignal:
@@ -134,24 +160,33 @@ def _mixed(vehicle: Vehicle, duration: float, motions: Sequence[Motion]) -> Vehi
     return VehicleSignal(described(vehicle), dict(zip(names, accelerations, strict=True)), dict(zip(names, angles, strict=True)))
 
 
-def kept_signal(parameters: Mapping[str, Any], duration: float, folder: Path, memory: MotionMemory) -> VehicleSignal:
-    """Return the signal of a vehicle given by its parameters; simulate it if it is not in the folder, or not as it was written."""
+def keep_signal(signal: VehicleSignal, path: Path) -> bytes:
+    """Write a signal to a file, from which `kept_signal` reads it; return its content without the digest."""
+    arrays: dict[str, Any] = {f"{kind}.{name}": values for kind in KINDS for name, values in getattr(signal, kind).items()}
+    stream = io.BytesIO()
+    np.savez(stream, description=np.array(signal.description.to_json()), **arrays)
+    content = stream.getvalue()
+    write_whole(path, _digest(path, content) + content)
+    return content
+
+
+def kept_signal(parameters: Mapping[str, Any], duration: float, folder: Path, *, threads: int | None = None) -> VehicleSignal:
+    """Return the signal of a vehicle given by its parameters; simulate it if it is not in the folder, or not as it was written.
+
+    The simulation has ``threads``, by default one for each core.
+    """
     path = signal_path(parameters, duration, folder)
     content = _kept(path)
     if content is None:
-        signal, stream = simulated_signal(vehicle_of(parameters, "the exam"), duration, memory), io.BytesIO()
-        arrays: dict[str, Any] = {f"acceleration.{name}": values for name, values in signal.acceleration.items()}
-        arrays |= {f"shaft_angle.{name}": values for name, values in signal.shaft_angle.items()}
-        np.savez(stream, description=np.array(signal.description.to_json()), **arrays)
-        content = stream.getvalue()
-        write_whole(path, _digest(path, content) + content)
+        signal = simulated_signal(vehicle_of(parameters, "the exam"), duration, _memory(duration), threads)
+        content = keep_signal(signal, path)
     with np.load(io.BytesIO(content), allow_pickle=False) as kept:
-        names = {name.partition(".")[2] for name in kept.files if "." in name}
-        return VehicleSignal(
-            VehicleDescription.from_json(str(kept["description"])),
-            {name: kept[f"acceleration.{name}"] for name in sorted(names)},
-            {name: kept[f"shaft_angle.{name}"] for name in sorted(names)},
-        )
+        arrays: dict[str, dict[str, Any]] = {kind: {} for kind in KINDS}
+        for name in sorted(kept.files):
+            kind, dot, box = name.partition(".")
+            if dot:
+                arrays[kind][box] = kept[name]
+        return VehicleSignal(VehicleDescription.from_json(str(kept["description"])), **arrays)
 
 
 def _kept(path: Path) -> bytes | None:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from synthetic_bearing import ORDERS
 from synthetic_bogie import BOXES, DESCRIPTION, FREQUENCY, LAG, SECONDS, Boxes, bogie, diagnosed
 
 from dcrb_ros.diagnosis.vehicle.causes import correlated_lag
@@ -81,6 +82,20 @@ def test_faint_lines_count_where_no_other_box_has_them() -> None:
 
 def test_joints_are_the_tracks_and_damage_no_bearing() -> None:
     diagnosis = last(bogie(joints=np.arange(0.2, SECONDS, 0.43).tolist()))
+    assert diagnosis.statuses["track"].verdict == "joint"
+    assert verdicts(diagnosis, "bearing") == {}
+
+
+def test_a_spall_between_joints_is_found() -> None:
+    joints = np.arange(0.2, SECONDS, 0.21)
+    diagnosis = last(bogie({"axle_1/left": {"outer": 30.0}}, joints=joints.tolist()))
+    assert (diagnosis.statuses["track"].verdict, diagnosis.damaged()) == ("joint", {"axle_1/left": "outer_ring"})
+
+
+def test_joints_whose_frequency_divides_that_of_a_fault_damage_no_bearing() -> None:
+    """Every joint strikes four times, longer than the part of the time in which envelopes are limited."""
+    joints = np.arange(0.2, SECONDS, 18.0 / (ORDERS.bpfo * FREQUENCY))
+    diagnosis = last(bogie(joints=np.add.outer(joints, [0.0, 0.0025, 0.005, 0.0075]).ravel().tolist()))
     assert diagnosis.statuses["track"].verdict == "joint"
     assert verdicts(diagnosis, "bearing") == {}
 
