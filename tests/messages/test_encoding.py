@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from made_up_blocks import BODIES, blocks
 from runs import simulated
 
-from dcrb_ros.messages.cdr import decoded, typestore
+from dcrb_ros.messages.cdr import IMU, decoded, typestore
 from dcrb_ros.messages.description import decode_frame, decode_sensor, sensor_text
 from dcrb_ros.messages.encoder import BlockEncoder, diagnosis_messages
 from dcrb_ros.messages.joints import decode_joints
-from dcrb_ros.messages.plain import decode_float, decode_text, decode_wrench, encode_text
+from dcrb_ros.messages.plain import decode_float, decode_text, decode_wrench, encode_preview, encode_text
 from dcrb_ros.messages.points import SAMPLE, decode_vibration, decode_waveform, encode_points, encode_vibration, sample_type
 from dcrb_ros.messages.statuses import decode_diagnostics, decode_truth
 from dcrb_ros.messages.topics import (
@@ -236,3 +236,11 @@ def test_the_sensor_is_described_again_every_second(size: int, expected: list[in
     assert list(found) == expected
     assert {data for _, data in found.values()} == {encoder.start()[0].data}
     assert [time_ns for time_ns, _ in found.values()] == [number * size * 1_000_000_000 // 51200 for number in expected]
+
+
+def test_the_covariance_of_the_acceleration_is_unknown_and_orientation_is_absent() -> None:
+    """As sensor_msgs/msg/Imu states: zeros for an unknown covariance, and -1 for a quantity that is not measured."""
+    imu = decoded(encode_preview(1, np.array([1.0, -2.0], np.float32)), IMU)
+    assert (imu.linear_acceleration.x, imu.linear_acceleration.y, imu.linear_acceleration.z) == (1.0, -2.0, 0.0)
+    assert not np.any(imu.linear_acceleration_covariance)
+    assert imu.orientation_covariance[0] == imu.angular_velocity_covariance[0] == -1.0
