@@ -72,7 +72,11 @@ def calibrate(
             comparison = compared(calibration.measured, twin, names=("measured", "simulated"))
         # The figure is the largest file: if it does not fit on the disk, none is left.
         write_comparison(comparison, figure, title=f"{output.stem}: {recordings[0]} and the calibrated bench", calibration=calibration)
-        beside = write_calibration(calibration, output)
+        try:
+            beside = write_calibration(calibration, output)
+        except BaseException:
+            figure.unlink(missing_ok=True)
+            raise
     if as_json:
         print(json.dumps(_described(calibration) | {"comparison": comparison.as_dict()}, indent=2))
         return

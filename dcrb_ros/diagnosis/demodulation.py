@@ -35,9 +35,11 @@ A slow bearing has such parts above the frequencies of its waves. Nothing is lef
 of the load zone, which must not count as much as the loud parts."""
 
 TONE = 0.5
-"""Share of the power within the width of whitening from which three neighbouring values are a tone [-].
+"""Share of the power within `TONE_WIDTH` from which three neighbouring values are a tone [-].
 
 Impacts at intervals make lines at all multiples of their frequency. Two of them share the power if it is below half of that width."""
+TONE_WIDTH = 500.0
+"""[Hz]"""
 LEAKAGE = 4
 """Values on either side of a tone that are removed with it [-]: the rest of a segment without a window is 13 dB below."""
 
@@ -122,6 +124,7 @@ class Demodulator:
         self._range = slice(min(bins.start for bins in self._bins), max(bins.stop for bins in self._bins))
         self._positions = [np.arange(count, dtype=np.float64) * (self._length / count) for count in counts]
         self._width = max(3, round(whitening * self._length / rate)) if whitening > 0.0 else 0
+        self._tone_width = max(3, round(TONE_WIDTH * self._length / rate))
 
     def squared_envelopes(self, segment: npt.NDArray[Any]) -> list[tuple[Floats, Floats]]:
         """Return for each band equally spaced positions [samples] and the squared envelope there, summed over the columns [unit^2].
@@ -165,9 +168,8 @@ class Demodulator:
     def _tonal(self, power: npt.NDArray[np.float32]) -> npt.NDArray[np.bool_]:
         """Return which values of a power spectrum belong to tones, shape (frequencies,)."""
         values = power.astype(np.float64)
-        tones = 3.0 * uniform_filter1d(values, 3, mode="nearest") > TONE * self._width * uniform_filter1d(
-            values, self._width, mode="nearest"
-        )
+        around = self._tone_width * uniform_filter1d(values, self._tone_width, mode="nearest")
+        tones = 3.0 * uniform_filter1d(values, 3, mode="nearest") > TONE * around
         return np.asarray(maximum_filter1d(tones, 2 * LEAKAGE + 1), np.bool_)
 
     def _envelope(self, part: npt.NDArray[Any], gain: npt.NDArray[np.float32], count: int) -> Floats:

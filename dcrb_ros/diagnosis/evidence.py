@@ -196,11 +196,11 @@ class Levels(NamedTuple):
     change: Floats
     """Change since the first average at this speed, shape (bands,) [dB]."""
     fall: float
-    """Fall of the power, mean over the bands, from the lowest of the first hops to the highest of the latest [dB]."""
+    """Fall of the power, mean over the bands, from the lowest of the first hops to the mean of the latest [dB]."""
     signal: Floats
     """Change of the power without the noise of the sensor, NaN in bands in which there was more noise than signal, shape (bands,) [dB]."""
     signal_fall: float
-    """The same fall of that power, mean over those bands; NaN without bands [dB]."""
+    """Fall of that power, mean over those bands, from the lowest of the first hops to the highest of the latest; NaN without bands [dB]."""
 
 
 class LevelHistory:
@@ -244,7 +244,8 @@ class LevelHistory:
             self._first = latest
         first, last = _decibels(self._first), _decibels(latest)
         level = last.mean(axis=0)
-        return Levels(level, level - first.mean(axis=0), _fall(first, last), *self._without_noise(self._first, latest))
+        fall = float(first.mean(axis=1).min() - level.mean())
+        return Levels(level, level - first.mean(axis=0), fall, *self._without_noise(self._first, latest))
 
     def _without_noise(self, first: Floats, latest: Floats) -> tuple[Floats, float]:
         """Return `Levels.signal` and `Levels.signal_fall` of hops of shape (hops, bands) [(m/s^2)^2]."""
@@ -254,12 +255,7 @@ class LevelHistory:
         signal = np.where(heard, now.mean(axis=0) - before.mean(axis=0), np.nan)
         if not heard.any():
             return signal, math.nan
-        return signal, _fall(before[:, heard], now[:, heard])
-
-
-def _fall(first: Floats, latest: Floats) -> float:
-    """Return the fall of the mean over the bands from the lowest of the first hops to the highest of the latest [dB]."""
-    return float(first.mean(axis=1).min() - latest.mean(axis=1).max())
+        return signal, float(before[:, heard].mean(axis=1).min() - now[:, heard].mean(axis=1).max())
 
 
 def _decibels(powers: Floats) -> Floats:

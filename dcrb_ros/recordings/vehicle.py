@@ -16,7 +16,7 @@ from dcrb_ros.messages.vehicle import box_path, decode_description
 from dcrb_ros.messages.vehicle_encoder import BESIDE
 from dcrb_ros.recordings.digest import digest_mismatch
 from dcrb_ros.recordings.foreign_files import refuse_foreign
-from dcrb_ros.recordings.manifest import vehicle_fingerprint
+from dcrb_ros.recordings.manifest import vehicle_fingerprint, well_formed
 from dcrb_ros.recordings.reader import DAMAGE, Recording
 from dcrb_ros.recordings.reproduction import ALIKE, NotReproduced, origin_difference, recorded_samples
 from dcrb_ros.recordings.storage import valid_files
@@ -67,6 +67,11 @@ class VehicleRecording:
         """The recording of each box by name."""
         ending = records.get(VEHICLE_OUTCOME)
         self._outcome = parsed_json(ending.metadata.get("outcome", ""), f"{path}: the record {VEHICLE_OUTCOME}") if ending else None
+        if self._outcome is not None and not well_formed(self._outcome):
+            self._outcome = None
+            self._flaws.append(
+                f"{path}: the record {VEHICLE_OUTCOME} is damaged or was changed: the commands are read from the ground truth"
+            )
 
     @cached_property
     def description(self) -> VehicleDescription:

@@ -12,7 +12,7 @@ from dcrb_ros.messages.topics import GROUND_TRUTH, MANIFEST, NAMESPACE, VIBRATIO
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DETECTED, VEHICLE_TRUTH
 from dcrb_ros.messages.vehicle import GIVEN, box_path, decode_vehicle_commands
 from dcrb_ros.messages.vehicle_encoder import BESIDE, VehicleEncoder, box_topics
-from dcrb_ros.recordings.manifest import OUTCOME, Outcome, now, opening, vehicle_fingerprint
+from dcrb_ros.recordings.manifest import OUTCOME, Outcome, now, opening, record_text, vehicle_fingerprint
 from dcrb_ros.recordings.recorder import RunRecorder, chosen_topics
 from dcrb_ros.recordings.vehicle_folder import VEHICLE, VEHICLE_OUTCOME, record_name
 from dcrb_ros.runtime.version import __version__
@@ -98,7 +98,7 @@ class VehicleOutcome:
     def records(self) -> dict[str, dict[str, str]]:
         """Return the metadata records at the end of a file."""
         commands = [[command.time_ns, command.name, command.value] for command in self._commands]
-        records = {VEHICLE_OUTCOME: {"outcome": json.dumps({"end_ns": self._end_ns, "commands": commands, "ended": now()})}}
+        records = {VEHICLE_OUTCOME: {"outcome": record_text({"end_ns": self._end_ns, "commands": commands, "ended": now()})}}
         for name, outcome in self.boxes.items():
             records[record_name(OUTCOME, name)] = outcome.records()[OUTCOME]
         return records

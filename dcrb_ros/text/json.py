@@ -48,7 +48,7 @@ def parsed_json(text: str | bytes, source: str, largest: int = LARGEST) -> Any:
 def digest_of(entries: Mapping[str, Any], key: str) -> str:
     """Return the SHA-256 of the entries of an object other than ``key``, under which the object has it, as JSON with sorted keys."""
     others = {name: value for name, value in entries.items() if name != key}
-    return hashlib.sha256(json.dumps(others, sort_keys=True, default=str).encode("utf-8", "surrogatepass")).hexdigest()
+    return hashlib.sha256(json.dumps(others, sort_keys=True, default=str).encode()).hexdigest()
 
 
 def _integer(digits: str) -> int:

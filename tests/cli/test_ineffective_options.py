@@ -69,7 +69,6 @@ LIST, RECORDED, VEHICLE = ("score", "smoke", "--list"), ("score", "bag"), ("dete
         *((LIST, (option, "new.png"), f"{option} does not apply to --list") for option in ("--junit", "--figure", "--recordings")),
         *((LIST, option, f"{option[0]} does not apply to --list") for option in (("--entry", "new.json"), ("--workers", "1"))),
         *((RECORDED, option, "the diagnoses in the recordings are scored") for option in (("--name", "x"), ("--workers", "1"))),
-        (("score", "bogie"), ("--workers", "1"), "leave out --workers and --entry"),
         (("score", "run"), ("--reference",), "is the recording of a vehicle, which cannot be scored"),
         (DRY, ("-o", "new"), "--output does not apply to --dry-run"),
         (DRY, ("--scheduler", "tcp://127.0.0.1:1"), "--scheduler does not apply to --dry-run"),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +34,9 @@ from dcrb_ros.exam.vehicle.signals import VehicleSignal, keep_signal, kept_signa
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.vehicle_diagnosis import Status, VehicleDiagnosis
-from dcrb_ros.vehicle.file import read_parameters
+from dcrb_ros.vehicle.block import VehicleBlock
+from dcrb_ros.vehicle.file import read_parameters, vehicle_of
+from dcrb_ros.vehicle.simulation import VehicleSimulation
 
 CRITERIA = Criteria(silence=3.0)
 CASE = VehicleCase("case", {"vehicle.speed_kmh": 120.0}, 3.0, {"axle_1.left": "outer_ring"})
@@ -263,3 +265,20 @@ def test_a_kept_signal_that_is_not_as_it_was_written_is_made_again(
     for found in (again, repaired):
         for box in BOXES:
             assert np.array_equal(found.acceleration[box], first.acceleration[box])
+
+
+def test_an_interrupted_simulation_leaves_no_part_of_a_motion(monkeypatch: pytest.MonkeyPatch) -> None:
+    vehicle, memory = vehicle_of(read_parameters("healthy_bogie", ()), "the test"), signals.MotionMemory()
+    blocks = VehicleSimulation.blocks
+
+    def interrupted(self: VehicleSimulation, duration: float) -> Iterator[VehicleBlock]:
+        yield next(iter(blocks(self, duration)))
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(VehicleSimulation, "blocks", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            signals.simulated_signal(vehicle, 0.2, memory)
+    signal = signals.simulated_signal(vehicle, 0.2, memory)
+    rate = vehicle.boxes[0].configuration.sensor.sampling_rate
+    assert {len(samples) for samples in signal.acceleration.values()} == {round(0.2 * rate)}

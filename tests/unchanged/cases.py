@@ -119,8 +119,9 @@ CASES: dict[str, tuple[str, tuple[str, ...]]] = {
 """Configuration, `paper` or the name of a dry bench, and settings of each run."""
 
 FILM = ("lubrication.law=film", "lubrication.lubricant=grease", "lubrication.temperature=60.0", "operating.start=settled")
-DRY_CAGE = "lubrication.law=film"
 """An oil film between smooth surfaces."""
+DRY_CAGE = "lubrication.law=film"
+"""A dry cage beside oiled raceways."""
 OILED_CASES: dict[str, tuple[str, tuple[str, ...]]] = {
     "oiled_healthy": ("healthy", ()),
     "oiled_outer_ring_defect": ("outer_ring_defect", ()),

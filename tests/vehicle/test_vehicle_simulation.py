@@ -511,3 +511,16 @@ def test_simulate_refuses_what_it_cannot_record(tmp_path: Path, capsys: pytest.C
     assert "there is no vehicle 'no_such_vehicle'" in capsys.readouterr().err
     (tmp_path / "there").mkdir()
     assert dcrb("simulate", "--vehicle", "healthy_bogie", "-o", str(tmp_path / "there"), "--duration", "0.2", "--quiet") == 2
+
+
+def test_a_changed_outcome_is_reported_and_not_used(run: Path, tmp_path: Path) -> None:
+    changed = tmp_path / "changed"
+    shutil.copytree(run, changed)
+    (file,) = changed.glob("*.mcap")
+    data = file.read_bytes()
+    at = data.index(b'"ended": "2', data.index(b"dcrb_ros_vehicle_outcome"))
+    file.write_bytes(data[:at] + b'"ended": "1' + data[at + len(b'"ended": "2') :])
+    assert VehicleRecording(run).damage == []
+    recording = VehicleRecording(changed)
+    assert any("is damaged or was changed: the commands are read from the ground truth" in sentence for sentence in recording.damage)
+    assert recording.commands() == VehicleRecording(run).commands()

@@ -30,8 +30,9 @@ class GainDrift(LevelRule[GainDriftParameters]):
     """A fall of the mean level with little difference between the bands, from the first hops at a speed to the latest.
 
     A gain g lowers the signal S_k of each band, but not the noise N_k of the sensor, so that its power becomes g^2 S_k + N_k. The fall must
-    be common to the powers of all bands, as without noise, or to S_k in the bands that had more signal than noise at first. Random
-    impacts vary from one hop to the next; all of the latest powers must therefore be lower than each of the first ones.
+    be common to the powers of all bands, as without noise, or to S_k in the bands that had more signal than noise at first. Random impacts
+    vary from one hop to the next. The mean of the latest powers, and each of the latest S_k, must therefore be lower than each of the first
+    ones by the whole drop.
     """
 
     parameters = GainDriftParameters
@@ -54,5 +55,5 @@ class GainDrift(LevelRule[GainDriftParameters]):
         return f"all bands have decreased by {fall:.1f} dB at the same speed: the gain of the sensor drifts" if self._low else ""
 
     def _alike(self, change: Floats, fall: float) -> bool:
-        """Return whether several bands have fallen in every hop by enough, and in the mean nearly by the same [dB]."""
+        """Return whether several bands have fallen by enough, and in the mean nearly by the same [dB]."""
         return len(change) >= FEWEST_BANDS and fall >= self.p.gain_drop and float(np.ptp(change)) <= -self.p.gain_spread * change.mean()

@@ -127,9 +127,14 @@ def simulated_signal(vehicle: Vehicle, duration: float, memory: MotionMemory, th
         bearing: Any = RememberedBearing(simulation.simulations[box.name], memory.motion(vehicle, box))
         simulation.simulations[box.name] = bearing
     pieces: dict[str, list[Block]] = {box.name: [] for box in vehicle.boxes}
-    for block in simulation.blocks(duration):
-        for name, box_block in block.boxes.items():
-            pieces[name].append(box_block)
+    try:
+        for block in simulation.blocks(duration):
+            for name, box_block in block.boxes.items():
+                pieces[name].append(box_block)
+    except BaseException:
+        for box in vehicle.boxes:
+            memory.motion(vehicle, box).clear()  # a part of a motion would be taken for the whole
+        raise
     return VehicleSignal(
         described(vehicle),
         {_topic(name): np.concatenate([block.acceleration for block in blocks]) for name, blocks in pieces.items()},

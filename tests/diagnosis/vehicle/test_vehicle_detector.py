@@ -9,6 +9,7 @@ import pytest
 from synthetic_bearing import ORDERS
 from synthetic_bogie import BOXES, DESCRIPTION, FREQUENCY, LAG, SECONDS, Boxes, bogie, diagnosed
 
+from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.vehicle.causes import correlated_lag
 from dcrb_ros.diagnosis.vehicle.detector import BoxBlock, VehicleDetector
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
@@ -239,3 +240,11 @@ def test_an_unknown_box_is_refused_by_name() -> None:
 def test_bands_without_a_width_are_refused() -> None:
     with pytest.raises(Refusal, match="are empty"):
         VehicleDetector(DESCRIPTION, VehicleDetectorParameters(wheel_low=9000.0, wheel_high=8000.0))
+
+
+@pytest.mark.parametrize("whitening", [0.0, 5.0, 100.0])
+def test_the_width_of_whitening_is_not_that_of_tones(whitening: float) -> None:
+    detector = VehicleDetector(DESCRIPTION, box_parameters=DetectorParameters(whitening=whitening))
+    last = diagnosed(bogie({"axle_1/left": SPALLS["outer_ring"]}), detector=detector)[-1]
+    verdicts = {name: status.verdict for name, status in last.statuses.items() if name.endswith("/bearing") and status.verdict != "healthy"}
+    assert verdicts == {"axle_1/left/bearing": "outer_ring"}
