@@ -39,7 +39,7 @@ TONE = 0.5
 
 Impacts at intervals make lines at all multiples of their frequency. Two of them share the power if it is below half of that width."""
 TONE_WIDTH = 500.0
-"""[Hz]"""
+"""Width over which the power of a tone is compared [Hz]: impacts up to 250 Hz have two lines in it."""
 LEAKAGE = 4
 """Values on either side of a tone that are removed with it [-]: the rest of a segment without a window is 13 dB below."""
 

@@ -167,6 +167,7 @@ def _outcome(candidate: Candidate[Signal], signal: Callable[[], Signal]) -> AnyO
 
 
 def _record(signal: Callable[[], Signal]) -> None:
+    """Simulate a signal; it is not returned, so that another process need not send it."""
     signal()
 
 

@@ -69,7 +69,8 @@ Judged = TypeVar("Judged", bound=JudgedRecording)
 class LedSignal(Generic[Judged]):
     """A recording after a healthy one; the shaft turns on without a jump, at the speed of each.
 
-    Unless the gain is known to be one, the healthy recording is scaled to the rms of the other: levels cannot be compared then.
+    Levels cannot be compared unless all bearings are known to have been recorded with one gain. Otherwise the healthy recording is scaled
+    to the rms of the other one.
     """
 
     recording: Judged
