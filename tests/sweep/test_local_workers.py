@@ -24,7 +24,7 @@ from dcrb_ros.sweep.data_set import open_data_set
 from dcrb_ros.sweep.loader import sweep_of
 from dcrb_ros.sweep.local_workers import LocalWorkers, local_workers, parsed_memory
 from dcrb_ros.sweep.plan import Plan
-from dcrb_ros.sweep.store import Store
+from dcrb_ros.sweep.store import PART, Store
 
 
 @pytest.fixture(scope="module")
@@ -92,6 +92,7 @@ def test_tasks_of_killed_workers_are_run_again(tmp_path: Path, workers: LocalWor
             if not killed:
                 killed.append(workers.process_ids[0])
                 os.kill(killed[0], signal.SIGKILL)
+                (tmp_path / "set" / "runs" / f"{PART}of-a-killed-worker").write_bytes(b"half a run")
 
         tally = data_set.make(workers, kill)
     assert killed
