@@ -42,7 +42,7 @@ def calibrate(
     quiet: Quiet = False,
     force: Force = False,
 ) -> None:
-    """Make a bench that measures like a machine from healthy recordings of it, with an interval for each value and a figure.
+    """Fit a bench to healthy recordings of a machine, with an interval for each value and a figure.
 
     Example: dcrb calibrate bags/healthy -o my_machine.yaml
     """

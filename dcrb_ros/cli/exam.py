@@ -83,7 +83,7 @@ def verify(
     secret: Secret,
     entries: Annotated[list[Path] | None, typer.Argument(help="Entries of dcrb score --entry that were made with this exam.")] = None,
 ) -> None:
-    """Verify a sealed exam with its secret seed, and entries that were made with it; exit status 1 if something does not agree.
+    """Verify a sealed exam with its secret seed, and entries that were made with it; exit status 1 if any of them does not agree.
 
     Example: dcrb exam verify my_template.sealed.yaml my_template.secret results/*.json
     """

@@ -28,7 +28,7 @@ def info(
     bag: Bag,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON: manifest, message counts, commands and damage.")] = False,
 ) -> None:
-    """Print the manifest, the topics, the commands and the damage of a recording.
+    """Print the manifest, the topics, the commands and the unreadable parts of a recording.
 
     Example: dcrb info bags/healthy
     """

@@ -50,7 +50,7 @@ def plot(
     order: Annotated[bool, typer.Option("--order/--frequency", help="Spectrum over orders of the shaft, or over frequency [Hz].")] = True,
     force: Force = False,
 ) -> None:
-    """Plot the waveform and the squared envelope spectrum of a recording with the fault lines, and temperatures where it has readings.
+    """Plot the waveform and the squared envelope spectrum of a recording with the fault lines, and its temperatures if it has any.
 
     Example: dcrb plot bags/outer_ring_defect -o picture.png --duration 2
     """

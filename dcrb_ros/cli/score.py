@@ -75,7 +75,7 @@ def score(
     name: Annotated[str, typer.Option(help="Name of the detector in the report. Default: its command, its class or its parameters.")] = "",
     show: Annotated[bool, typer.Option("--list", help="List the scenarios and exit.")] = False,
 ) -> None:
-    """Evaluate a fault detector: the shipped one, your own node, or the diagnoses in recordings.
+    """Evaluate a fault detector: the shipped one, your own node or Python class, or the diagnoses in recordings.
 
     Exit status 0 if every criterion is met, 1 if not, 2 if the input is invalid.
 
