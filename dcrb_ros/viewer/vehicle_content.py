@@ -94,7 +94,7 @@ def read_vehicle_content(recording: VehicleRecording) -> VehicleContent:
         raise Refusal(f"{recording.path} has no waveform of any box: give a recording that contains outer_ring/vibration")
     diagnoses = diagnoses_of(content)
     verdicts = content.verdicts or tuple(verdicts_in(encode_vehicle_diagnosis(diagnosis) for diagnosis in diagnoses))
-    judgements = {name: [diagnosis.boxes[name] for diagnosis in diagnoses if name in diagnosis.boxes] for name in recording.boxes}
+    judgements = {box.name: [each.boxes[box.name] for each in diagnoses if box.name in each.boxes] for box in description.boxes}
     return replace(content, verdicts=verdicts, judgements=judgements)
 
 

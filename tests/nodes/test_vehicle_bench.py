@@ -42,6 +42,7 @@ from dcrb_ros.recordings.vehicle import VehicleRecording
 from dcrb_ros.recordings.vehicle_recorder import VehicleRecorder
 from dcrb_ros.vehicle.file import read_parameters, vehicle_of
 from dcrb_ros.vehicle.simulation import VehicleSimulation
+from dcrb_ros.viewer.vehicle_content import read_vehicle_content
 
 pytestmark = [pytest.mark.node, pytest.mark.slow]
 
@@ -223,6 +224,8 @@ def test_a_recorded_run_has_the_samples_of_simulate_and_the_verdicts_of_the_dete
         assert box.outcome["samples"] == 153600
         assert box.complete
     assert next(recording.messages((VEHICLE_DIAGNOSIS,)), None) is not None
+    shown = read_vehicle_content(recording).judgements
+    assert {box: bool(judgements and len(judgements[-1].spectrum[0])) for box, judgements in shown.items()} == dict.fromkeys(BOXES, True)
     assert dcrb("info", str(bag)) == 0
     assert "axle_2.right" in capfd.readouterr().out
 
