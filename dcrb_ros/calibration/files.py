@@ -6,12 +6,11 @@ import math
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from dcrb_ros.calibration.calibration import Calibration
 from dcrb_ros.calibration.estimate import EstimatedParameter
 from dcrb_ros.settings.files import to_described_yaml
 from dcrb_ros.text.writing import whole_file, write_whole
+from dcrb_ros.text.yaml import yaml_text
 
 SUFFIX = ".intervals.yaml"
 SIGNIFICANT = 6
@@ -32,7 +31,7 @@ def write_calibration(calibration: Calibration, file: Path) -> Path:
     beside = intervals_beside(file)
     named = ", ".join(Path(name).name for name in calibration.recordings)
     head = f"# A bench calibrated to {named}; the intervals are in {beside.name}.\n"
-    about = yaml.safe_dump(_tree(calibration, file.name), sort_keys=False, width=120)
+    about = yaml_text(_tree(calibration, file.name), width=120)
     remarks = "".join(f"# Not identified: {sentence}.\n" for sentence in calibration.unidentified)
     with whole_file(file) as temporary:
         temporary.write_text(head + to_described_yaml(calibration.configuration), encoding="utf-8")

@@ -17,7 +17,7 @@ from dcrb_ros.messages.points import decode_vibration
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import GROUND_TRUTH, MANIFEST, VIBRATION, Message
 from dcrb_ros.recordings.digest import SampleDigests, samples_in, stated_samples
-from dcrb_ros.recordings.foreign_files import refuse_foreign
+from dcrb_ros.recordings.foreign_files import refuse_foreign, sound
 from dcrb_ros.recordings.manifest import OUTCOME, Outcome, now
 from dcrb_ros.recordings.mcap_writer import Channel, McapFile, described_channel
 from dcrb_ros.recordings.reader import Recording
@@ -159,12 +159,13 @@ class Recovery:
         self._recovered.last_ns = max(self._recovered.last_ns, record.log_time)
 
     def _opening(self) -> dict[str, dict[str, str]]:
-        """Return the metadata records of the source, except those of its end."""
+        """Return the metadata records of the source, except those of its end; the first sound one of each name, or else the first."""
         records: dict[str, dict[str, str]] = {}
-        for file in self._files:
-            for record in file.metadata():
-                if record.name not in ("rosbag2", RECOVERY, VEHICLE_OUTCOME) and record.name.partition("/")[0] != OUTCOME:
-                    records.setdefault(record.name, dict(record.metadata))
+        for record in (record for file in self._files for record in file.metadata()):
+            if record.name in ("rosbag2", RECOVERY, VEHICLE_OUTCOME) or record.name.partition("/")[0] == OUTCOME:
+                continue
+            if record.name not in records or (sound(record.name, record.metadata) and not sound(record.name, records[record.name])):
+                records[record.name] = dict(record.metadata)
         return records
 
     def _closing(self) -> Mapping[str, Mapping[str, str]]:

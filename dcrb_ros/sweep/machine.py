@@ -6,11 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.files import checked_path, is_file
-from dcrb_ros.text.yaml import read_yaml
+from dcrb_ros.text.yaml import read_yaml, yaml_text
 
 MACHINE, BASE, VARY = "machine", "base", "vary"
 KEPT_BASE = "base.yaml"
@@ -38,7 +36,7 @@ def around_machine(tree: Mapping[str, Any], source: str, folder: Path) -> tuple[
     axes = tree.get(VARY) or {}
     vary = intervals_of(path) | (dict(flatten_axes(axes)) if isinstance(axes, Mapping) else {})
     keys = {key: value for key, value in tree.items() if key != MACHINE}
-    text = f"# The intervals are those of {path.name}.\n" + yaml.safe_dump(keys | {BASE: KEPT_BASE, VARY: vary}, sort_keys=False)
+    text = f"# The intervals are those of {path.name}.\n" + yaml_text(keys | {BASE: KEPT_BASE, VARY: vary})
     return keys | {BASE: str(path), VARY: vary}, text
 
 
