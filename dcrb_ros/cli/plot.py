@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dcrb_ros.cli.options import Bag, Force
+from dcrb_ros.cli.options import Bag, Force, warn_of_digest
 from dcrb_ros.cli.output_file import PICTURES, check_output, replacing
 from dcrb_ros.schema.numbers import duration_within
 from dcrb_ros.schema.refusal import Refusal
@@ -62,6 +62,7 @@ def plot(
     from dcrb_ros.recordings.reader import Recording
 
     recording = Recording(bag)
+    warn_of_digest(recording, str(bag))
     begin = next(recording.pieces()).first_index / recording.sampling_rate if start is None else start
     waveform = recording.waveform(begin, begin + duration)
     check_gaps(waveform)
