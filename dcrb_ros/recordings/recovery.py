@@ -88,12 +88,15 @@ class Recovery:
         if first is None:
             reason = f": {self._damage[0]}" if self._damage else ""
             raise Refusal(f"nothing can be recovered from {self._source}, because no message can be read{reason}")
-        bag = Bag(target, opening=self._opening(), closing=self._closing, splitting=self._splitting(), compression=self._compression())
+        records = self._opening()
+        bag = Bag(target, opening=records, closing=self._closing, splitting=self._splitting(), compression=self._compression())
         try:
             bag.write([first])
             for message in messages:
                 bag.write([message])
             self._note(self._mismatch())
+            unsound = [name for name, entries in records.items() if not sound(name, entries)]
+            self._note(f"the record {name} is damaged or was changed; it is kept, and not used by any command" for name in unsound)
             bag.close()
         except BaseException:
             with suppress(RecordingFailed):
