@@ -62,13 +62,13 @@ def plot(
     from dcrb_ros.recordings.reader import Recording
 
     recording = Recording(bag)
-    warn_of_digest(recording, str(bag))
     begin = next(recording.pieces()).first_index / recording.sampling_rate if start is None else start
     waveform = recording.waveform(begin, begin + duration)
     check_gaps(waveform)
     readings = recording.temperatures().between(begin, begin + duration)
     with replacing("-o", output, force=force, source=bag):
         over_orders = write_overview(waveform, output, title=recording.path.resolve().stem, order=order, readings=readings)
+    warn_of_digest(recording, str(bag))
     if order and not over_orders:
         typer.echo("the spectrum is over frequency, because the shaft does not turn far enough in one direction for orders", err=True)
     print(f"{output}: {waveform.duration:.2f} s of {bag} from {waveform.time[0]:.2f} s on")
