@@ -61,18 +61,18 @@ def check(config: Config, settings: Settings = None) -> None:
     from dcrb_ros.bearing.plausibility import implausible
     from dcrb_ros.runtime.exit_status import print_error
     from dcrb_ros.settings.configuration import Configuration
-    from dcrb_ros.settings.files import layers, problems, validated
+    from dcrb_ros.settings.files import checked, layers
 
     parameters, misplaced = layers(config, settings or ())
     # A file without parameters has defaults only, which are sound.
-    wrong = [*misplaced, *problems(parameters, Configuration)]
+    configuration, found = checked(parameters, Configuration)
+    wrong = [*misplaced, *found]
     for sentence in wrong[:MOST_ERRORS]:
         print_error("dcrb", f"{config}: {sentence}")
     if (others := len(wrong) - MOST_ERRORS) > 0:
         print_error("dcrb", f"{config}: {others} more {'errors' if others > 1 else 'error'}; correct these first")
-    if wrong:
+    if configuration is None or wrong:
         raise typer.Exit(2)
-    configuration = validated(parameters, Configuration, config)
     print(f"{config} is valid")
     for name, text in data_sheet(configuration).items():
         print(f"  {name:20s} {text}")

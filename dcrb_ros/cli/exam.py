@@ -85,7 +85,7 @@ def verify(
     Example: dcrb exam verify my_template.sealed.yaml my_template.secret results/*.json
     """
     from dcrb_ros.exam.case import scenarios_hash
-    from dcrb_ros.exam.entry import read_entry
+    from dcrb_ros.exam.leaderboard_entry import read_entry
     from dcrb_ros.exam.sealing import commitment, open_exam, read_sealed, read_secret
     from dcrb_ros.exam.verification import differences
     from dcrb_ros.runtime.version import __version__

@@ -12,6 +12,7 @@ from dcrb_ros.cli import completion
 from dcrb_ros.schema.refusal import Refusal
 
 if TYPE_CHECKING:
+    from dcrb_ros.diagnosis.parameters import DetectorParameters
     from dcrb_ros.recordings.reader import Recording
 
 MOST_WORKERS = 256
@@ -66,6 +67,18 @@ def worker_count(workers: int) -> int:
     from dcrb_ros.runtime.processes import cores
 
     return workers or cores()
+
+
+def detector_parameters(file: Path | None) -> DetectorParameters:
+    """Return the fault detector's parameters from a ROS parameter file, or the defaults without a file.
+
+    Raises:
+        Refusal: see `read_parameters` and `validated`.
+    """
+    from dcrb_ros.diagnosis.parameters import DetectorParameters
+    from dcrb_ros.settings.files import read_parameters, validated
+
+    return DetectorParameters() if file is None else validated(read_parameters(file, "fault_detector"), DetectorParameters, str(file))
 
 
 def refuse_given(context: typer.Context, reason: str, *names: str) -> None:

@@ -236,7 +236,7 @@ def run_nodes(
         # Its first block waits until they have discovered it.
         with node_process(nodes.simulator, arguments, nodes.waiting_for(1 + _running(subscribers))) as process:
             status = _watch(observer, node, process, detector, duration, stop, console)
-    status = status  # a stopped simulator may have failed to write its recording
+    status = status or max(process.returncode, 0)  # a stopped simulator may have failed to write its recording
     return _conclude(observer, "" if status else configuration.recording.path, console, status)
 
 

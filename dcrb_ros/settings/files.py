@@ -93,11 +93,6 @@ def nest(flat: Mapping[str, Any]) -> dict[str, Any]:
     return tree
 
 
-def problems(flat: Mapping[str, Any], model: type[Group]) -> list[str]:
-    """Return a sentence with the value, the range and the remedy for everything that is wrong with parameters with dotted keys."""
-    return _checked(flat, model)[1]
-
-
 def validated(flat: Mapping[str, Any], model: type[Model], source: str) -> Model:
     """Return the model of parameters with dotted keys.
 
@@ -105,14 +100,17 @@ def validated(flat: Mapping[str, Any], model: type[Model], source: str) -> Model
         Refusal: an unknown key, a value of the wrong type or out of range, or values that contradict each other; one sentence with the
             value, the range and the remedy.
     """
-    checked, wrong = _checked(flat, model)
-    if checked is None or wrong:
+    result, wrong = checked(flat, model)
+    if result is None or wrong:
         raise Refusal(f"{source}: {wrong[0]}{more(len(wrong))}")
-    return checked
+    return result
 
 
-def _checked(flat: Mapping[str, Any], model: type[Model]) -> tuple[Model | None, list[str]]:
-    """Return the model of parameters with dotted keys, none with invalid values, and a sentence for everything that is wrong."""
+def checked(flat: Mapping[str, Any], model: type[Model]) -> tuple[Model | None, list[str]]:
+    """Return the model of parameters with dotted keys, None if a value is invalid, and what is wrong with them.
+
+    What is wrong has a sentence each, with the value, the range and the remedy.
+    """
     known, fields = _without_empty_groups(flat, model), fields_by_key(model)
     unknown = [key for key in known if key not in fields]
     wrong = [unknown_parameter(key, model, known[key]) for key in unknown[:MOST_UNKNOWN]]

@@ -44,8 +44,8 @@ LARGEST_FILE = 4 << 30
 class DataSet:
     """A data set of `dcrb sweep` or `dcrb collect` in a folder.
 
-    Every file is compared with its hash before its contents are used. A data set of an earlier version without hashes is read with a
-    warning, and so is one with a bearing or a machine in more than one split.
+    Every file is compared with its hash before its contents are used. A data set without hashes, or with a bearing or a
+    machine in more than one split, is read with a warning.
 
     Raises
     ------

@@ -15,10 +15,10 @@ from synthetic_bogie import BOXES, DESCRIPTION, bogie
 
 from dcrb_ros.exam.credit import vehicle_detection
 from dcrb_ros.exam.criteria import Criteria
-from dcrb_ros.exam.entry import entry_of, read_entry, write_entry
 from dcrb_ros.exam.evaluation import evaluate
 from dcrb_ros.exam.exam_file import read_exam
 from dcrb_ros.exam.expectation import Expectation
+from dcrb_ros.exam.leaderboard_entry import entry_of, read_entry, write_entry
 from dcrb_ros.exam.limits import Limits
 from dcrb_ros.exam.running_detector import BoxSamples, checked_statuses
 from dcrb_ros.exam.vehicle import signals
