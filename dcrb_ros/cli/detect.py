@@ -116,6 +116,8 @@ def _check_vehicles(
 
 def _as_object(recording: Recording, result: DetectionResult) -> dict[str, Any]:
     """Return the last diagnosis and the history for JSON."""
+    from dcrb_ros.recordings.digest import unsigned
+
     last = result.last
     return {
         "verdict": last.verdict,
@@ -134,6 +136,7 @@ def _as_object(recording: Recording, result: DetectionResult) -> dict[str, Any]:
         "baseline": last.baseline or None,
         "remarks": last.remarks,
         "complete": recording.complete,
+        "unverified": unsigned(recording) or None,
         "history": [{"time": d.time, "verdict": d.verdict, "confidence": d.confidence} for d in result.history],
     }
 

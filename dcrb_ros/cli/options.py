@@ -111,11 +111,22 @@ def refuse_node_settings(settings: Sequence[str] | None) -> None:
 
 
 def warn_of_digest(recording: Recording, name: str) -> None:
-    """Print a warning on stderr if the samples of a recording do not match the digest that it states."""
-    from dcrb_ros.recordings.digest import digest_mismatch
+    """Print on stderr whether the samples of a recording do not match the digest that it states, or it states none of its manifest."""
+    from dcrb_ros.recordings.digest import digest_mismatch, unsigned
 
     if sentence := digest_mismatch(recording):
         typer.echo(f"warning: {name}: {sentence}", err=True)
+    if sentence := unsigned(recording):
+        typer.echo(f"note: {name}: {sentence}", err=True)
+
+
+def warn_of_digests(bag: Path) -> None:
+    """Do the same as `warn_of_digest` for a recording, or for each box in that of a vehicle."""
+    from dcrb_ros.recordings.reader import Recording
+    from dcrb_ros.recordings.vehicle_folder import vehicle_boxes
+
+    for path in [bag / name for name in vehicle_boxes(bag)] or [bag]:
+        warn_of_digest(Recording(path), str(path))
 
 
 def size_text(size: float) -> str:

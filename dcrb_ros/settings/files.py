@@ -22,7 +22,7 @@ from dcrb_ros.settings.sections import read_sections
 from dcrb_ros.settings.sensor import preset_values
 from dcrb_ros.settings.shipped import find_configuration
 from dcrb_ros.settings.vehicle_speed import SPEED, SPEED_KMH, WHEEL_DIAMETER, converted
-from dcrb_ros.text.yaml import parsed, read_yaml
+from dcrb_ros.text.yaml import parsed, read_yaml, yaml_text
 
 MOST_UNKNOWN = 20
 """Unknown parameters for which those that may be meant are searched, which takes a millisecond each."""
@@ -295,7 +295,7 @@ def settings_by_key(settings: Mapping[str, Any] | Sequence[str] | str) -> dict[s
 
 def to_yaml(configuration: Group) -> str:
     """Return a configuration as a ROS parameter file that contains every parameter."""
-    return str(yaml.safe_dump({"/**": {"ros__parameters": configuration.model_dump()}}, sort_keys=False))
+    return yaml_text({"/**": {"ros__parameters": configuration.model_dump()}})
 
 
 def to_described_yaml(configuration: Group) -> str:
@@ -307,7 +307,7 @@ def to_described_yaml(configuration: Group) -> str:
         same = next((k for k, (a, b) in enumerate(zip(groups, before, strict=False)) if a != b), min(len(groups), len(before)))
         lines += [f"{'  ' * (k + 2)}{groups[k]}:" for k in range(same, len(groups))]
         unit = f"  # {field.unit}" if field.unit != "-" else ""
-        text = yaml.safe_dump({name: values[field.key]}, width=math.inf).rstrip("\n")
+        text = yaml_text({name: values[field.key]}, width=math.inf).rstrip("\n")
         lines.append(textwrap.indent(text, "  " * (len(groups) + 2)) + unit)
         before = tuple(groups)
     return "\n".join(lines) + "\n"
