@@ -44,9 +44,9 @@ def measured(part: str) -> str:
 def about() -> str:
     """Return the line above a part."""
     commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, stdout=subprocess.PIPE, text=True, check=True).stdout.strip()
-    today = datetime.datetime.now(datetime.timezone.utc).date().isoformat()
+    now = datetime.datetime.now(datetime.timezone.utc)
     machine = f"{os.cpu_count()} cores ({llvmlite.binding.get_host_cpu_name()}), {os.getloadavg()[1]:.0f} running processes in the mean"
-    return f"*{today}, commit `{commit}`, {machine}, Python {platform.python_version()}, numba {numba.__version__}.*"
+    return f"*{now.day} {now:%B %Y}, commit `{commit}`, {machine}, Python {platform.python_version()}, numba {numba.__version__}.*"
 
 
 def replaced(page: str, part: str, text: str) -> str:
