@@ -62,7 +62,7 @@ def page(comparisons: dict[str, Comparison]) -> str:
             f"Written by `make predictivity` on {date}, model `{model_fingerprint()}`. "
             f"The shipped detector has the rules of commit `{commit}`.",
             "[Does an exam predict your rig?](../how-to/predict-your-rig.md) explains the method and the figures. Impacts, housing and",
-            "background have priors that follow statistics of these recordings, so this is no test on rigs nobody has seen. No prior was",
+            "background have priors that follow statistics of these recordings, so this is no test on held-out rigs. No prior was",
             "fitted to the marks of a detector.",
             "",
             "![Marks of detectors in the exam and on measured recordings](../images/predictivity.png)",

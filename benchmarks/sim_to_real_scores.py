@@ -92,14 +92,14 @@ def left_out_scores(test: Windows, healthy: Windows, levels: bool) -> Floats:
     """
     bearing = np.array([LOAD.sub("", name) for name in test.recording])
     truth, values, known = np.array(test.truth), gain_free(test, levels), gain_free(healthy, levels)
-    sound, values = truth == "healthy", np.zeros((len(truth), len(CLASSES)))
+    sound, scores = truth == "healthy", np.zeros((len(truth), len(CLASSES)))
     bearings = list(dict.fromkeys(bearing[~sound]))
     for name in bearings:
         train = ~sound & (bearing != name)
-        scores = forest_scores([*truth[train], *healthy.truth], Features(np.concatenate([values[train], known]), values))
-        values[bearing == name] = scores[bearing == name]
-        values[sound] += scores[sound] / len(bearings)
-    return values
+        without = forest_scores([*truth[train], *healthy.truth], Features(np.concatenate([values[train], known]), values))
+        scores[bearing == name] = without[bearing == name]
+        scores[sound] += without[sound] / len(bearings)
+    return scores
 
 
 def rule_scores(test: Windows) -> Floats:

@@ -13,7 +13,7 @@ import yaml
 from dcrb_ros.prognosis.rating_life import dynamic_load_rating
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import flatten, load_configuration, nest, problems
+from dcrb_ros.settings.files import checked, flatten, load_configuration, nest
 from dcrb_ros.settings.parameters import Bearing
 
 STEEL = 7850.0
@@ -259,7 +259,7 @@ def _longest_step(parameters: Mapping[str, Any]) -> float:
     rate = Configuration().sensor.sampling_rate
     for count in range(2, MOST_STEPS):
         step = 1.0 / (rate * count)
-        reasons = problems({**parameters, "simulation.step": step}, Configuration)
+        _, reasons = checked({**parameters, "simulation.step": step}, Configuration)
         if not reasons:
             return step
         if not any("simulation.step" in reason for reason in reasons):

@@ -111,6 +111,10 @@ def _remedy(key: str, bearing: Bearing) -> str:
 def characteristic_frequencies(bearing: BearingLike | str, speed: float) -> dict[str, float]:
     """Return the frequencies at which the parts of a bearing pass each other, for pure rolling.
 
+    With the shaft frequency f, the ratio q = D cos(alpha) / d_m of the diameters and Z rollers per row (Fan et al. 2025, Eqs. 43 to 45)
+
+        FTF = f (1 - q) / 2,  BPFO = Z FTF,  BPFI = Z (f - FTF),  BSF = f (d_m / D) (1 - q^2) / 2
+
     Parameters
     ----------
     bearing

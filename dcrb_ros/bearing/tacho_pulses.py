@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class TachoPulses:
-    """The rising edges of a tacho on the shaft. They do not tell its direction."""
+    """The rising edges of a tacho on the shaft. The direction of rotation is unknown."""
 
     time: Floats
     """Time of each pulse, shape (pulses,) [s]."""
@@ -41,7 +41,7 @@ class TachoPulses:
     def turns(self, time: npt.ArrayLike) -> Floats:
         """Return the turns of the shaft since the first pulse at some times [s], same shape [-]; NaN before the first and after the last.
 
-        They are interpolated linearly between pulses, so that a fluctuation faster than the pulses is not in them.
+        The turns are interpolated linearly between pulses. A fluctuation faster than the pulses is therefore lost.
         """
         at = np.asarray(time, np.float64)
         if len(self) < 2 or not self.pulses_per_turn:

@@ -228,7 +228,7 @@ class Waveform:
         return replace(self, acceleration=self.acceleration[samples], shaft_angle=self.shaft_angle[samples], index=self.index[samples])
 
     def pieces(self) -> Iterator[Piece]:
-        """Yield pieces of at most 0.05 s, none of them across lost samples: what a detector takes block by block."""
+        """Yield pieces of at most 0.05 s, none of them across lost samples, as a detector takes them."""
         length = max(1, int(PIECE * self.sampling_rate))
         gaps = np.flatnonzero(np.diff(self.index) != 1) + 1
         for first, last in pairwise([0, *gaps.tolist(), len(self)]):

@@ -126,7 +126,7 @@ def calibrate(
     names: Sequence[str] = (),
     progress: Callable[[str], None] = lambda step: None,
 ) -> Calibration:
-    """Return a bench that measures like a machine, from healthy recordings of it.
+    """Return a bench fitted to healthy recordings of a machine.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def calibrate(
         The bench whose bearing is the source: a configuration or its name. By default the one that made the recording; for imported data
         ``healthy`` with the number and size of rollers that give the recording's orders.
     settings
-        Parameters to change in the base, such as ``{"operating.load": 5000.0}``. Those that the recording determines are refused.
+        Parameters to change in the base, such as ``{"operating.load": 5000.0}``. Those that the recording determines are rejected.
     source_seconds
         Simulated time of the source at the speed of each recording [s].
     trust

@@ -84,7 +84,7 @@ class AxisComparison:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RecordingComparison:
-    """What two recordings have in common, and what not."""
+    """Distances between two recordings: spectra, kurtosis and features."""
 
     names: tuple[str, str]
     axes: tuple[AxisComparison, ...]
@@ -97,7 +97,7 @@ class RecordingComparison:
         return f"<RecordingComparison of {self.names[0]} and {self.names[1]}: {', '.join(parts)} apart in third octaves>"
 
     def as_dict(self) -> dict[str, Any]:
-        """Return everything as numbers, lists and texts, for JSON; what is unknown is None."""
+        """Return everything as numbers, lists and texts, for JSON; unknown values are None."""
         return {
             "recordings": list(self.names),
             "axes": {axis.axis: _as_dict(axis) for axis in self.axes},

@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import yaml
-
-from dcrb_ros.calibration.calibration import Calibration
-from dcrb_ros.calibration.estimate import EstimatedParameter
+from dcrb_ros.runtime.exit_status import print_error
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import to_described_yaml
+from dcrb_ros.text.files import LARGEST_TEXT, read_bytes
+from dcrb_ros.text.json import digest_of
 from dcrb_ros.text.writing import whole_file, write_whole
+from dcrb_ros.text.yaml import read_yaml, yaml_text
+
+if TYPE_CHECKING:
+    from dcrb_ros.calibration.calibration import Calibration
+    from dcrb_ros.calibration.estimate import EstimatedParameter
 
 SUFFIX = ".intervals.yaml"
+DIGEST, CONFIGURATION_DIGEST = "sha256", "configuration_sha256"
+"""Entries of a file of intervals: the digest of its other entries, and that of the file of the configuration."""
 SIGNIFICANT = 6
 """Digits of the numbers in the file of the intervals."""
 
@@ -32,12 +41,36 @@ def write_calibration(calibration: Calibration, file: Path) -> Path:
     beside = intervals_beside(file)
     named = ", ".join(Path(name).name for name in calibration.recordings)
     head = f"# A bench calibrated to {named}; the intervals are in {beside.name}.\n"
-    about = yaml.safe_dump(_tree(calibration, file.name), sort_keys=False, width=120)
+    text = head + to_described_yaml(calibration.configuration)
+    tree = _tree(calibration, file.name) | {CONFIGURATION_DIGEST: hashlib.sha256(text.encode()).hexdigest()}
+    about = yaml_text(tree | {DIGEST: digest_of(tree, DIGEST)}, width=120)
     remarks = "".join(f"# Not identified: {sentence}.\n" for sentence in calibration.unidentified)
     with whole_file(file) as temporary:
-        temporary.write_text(head + to_described_yaml(calibration.configuration), encoding="utf-8")
+        temporary.write_text(text, encoding="utf-8")
         write_whole(beside, f"# Intervals of {file.name}: 'vary' can stand in a sweep file.\n{remarks}{about}")
     return beside
+
+
+def intervals_of(machine: Path) -> dict[str, Any]:
+    """Return the axes in the file of intervals beside a calibrated configuration, ``my_machine.intervals.yaml`` beside ``my_machine.yaml``.
+
+    Raises:
+        Refusal: there is none, or it has another form; or it or the configuration was changed. Those of an earlier version have no digest,
+            which is reported.
+    """
+    intervals = intervals_beside(machine)
+    tree = read_yaml(intervals)
+    axes = tree.get("vary") if isinstance(tree, Mapping) else None
+    if not isinstance(axes, Mapping):
+        raise Refusal(f"{intervals} has no ranges below 'vary': dcrb calibrate writes the intervals of {machine.name} there")
+    calibrate = "calibrate again, or give base and vary in the sweep instead of machine"
+    if DIGEST not in tree:
+        print_error("dcrb", f"{intervals} has no digest, as of an earlier version: whether it was changed is unknown")
+    elif tree[DIGEST] != digest_of(tree, DIGEST):
+        raise Refusal(f"{intervals} was changed: its digest does not match; {calibrate}")
+    elif hashlib.sha256(read_bytes(machine, LARGEST_TEXT)).hexdigest() != tree.get(CONFIGURATION_DIGEST):
+        raise Refusal(f"{machine} was changed after its calibration, or {intervals.name} is that of another machine: {calibrate}")
+    return {str(key): axis for key, axis in axes.items()}
 
 
 def _tree(calibration: Calibration, name: str) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from dcrb_ros.cli import completion
-from dcrb_ros.cli.options import DetectorFile, Duration, Force, Scenario, Settings
+from dcrb_ros.cli.options import DetectorFile, Duration, Force, Scenario, Settings, detector_parameters
 from dcrb_ros.cli.output_file import replacing
 from dcrb_ros.schema.refusal import Refusal
 
@@ -43,7 +43,6 @@ def bench(
 
     Example: dcrb bench outer_ring_defect --duration 10 --record my_recording
     """
-    from dcrb_ros.cli.detect import detector_parameters
     from dcrb_ros.schema.simulated_time import checked_duration
     from dcrb_ros.settings.files import load_configuration
     from dcrb_ros.simulation.scenario import read_scenario

@@ -11,7 +11,7 @@ import typer
 
 from dcrb_ros.cli import completion
 from dcrb_ros.cli.first_start import announce_compilation
-from dcrb_ros.cli.options import Bag, Force, JsonOutput, Quiet, Settings
+from dcrb_ros.cli.options import Bag, Force, JsonOutput, Quiet, Settings, warn_of_digest
 from dcrb_ros.cli.output_file import PICTURES, check_output, replacing
 from dcrb_ros.runtime.terminal import console, steps, table
 from dcrb_ros.schema.printable import printable
@@ -42,7 +42,7 @@ def calibrate(
     quiet: Quiet = False,
     force: Force = False,
 ) -> None:
-    """Make a bench that measures like a machine from healthy recordings of it, with an interval for each value and a figure.
+    """Fit a bench to healthy recordings of a machine, with an interval for each value and a figure.
 
     Example: dcrb calibrate bags/healthy -o my_machine.yaml
     """
@@ -59,6 +59,8 @@ def calibrate(
         raise Refusal(f"-o {output} has no name before its suffix: give one such as my_machine.yaml")
     figure = output.with_suffix(".png")
     opened = [Recording(path) for path in recordings]
+    for path, recording in zip(recordings, opened, strict=True):
+        warn_of_digest(recording, str(path))
     with ExitStack() as files:
         for file in (output, intervals_beside(output), figure):
             files.enter_context(replacing("-o", file, force=force))
@@ -105,6 +107,8 @@ def compare(
     from dcrb_ros.recordings.reader import Recording
 
     recordings = Recording(first), Recording(second)
+    for path, recording in zip((first, second), recordings, strict=True):
+        warn_of_digest(recording, str(path))
     with steps(STEPS, quiet=quiet) as begin:
         comparison = compared(*recordings, names=(str(first), str(second)), progress=begin)
     if output is not None:

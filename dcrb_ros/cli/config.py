@@ -50,7 +50,7 @@ def show(config: Config, settings: Settings = None) -> None:
 
 @app.command()
 def check(config: Config, settings: Settings = None) -> None:
-    """Check a configuration: print what follows from it, or what is wrong, up to 20 errors, and exit with status 2.
+    """Check a configuration: print the derived values, or up to 20 errors and exit with status 2.
 
     Masses and inertias of the default bearing in a bearing of other dimensions give warnings, and so do negative and very small loads, a
     load below which the model rattles, and a defect that is a notch where the surfaces could have a spall.
@@ -61,18 +61,18 @@ def check(config: Config, settings: Settings = None) -> None:
     from dcrb_ros.bearing.plausibility import implausible
     from dcrb_ros.runtime.exit_status import print_error
     from dcrb_ros.settings.configuration import Configuration
-    from dcrb_ros.settings.files import layers, problems, validated
+    from dcrb_ros.settings.files import checked, layers
 
     parameters, misplaced = layers(config, settings or ())
     # A file without parameters has defaults only, which are sound.
-    wrong = [*misplaced, *problems(parameters, Configuration)]
+    configuration, found = checked(parameters, Configuration)
+    wrong = [*misplaced, *found]
     for sentence in wrong[:MOST_ERRORS]:
         print_error("dcrb", f"{config}: {sentence}")
     if (others := len(wrong) - MOST_ERRORS) > 0:
         print_error("dcrb", f"{config}: {others} more {'errors' if others > 1 else 'error'}; correct these first")
-    if wrong:
+    if configuration is None or wrong:
         raise typer.Exit(2)
-    configuration = validated(parameters, Configuration, config)
     print(f"{config} is valid")
     for name, text in data_sheet(configuration).items():
         print(f"  {name:20s} {text}")
@@ -104,7 +104,7 @@ def new(
     ] = 0.0,
     force: Force = False,
 ) -> None:
-    """Write the configuration of a roller bearing from catalogue data, and print what was filled in.
+    """Write the configuration of a roller bearing from catalogue data, and print the values that were filled in.
 
     Example: dcrb config new -o nj2210.yaml -F 59.5 -E 81.5 -Z 16 --roller-diameter 11 --roller-length 16 --rpm 1500
     """

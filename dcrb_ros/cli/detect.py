@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from dcrb_ros.cli.detect_vehicle import diagnosed_vehicle, print_vehicle, vehicle_as_object
-from dcrb_ros.cli.options import DetectorFile, Force, JsonOutput, warn_of_digest
+from dcrb_ros.cli.options import DetectorFile, Force, JsonOutput, detector_parameters, warn_of_digest
 from dcrb_ros.cli.output_file import check_output, replacing
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.writing import write_whole
@@ -28,21 +28,6 @@ CAPTION = (
     "Level: over the background. Threshold: of the depth. Excess: the smallest over the thresholds of depth, significance and the other "
     "limits of the rule; a fault is suspected from 0 dB on."
 )
-
-
-def detector_parameters(file: Path | None) -> DetectorParameters:
-    """Return the fault detector's parameters from a ROS parameter file, or the defaults without a file.
-
-    Raises:
-        Refusal: see `read_parameters` and `validated`.
-    """
-    from dcrb_ros.diagnosis.parameters import DetectorParameters
-
-    if file is None:
-        return DetectorParameters()
-    from dcrb_ros.settings.files import read_parameters, validated
-
-    return validated(read_parameters(file, "fault_detector"), DetectorParameters, str(file))
 
 
 def detect(
@@ -131,6 +116,8 @@ def _check_vehicles(
 
 def _as_object(recording: Recording, result: DetectionResult) -> dict[str, Any]:
     """Return the last diagnosis and the history for JSON."""
+    from dcrb_ros.recordings.digest import unsigned
+
     last = result.last
     return {
         "verdict": last.verdict,
@@ -149,6 +136,7 @@ def _as_object(recording: Recording, result: DetectionResult) -> dict[str, Any]:
         "baseline": last.baseline or None,
         "remarks": last.remarks,
         "complete": recording.complete,
+        "unverified": unsigned(recording) or None,
         "history": [{"time": d.time, "verdict": d.verdict, "confidence": d.confidence} for d in result.history],
     }
 

@@ -20,13 +20,12 @@ def diagnosed_vehicle(bag: Path, parameters: DetectorParameters) -> VehicleDetec
     Raises:
         Refusal: it cannot be read, or is too short.
     """
-    from dcrb_ros.cli.options import warn_of_digest
+    from dcrb_ros.cli.options import warn_of_digests
     from dcrb_ros.diagnosis.vehicle.detection import detect_vehicle
     from dcrb_ros.recordings.vehicle import VehicleRecording
 
     recording = VehicleRecording(bag)
-    for name, box in recording.boxes.items():
-        warn_of_digest(box, str(bag / name))
+    warn_of_digests(bag)
     return detect_vehicle(recording, box_parameters=parameters)
 
 

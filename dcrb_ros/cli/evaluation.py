@@ -11,16 +11,15 @@ from typing import TYPE_CHECKING, NamedTuple
 import typer
 
 from dcrb_ros.cli.first_start import announce_compilation
-from dcrb_ros.cli.options import warn_of_digest
+from dcrb_ros.cli.options import detector_parameters, warn_of_digest
 from dcrb_ros.schema.refusal import Refusal
 
 if TYPE_CHECKING:
     from dcrb_ros.diagnosis.parameters import DetectorParameters
     from dcrb_ros.exam.evaluation import Candidate
-    from dcrb_ros.exam.exam_file import Exam
+    from dcrb_ros.exam.kinds import AnyExam
     from dcrb_ros.exam.limits import Limits
     from dcrb_ros.exam.report import Report
-    from dcrb_ros.exam.vehicle.exam_file import VehicleExam
     from dcrb_ros.exam.vehicle.signals import VehicleSignal
     from dcrb_ros.recordings.reader import Recording
 
@@ -54,8 +53,6 @@ class DetectorOptions(NamedTuple):
     @property
     def parameters(self) -> DetectorParameters:
         """Parameters of the shipped detector."""
-        from dcrb_ros.cli.detect import detector_parameters
-
         return detector_parameters(self.file)
 
     def candidate(self) -> Candidate[Recording]:
@@ -98,28 +95,21 @@ def evaluate_measured_folder(folder: Path, options: DetectorOptions, speed: str,
     return evaluate(ShippedOnce(options.name, options.parameters), whole_scenarios(folder, speed), workers=workers, progress=progress)
 
 
-def evaluate_exam(exam: Exam, options: DetectorOptions, recordings: Path | None, workers: int, *, quiet: bool) -> Report:
-    """Return the report of an exam."""
+def evaluate_exam(exam: AnyExam, options: DetectorOptions, recordings: Path | None, workers: int, *, quiet: bool) -> Report:
+    """Return the report of an exam of a bearing or of a vehicle; ``recordings`` is the folder that keeps what is simulated."""
     from dcrb_ros.exam.evaluation import evaluate
+    from dcrb_ros.exam.exam_file import Exam
     from dcrb_ros.exam.recording_cache import checked_folder, default_folder, simulated_scenarios
-
-    folder = checked_folder(recordings or default_folder())
-    candidate = options.candidate()
-    announce_compilation(quiet=quiet)
-    return evaluate(candidate, simulated_scenarios(exam, folder), workers=workers, progress=partial(progress_of, quiet=quiet))
-
-
-def evaluate_vehicle_exam(exam: VehicleExam, options: DetectorOptions, recordings: Path | None, workers: int, *, quiet: bool) -> Report:
-    """Return the report of the exam of a vehicle."""
-    from dcrb_ros.exam.evaluation import evaluate
-    from dcrb_ros.exam.recording_cache import checked_folder, default_folder
     from dcrb_ros.exam.vehicle.evaluation import vehicle_scenarios
 
-    folder = checked_folder(recordings or default_folder() / "vehicles")
-    candidate = options.vehicle_candidate()
+    progress = partial(progress_of, quiet=quiet)
+    if isinstance(exam, Exam):
+        scenarios, candidate = simulated_scenarios(exam, checked_folder(recordings or default_folder())), options.candidate()
+        announce_compilation(quiet=quiet)
+        return evaluate(candidate, scenarios, workers=workers, progress=progress)
+    folder, of_vehicle = checked_folder(recordings or default_folder() / "vehicles"), options.vehicle_candidate()
     announce_compilation(quiet=quiet)
-    scenarios = vehicle_scenarios(exam, folder, workers)
-    return evaluate(candidate, scenarios, workers=workers, progress=partial(progress_of, quiet=quiet))
+    return evaluate(of_vehicle, vehicle_scenarios(exam, folder, workers), workers=workers, progress=progress)
 
 
 def evaluate_bags(bags: Sequence[Path], options: DetectorOptions, *, run_detector: bool, workers: int, quiet: bool) -> Report:

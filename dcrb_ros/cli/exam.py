@@ -32,12 +32,10 @@ def seal(
 
     Example: dcrb exam seal my_template.yaml
     """
-    import yaml
-
     from dcrb_ros.exam.sealing import new_secret
     from dcrb_ros.exam.sealing import seal as sealed_exam
     from dcrb_ros.text.files import checked_path
-    from dcrb_ros.text.yaml import read_yaml
+    from dcrb_ros.text.yaml import read_yaml, yaml_text
 
     published, kept = output or template.with_suffix(".sealed.yaml"), secret or template.with_suffix(".secret")
     if published.resolve() in (kept.resolve(), template.resolve()) or kept.resolve() == template.resolve():
@@ -45,7 +43,7 @@ def seal(
     seed = new_secret()
     sealed = sealed_exam(read_yaml(checked_path(template)), seed, str(template))
     with replacing("--output", published, force=force), replacing("--secret", kept, force=force):
-        write_whole(published, yaml.safe_dump(sealed.model_dump(), sort_keys=False))
+        write_whole(published, yaml_text(sealed.model_dump()))
         with whole_file(kept) as temporary:
             temporary.chmod(0o600)
             temporary.write_text(f"{seed}\n", encoding="utf-8")
@@ -66,14 +64,13 @@ def open_(
 
     Example: dcrb exam open my_template.sealed.yaml my_template.secret
     """
-    import yaml
-
     from dcrb_ros.exam.sealing import open_exam, read_sealed, read_secret
+    from dcrb_ros.text.yaml import yaml_text
 
     file = output or sealed.with_name(f"{sealed.name.removesuffix('.yaml').removesuffix('.sealed')}.opened.yaml")
     opened = open_exam(read_sealed(sealed), read_secret(secret), str(sealed))
     with replacing("--output", file, force=force):
-        write_whole(file, yaml.safe_dump(dict(opened.tree), sort_keys=False))
+        write_whole(file, yaml_text(dict(opened.tree)))
     print(f"{file}: {len(opened.exam.cases)} scenarios; score it with dcrb score {file}")
 
 
@@ -83,12 +80,12 @@ def verify(
     secret: Secret,
     entries: Annotated[list[Path] | None, typer.Argument(help="Entries of dcrb score --entry that were made with this exam.")] = None,
 ) -> None:
-    """Verify a sealed exam with its secret seed, and entries that were made with it; exit status 1 if something does not agree.
+    """Verify a sealed exam with its secret seed, and entries that were made with it; exit status 1 if any of them does not agree.
 
     Example: dcrb exam verify my_template.sealed.yaml my_template.secret results/*.json
     """
     from dcrb_ros.exam.case import scenarios_hash
-    from dcrb_ros.exam.entry import read_entry
+    from dcrb_ros.exam.leaderboard_entry import read_entry
     from dcrb_ros.exam.sealing import commitment, open_exam, read_sealed, read_secret
     from dcrb_ros.exam.verification import differences
     from dcrb_ros.runtime.version import __version__

@@ -9,6 +9,7 @@ from dcrb_ros.runtime.terminal import console, table
 
 if TYPE_CHECKING:
     from dcrb_ros.exam.exam_file import Exam
+    from dcrb_ros.exam.kinds import AnyExam
     from dcrb_ros.exam.vehicle.exam_file import VehicleExam
 
 HEADS = ("scenario", "correct verdict", "onset [s]", "duration [s]", "twin")
@@ -16,10 +17,14 @@ LONGEST_TABLE = 300
 """Scenarios up to which they are a table with lines; a longer list is plain columns, which take a tenth of the time."""
 
 
-def print_scenarios(exam: Exam) -> None:
-    """Print the scenarios of an exam with their correct verdicts, onsets and durations, and the hash of them all."""
+def print_scenarios(exam: AnyExam) -> None:
+    """Print the scenarios of an exam with their correct verdicts, and the hash of them all."""
     from dcrb_ros.exam.case import scenarios_hash
+    from dcrb_ros.exam.exam_file import Exam
 
+    if not isinstance(exam, Exam):
+        _print_vehicles(exam)
+        return
     rows = list(_cells(exam))
     title = f"{exam.name}: {exam.about}"
     if len(rows) <= LONGEST_TABLE:
@@ -44,7 +49,7 @@ def _print_columns(title: str, rows: Sequence[tuple[str, ...]], heads: tuple[str
     console().print("\n".join([title, *lines]), soft_wrap=True)
 
 
-def print_vehicles(exam: VehicleExam) -> None:
+def _print_vehicles(exam: VehicleExam) -> None:
     """Print the vehicles of an exam with the boxes that are not healthy, and the hash of them all."""
     heads = ("scenario", "not healthy", "duration [s]")
     rows = [

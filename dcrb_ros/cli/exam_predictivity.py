@@ -36,15 +36,14 @@ def replica(
 
     Example: dcrb exam replica measured/recordings.csv -o replica.yaml
     """
-    import yaml
-
     from dcrb_ros.exam.replica import ReplicaPlan, replica_tree
+    from dcrb_ros.text.yaml import yaml_text
 
     _check_speed(speed)
     plan = ReplicaPlan(seed, machines, counterparts, longest, bench, tuple(without or ()))
     tree = replica_tree(_checked(table), plan, speed)
     with replacing("--output", output, force=force):
-        write_whole(output, yaml.safe_dump(tree, sort_keys=False))
+        write_whole(output, yaml_text(tree))
     print(f"{output}: {len(tree['scenarios'])} scenarios; compare it with dcrb exam predictivity {table} --replica {output}")
 
 

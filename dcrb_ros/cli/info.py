@@ -28,10 +28,11 @@ def info(
     bag: Bag,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON: manifest, message counts, commands and damage.")] = False,
 ) -> None:
-    """Print the manifest, the topics, the commands and the damage of a recording.
+    """Print the manifest, the topics, the commands and the unreadable parts of a recording.
 
     Example: dcrb info bags/healthy
     """
+    from dcrb_ros.recordings.digest import unsigned
     from dcrb_ros.recordings.metadata import metadata_flaw
     from dcrb_ros.recordings.reader import Recording
     from dcrb_ros.recordings.vehicle_folder import vehicle_boxes
@@ -57,6 +58,7 @@ def info(
             },
             "messages": counts,
             "commands": commands,
+            "unverified": unsigned(recording) or None,
             "damage": damage,
         }
         print(json.dumps(about, indent=2))
@@ -64,7 +66,7 @@ def info(
     from dcrb_ros.runtime.terminal import console
 
     shown = console()
-    for line in [*_lines(recording), *([_digest_line(digests)] if digests else [])]:
+    for line in filter(None, [*_lines(recording), _digest_line(digests) if digests else "", unsigned(recording)]):
         shown.print(line, soft_wrap=True)
     shown.print(_table(str(bag), ("topic", "messages"), counts.items()))
     if commands:

@@ -12,6 +12,7 @@ from dcrb_ros.cli import completion
 from dcrb_ros.schema.refusal import Refusal
 
 if TYPE_CHECKING:
+    from dcrb_ros.diagnosis.parameters import DetectorParameters
     from dcrb_ros.recordings.reader import Recording
 
 MOST_WORKERS = 256
@@ -68,6 +69,21 @@ def worker_count(workers: int) -> int:
     return workers or cores()
 
 
+def detector_parameters(file: Path | None) -> DetectorParameters:
+    """Return the fault detector's parameters from a ROS parameter file, or the defaults without a file.
+
+    Raises:
+        Refusal: see `read_parameters` and `validated`.
+    """
+    from dcrb_ros.diagnosis.parameters import DetectorParameters
+
+    if file is None:
+        return DetectorParameters()
+    from dcrb_ros.settings.files import read_parameters, validated
+
+    return validated(read_parameters(file, "fault_detector"), DetectorParameters, str(file))
+
+
 def refuse_given(context: typer.Context, reason: str, *names: str) -> None:
     """Refuse options that the command line has although they would have no effect.
 
@@ -98,11 +114,22 @@ def refuse_node_settings(settings: Sequence[str] | None) -> None:
 
 
 def warn_of_digest(recording: Recording, name: str) -> None:
-    """Print a warning on stderr if the samples of a recording do not match the digest that it states."""
-    from dcrb_ros.recordings.digest import digest_mismatch
+    """Print on stderr whether the samples of a recording do not match the digest that it states, or it states none of its manifest."""
+    from dcrb_ros.recordings.digest import digest_mismatch, unsigned
 
     if sentence := digest_mismatch(recording):
         typer.echo(f"warning: {name}: {sentence}", err=True)
+    if sentence := unsigned(recording):
+        typer.echo(f"note: {name}: {sentence}", err=True)
+
+
+def warn_of_digests(bag: Path) -> None:
+    """Do the same as `warn_of_digest` for a recording, or for each box in that of a vehicle."""
+    from dcrb_ros.recordings.reader import Recording
+    from dcrb_ros.recordings.vehicle_folder import vehicle_boxes
+
+    for path in [bag / name for name in vehicle_boxes(bag)] or [bag]:
+        warn_of_digest(Recording(path), str(path))
 
 
 def size_text(size: float) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dcrb_ros.cli.options import Bag, Force
+from dcrb_ros.cli.options import Bag, Force, warn_of_digest
 from dcrb_ros.cli.output_file import PICTURES, check_output, replacing
 from dcrb_ros.schema.numbers import duration_within
 from dcrb_ros.schema.refusal import Refusal
@@ -50,7 +50,7 @@ def plot(
     order: Annotated[bool, typer.Option("--order/--frequency", help="Spectrum over orders of the shaft, or over frequency [Hz].")] = True,
     force: Force = False,
 ) -> None:
-    """Plot the waveform and the squared envelope spectrum of a recording with the fault lines, and temperatures where it has readings.
+    """Plot the waveform and the squared envelope spectrum of a recording with the fault lines, and its temperatures if it has any.
 
     Example: dcrb plot bags/outer_ring_defect -o picture.png --duration 2
     """
@@ -68,6 +68,7 @@ def plot(
     readings = recording.temperatures().between(begin, begin + duration)
     with replacing("-o", output, force=force, source=bag):
         over_orders = write_overview(waveform, output, title=recording.path.resolve().stem, order=order, readings=readings)
+    warn_of_digest(recording, str(bag))
     if order and not over_orders:
         typer.echo("the spectrum is over frequency, because the shaft does not turn far enough in one direction for orders", err=True)
     print(f"{output}: {waveform.duration:.2f} s of {bag} from {waveform.time[0]:.2f} s on")

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from dcrb_ros.cli.options import Bag
+from dcrb_ros.cli.options import Bag, warn_of_digests
 from dcrb_ros.schema.refusal import Refusal
 
 
@@ -38,6 +38,7 @@ def replay(
     given |= {"listeners": listeners, "wait": wait}
     parameters = validated(given, ReplayParameters, "replay")
     Replay(parameters)  # refuses an invalid recording before ROS is started
+    warn_of_digests(bag)
     from dcrb_ros.nodes.programs import run
 
     raise typer.Exit(run("replayer", [], parameters=parameters))

@@ -34,7 +34,7 @@ def output_report(report: Report, as_json: bool, junit: Path | None, figure: Pat
 
         write_figure(report, figure)
     if entry is not None:
-        from dcrb_ros.exam.entry import entry_of, write_entry
+        from dcrb_ros.exam.leaderboard_entry import entry_of, write_entry
 
         write_entry(entry_of(report), entry)
 

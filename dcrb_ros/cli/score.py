@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fnmatch
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,16 +10,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dcrb_ros.cli import completion
-from dcrb_ros.cli.evaluation import DetectorOptions, evaluate_bags, evaluate_exam, evaluate_measured_folder, evaluate_vehicle_exam
-from dcrb_ros.cli.exam_list import print_scenarios, print_vehicles
+from dcrb_ros.cli.evaluation import DetectorOptions, evaluate_bags, evaluate_exam, evaluate_measured_folder
+from dcrb_ros.cli.exam_list import print_scenarios
 from dcrb_ros.cli.options import DetectorFile, JsonOutput, Quiet, Workers, refuse_given, worker_count
 from dcrb_ros.cli.report_output import check_files, output_report
 from dcrb_ros.schema.refusal import Refusal
 
 if TYPE_CHECKING:
-    from dcrb_ros.exam.exam_file import Exam
     from dcrb_ros.exam.limits import Limits
-    from dcrb_ros.exam.vehicle.exam_file import VehicleExam
 
 EVALUATION = (
     *("node", "python", "reference", "detector", "rate", "patience", "block_limit", "scenario_limit", "memory_limit"),
@@ -78,7 +75,7 @@ def score(
     name: Annotated[str, typer.Option(help="Name of the detector in the report. Default: its command, its class or its parameters.")] = "",
     show: Annotated[bool, typer.Option("--list", help="List the scenarios and exit.")] = False,
 ) -> None:
-    """Evaluate a fault detector: the shipped one, your own node, or the diagnoses in recordings.
+    """Evaluate a fault detector: the shipped one, your own node or Python class, or the diagnoses in recordings.
 
     Exit status 0 if every criterion is met, 1 if not, 2 if the input is invalid.
 
@@ -109,23 +106,15 @@ def score(
             refuse_given(context, "applies to a detector, but the diagnoses in the recordings are scored: leave it out", "name", "workers")
         report = evaluate_bags([Path(bag) for bag in bags], options, run_detector=run_detector, workers=count, quiet=quiet)
     else:
-        from dcrb_ros.exam.exam_file import read_exam
-        from dcrb_ros.exam.vehicle.exam_file import is_vehicle_exam, read_vehicle_exam
+        from dcrb_ros.exam.kinds import matching, read_any_exam
 
         if len(given) > 1:
             raise Refusal(f"{len(given)} exams are given ({', '.join(given)}): give one at a time")
-        if is_vehicle_exam(given[0]):
-            vehicles = _select_vehicles(read_vehicle_exam(given[0]), only)
-            if show:
-                print_vehicles(vehicles)
-                return
-            report = evaluate_vehicle_exam(vehicles, options, recordings, count, quiet=quiet)
-        else:
-            selected = _select(read_exam(given[0]), only)
-            if show:
-                print_scenarios(selected)
-                return
-            report = evaluate_exam(selected, options, recordings, count, quiet=quiet)
+        selected = matching(read_any_exam(given[0]), only)
+        if show:
+            print_scenarios(selected)
+            return
+        report = evaluate_exam(selected, options, recordings, count, quiet=quiet)
     output_report(report, as_json, junit, figure, entry)
     if not report.passed:
         raise typer.Exit(1)
@@ -200,29 +189,3 @@ def _is_recording(path: Path) -> bool:
 
         return str(path) not in shipped("exam") or any(path.glob("*.mcap"))
     return path.suffix == ".mcap" or (path.is_file() and path.suffix not in (".yaml", ".yml"))
-
-
-def _select(exam: Exam, pattern: str) -> Exam:
-    """Return an exam with the scenarios that match a pattern, and their twins."""
-    import dataclasses
-
-    if not pattern:
-        return exam
-    chosen = {case.expectation.name for case in exam.cases if fnmatch.fnmatchcase(case.expectation.name, pattern)}
-    if not chosen:
-        raise Refusal(f"--only '{pattern}' matches no scenario of {exam.name}: --list shows their names")
-    twins = {case.expectation.twin for case in exam.cases if case.expectation.name in chosen}
-    kept = tuple(case for case in exam.cases if case.expectation.name in chosen | twins)
-    return dataclasses.replace(exam, name=f"{exam.name} (only {pattern})", cases=kept)
-
-
-def _select_vehicles(exam: VehicleExam, pattern: str) -> VehicleExam:
-    """Return the exam of a vehicle with the scenarios that match a pattern."""
-    import dataclasses
-
-    if not pattern:
-        return exam
-    kept = tuple(case for case in exam.cases if fnmatch.fnmatchcase(case.name, pattern))
-    if not kept:
-        raise Refusal(f"--only '{pattern}' matches no scenario of {exam.name}: --list shows their names")
-    return dataclasses.replace(exam, name=f"{exam.name} (only {pattern})", cases=kept)

@@ -26,7 +26,7 @@ def validate(
     quiet: Quiet = False,
     as_json: JsonOutput = False,
 ) -> None:
-    """Reproduce Fan et al. 2025, and check oil film, surfaces and friction: tables of numbers with tolerances, Figs. 8 to 11, as a report.
+    """Check the physics: the numbers and Figs. 8 to 11 of Fan et al. 2025, time integration, balls, oil film, friction, surfaces, realism.
 
     Exit status 0 if every number is within its tolerance, 1 if not.
 

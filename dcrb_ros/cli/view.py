@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from dcrb_ros.cli.options import Bag, Force
+from dcrb_ros.cli.options import Bag, Force, warn_of_digests
 from dcrb_ros.cli.output_file import replacing
 from dcrb_ros.schema.refusal import Refusal
 
@@ -32,6 +32,7 @@ def view(
         for option, path in (("--save", save), ("--screenshot", screenshot)):
             if path is not None:
                 stack.enter_context(replacing(option, path, force=force, source=bag))
+        warn_of_digests(bag)
         content, complete, status = view_recording(bag, save=save, screenshot=screenshot, web=web)
     if not complete:
         seconds = (content.end_ns - content.start_ns) / 1e9

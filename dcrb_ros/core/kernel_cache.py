@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-import hashlib
 import io
 import os
 import pickle
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import Any
 
 from numba.core.caching import IndexDataCacheFile
 
 from dcrb_ros.core.announcement import announce_damage
-
-DIGEST_SIZE = 32
-"""Bytes of the SHA-256 at the beginning of a file [-]."""
+from dcrb_ros.core.signed_file import DamagedFile, read_signed, signed
 
 
 class CheckedCacheFile(IndexDataCacheFile):
@@ -27,7 +23,7 @@ class CheckedCacheFile(IndexDataCacheFile):
         content = io.BytesIO()
         yield content
         with super()._open_for_write(filepath) as file:
-            file.write(_digest(filepath, content.getvalue()) + content.getvalue())
+            file.write(signed(filepath, content.getvalue()))
 
     def _load_index(self) -> dict[Any, str]:
         try:
@@ -44,19 +40,13 @@ class CheckedCacheFile(IndexDataCacheFile):
 
 
 def _checked(path: str) -> bytes:
-    """Return the content of a file without its digest.
+    """Return the content of a file without its digest; announce a damaged one.
 
     Raises:
-        OSError: it cannot be read, or is damaged.
+        OSError: it does not exist, cannot be read, or is damaged.
     """
-    written = Path(path).read_bytes()
-    stated, content = written[:DIGEST_SIZE], written[DIGEST_SIZE:]
-    if stated != _digest(path, content):
+    try:
+        return read_signed(path)
+    except DamagedFile:
         announce_damage(path)
-        raise OSError(f"{path} is damaged")
-    return content
-
-
-def _digest(path: str, content: bytes) -> bytes:
-    """Return the hash of a content and of the name of its file, so that a file under the name of another one is found."""
-    return hashlib.sha256(os.path.basename(path).encode() + content).digest()
+        raise

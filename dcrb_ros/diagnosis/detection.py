@@ -56,7 +56,7 @@ class DetectionResult:
 
     @property
     def confidence(self) -> float:
-        """Confidence in it, from 0.5 at a threshold towards 1; 0 for a sensor fault."""
+        """Confidence in the last verdict, up to 0.99 and 0.5 at a threshold [-]; 0 for a sensor fault and for ``waiting``."""
         return self.last.confidence
 
     @property

@@ -56,7 +56,7 @@ class EnvelopeSpectrum:
         Raises
         ------
         Refusal
-            An order outside the spectrum, or a spectrum without orders, for the speed is unknown.
+            An order outside the spectrum, or a spectrum without orders, because the speed is unknown.
         """
         if math.isnan(self.order[-1]):
             raise Refusal("the spectrum has no orders, for the speed is unknown: use at_frequency, or give shaft_angle")

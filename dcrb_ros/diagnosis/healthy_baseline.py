@@ -15,7 +15,6 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-import yaml
 from pydantic import Field, ValidationError
 
 from dcrb_ros.bearing.frequencies import Orders
@@ -27,7 +26,7 @@ from dcrb_ros.schema.verdicts import Component
 from dcrb_ros.stream.axes import AXES
 from dcrb_ros.text.json import digest_of
 from dcrb_ros.text.writing import write_whole
-from dcrb_ros.text.yaml import read_yaml
+from dcrb_ros.text.yaml import read_yaml, yaml_text
 
 LEAST_DEPTH = 0.05
 """Modulation depth to which a baseline may lower a limit [-]: impacts with a thirtieth of the power in the band."""
@@ -131,7 +130,7 @@ class HealthyBaseline(Group):
             Refusal: the file cannot be written.
         """
         tree = self.model_dump(mode="json")
-        write_whole(path, yaml.safe_dump(tree | {DIGEST: digest_of(tree, DIGEST)}, sort_keys=False))
+        write_whole(path, yaml_text(tree | {DIGEST: digest_of(tree, DIGEST)}))
 
 
 def read_baseline(path: Path) -> HealthyBaseline:
@@ -148,7 +147,7 @@ def read_baseline(path: Path) -> HealthyBaseline:
     except ValidationError as error:
         problem = first_problem(error)
         raise Refusal(f"{path} is not a baseline: {problem.key}: {problem.reason}; learn it again") from None
-    if tree.get(DIGEST) not in (None, digest_of(baseline.model_dump(mode="json"), DIGEST)):
+    if tree.get(DIGEST) not in (None, digest_of(tree, DIGEST)):
         raise Refusal(f"{path} was changed: its digest does not match; learn the baseline again")
     return baseline
 

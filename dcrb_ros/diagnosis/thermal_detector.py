@@ -30,8 +30,8 @@ from dcrb_ros.stream.diagnosis import Diagnosis
 class ThermalFaultDetector(FaultDetector):
     """A `FaultDetector` that also takes temperatures.
 
-    The verdicts ``lubrication`` and ``overheating`` follow from them. Beside a fault of the bearing they make ``compound``. They replace
-    the verdict ``sensor``: the thermometer is another sensor.
+    The verdicts ``lubrication`` and ``overheating`` follow from them. With a fault of the bearing the verdict is ``compound``. They take
+    precedence over the verdict ``sensor``, because a faulty accelerometer does not affect the thermometer.
     """
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
@@ -52,8 +52,8 @@ class ThermalFaultDetector(FaultDetector):
         """Take a reading at a ``time`` [s] of the ``bearing``, at its outer ring or axle box, and of the ``ambient`` air.
 
         Temperatures are in deg C. ``load`` is that on the bearing [N], NaN where it is unknown. The next diagnosis takes the reading into
-        account. Readings need not be regular; after a pause of ten minutes nothing is known about what the bearing did meanwhile. Values
-        that no thermometer at a bearing reads are counted, and remarked in the diagnosis.
+        account. Readings need not be regular. During a pause of more than ten minutes the operation of the bearing is unknown. Impossible
+        values are counted, and noted in the remarks of the diagnosis.
         """
         self._take_angle()
         if not math.isnan(self._frequency):

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from dcrb_ros.exam.correlation import kendall_tau, spearman_rho
-from dcrb_ros.exam.entry import Entry
 from dcrb_ros.exam.exam_score import RESAMPLES, SEED, draws, headline_score, interval, scores
+from dcrb_ros.exam.leaderboard_entry import Entry
 from dcrb_ros.exam.profile import HEADLINE_PROFILE
 from dcrb_ros.exam.statistics import Interval
 from dcrb_ros.schema.arrays import Floats

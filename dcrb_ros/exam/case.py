@@ -20,7 +20,7 @@ class CaseSimulation:
 
     configuration: Configuration
     scenario: Mapping[str, Any] | None
-    """Timeline of speed, load and faults as read from YAML; None without one."""
+    """Timeline of speed, load and faults as read from YAML, since its text is hashed; planned again where it is run; None without one."""
     duration: float
     """Simulated time [s]."""
 
@@ -35,6 +35,11 @@ class Case:
 
     expectation: Expectation
     simulation: CaseSimulation
+
+    @property
+    def name(self) -> str:
+        """Name of the scenario."""
+        return self.expectation.name
 
 
 def canonical(tree: Any) -> str:

@@ -9,7 +9,7 @@ import inspect
 import json
 import subprocess
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,6 @@ from typing import Any
 from dcrb_ros.exam.plugin import VARIANTS, load_module
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.text.json import digest_of
 from dcrb_ros.text.writing import write_whole
 
 PATIENCE = 120.0
@@ -96,21 +95,16 @@ def _kept_about(file: Path, digest: str, kept: Path | None) -> dict[str, Any]:
     """Return class and variants of a file with a digest, from the folder ``kept`` where it has them."""
     if kept is None:
         return _about(str(file))
-    path = kept / f"family-{hashlib.sha256(f'{package_digest()} {digest} {file.name}'.encode()).hexdigest()[:32]}.json"
+    from dcrb_ros.core.signed_file import read_signed, signed
+
+    path = kept / f"family-{hashlib.sha256(f'{package_digest()} {digest} {file.name}'.encode()).hexdigest()[:32]}.signed"
     try:
-        read = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        read = None
-    if isinstance(read, dict) and set(read) == {"class", "variants", "digest"} and read.pop("digest") == _digest_in(path, read):
+        read: dict[str, Any] = json.loads(read_signed(path))
         return read
-    about = _about(str(file))
-    write_whole(path, json.dumps(about | {"digest": _digest_in(path, about)}) + "\n")
-    return about
-
-
-def _digest_in(path: Path, about: Mapping[str, Any]) -> str:
-    """Return the digest of what a file with this name has on a family: one that was changed or renamed has another."""
-    return digest_of({**about, "file": path.name}, "digest")
+    except OSError:  # a damaged file is like a missing one: the family is imported again
+        about = _about(str(file))
+        write_whole(path, signed(path, json.dumps(about).encode()))
+        return about
 
 
 def _about(file: str) -> dict[str, Any]:

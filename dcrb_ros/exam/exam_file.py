@@ -35,7 +35,7 @@ MOST_CASES = 2_000
 """Cases of an exam, without the twins; each is checked with its whole configuration, which takes a millisecond."""
 
 
-class Entry(Group):
+class ScenarioEntry(Group):
     """A scenario of the file, or a family of scenarios."""
 
     name: str
@@ -92,7 +92,7 @@ class ExamFile(Group):
     seal: str = choice("", "Hash published before a sealed exam, written by dcrb exam open")
     replica: ReplicaOrigin | None = None
     """Origin of a replica, written by dcrb exam replica."""
-    scenarios: list[Entry]
+    scenarios: list[ScenarioEntry]
 
 
 @dataclass(frozen=True)
@@ -152,7 +152,7 @@ def _sentence(error: ValidationError, tree: Mapping[str, Any]) -> str:
     where, key = _location(problem["loc"][:-1], tree), str(problem["loc"][-1])
     if problem["type"] == "extra_forbidden":
         inside = problem["loc"][:-1]
-        model = ExamFile if not inside else Entry if inside[0] == "scenarios" else DelayLimits if "delay" in inside else Criteria
+        model = ExamFile if not inside else ScenarioEntry if inside[0] == "scenarios" else DelayLimits if "delay" in inside else Criteria
         known = model.model_fields
         return f"{where}unknown key '{key}'{nearest(key, known)} (known: {', '.join(known)})"
     if key == "verdict":
@@ -172,12 +172,12 @@ def _location(location: Sequence[int | str], tree: Mapping[str, Any]) -> str:
     return f"{'.'.join(str(part) for part in location)}: " if location else ""
 
 
-def _points(file: ExamFile, entry: Entry) -> list[str]:
+def _points(file: ExamFile, entry: ScenarioEntry) -> list[str]:
     """Return the names of an entry's operating points."""
     return list(file.points) if entry.points is None else entry.points
 
 
-def _lists(entry: Entry, where: str) -> list[tuple[str, str, list[Any]]]:
+def _lists(entry: ScenarioEntry, where: str) -> list[tuple[str, str, list[Any]]]:
     """Return group, key and values of every list in an entry."""
     groups = {"set": flatten(entry.set), "fault": flatten(entry.fault)}
     lists = [(name, key, value) for name, group in groups.items() for key, value in group.items() if isinstance(value, list)]
@@ -187,13 +187,13 @@ def _lists(entry: Entry, where: str) -> list[tuple[str, str, list[Any]]]:
     return lists
 
 
-def _count(file: ExamFile, entry: Entry, source: str) -> int:
+def _count(file: ExamFile, entry: ScenarioEntry, source: str) -> int:
     """Return the number of an entry's cases."""
     lists = _lists(entry, f"{source}, scenario '{entry.name}'")
     return max(1, len(_points(file, entry))) * len(entry.seeds or file.seeds) * math.prod(len(values) for _, _, values in lists)
 
 
-def _cases(file: ExamFile, entry: Entry, source: str) -> Iterator[Case]:
+def _cases(file: ExamFile, entry: ScenarioEntry, source: str) -> Iterator[Case]:
     """Yield the cases of an entry."""
     where = f"{source}, scenario '{entry.name}'"
     names = _points(file, entry)
@@ -220,7 +220,7 @@ def _cases(file: ExamFile, entry: Entry, source: str) -> Iterator[Case]:
                 yield known[bare]
 
 
-def _base(given: Any, file: ExamFile, entry: Entry, where: str) -> Mapping[str, Any]:
+def _base(given: Any, file: ExamFile, entry: ScenarioEntry, where: str) -> Mapping[str, Any]:
     """Return the parameters with which the cases of an entry begin at a point that gives the configuration ``given``, if any."""
     if given is not None and not isinstance(given, str):
         raise Refusal(f"{where}: base = {given!r} is not a configuration: give the name of a shipped one or a file")
@@ -243,7 +243,7 @@ def _with_seed(case: Case, name: str, seed: int) -> Case:
     return Case(replace(case.expectation, name=name), replace(case.simulation, configuration=configuration))
 
 
-def _variations(entry: Entry, where: str) -> Iterator[tuple[dict[str, Any], dict[str, Any], list[str]]]:
+def _variations(entry: ScenarioEntry, where: str) -> Iterator[tuple[dict[str, Any], dict[str, Any], list[str]]]:
     """Yield fixed parameters, fault parameters and name parts for every combination of listed values."""
     lists = _lists(entry, where)
     for values in itertools.product(*(value for _, _, value in lists)):
@@ -258,7 +258,13 @@ def _variations(entry: Entry, where: str) -> Iterator[tuple[dict[str, Any], dict
 
 
 def _case(
-    file: ExamFile, entry: Entry, where: str, name: str, base: Mapping[str, Any], overlay: Mapping[str, Any], fault: Mapping[str, Any]
+    file: ExamFile,
+    entry: ScenarioEntry,
+    where: str,
+    name: str,
+    base: Mapping[str, Any],
+    overlay: Mapping[str, Any],
+    fault: Mapping[str, Any],
 ) -> Case:
     configuration = validated(layered(base, overlay), Configuration, where)
     duration = entry.duration or file.duration
@@ -300,7 +306,7 @@ def _case(
     return Case(expectation, CaseSimulation(configuration, scenario, duration))
 
 
-def _grade(entry: Entry, given: Mapping[str, Any], where: str) -> dict[str, str | float]:
+def _grade(entry: ScenarioEntry, given: Mapping[str, Any], where: str) -> dict[str, str | float]:
     """Return the tags of the parameter that grades an entry; none if it has no ``graded_by``."""
     key = entry.graded_by
     if not key:

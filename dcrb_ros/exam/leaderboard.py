@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from dcrb_ros.exam.agreement import Agreement, agreement
-from dcrb_ros.exam.entry import Entry, read_entry
 from dcrb_ros.exam.exam_score import ExamScore, ScoreDifference, compare, headline_score
+from dcrb_ros.exam.leaderboard_entry import Entry, read_entry
 from dcrb_ros.exam.profile import HEADLINE, HEADLINE_PROFILE, PROFILES
 from dcrb_ros.exam.statistics import CONFIDENCE
 from dcrb_ros.schema.printable import printable

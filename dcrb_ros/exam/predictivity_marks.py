@@ -11,6 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from dcrb_ros.core.signed_file import DamagedFile, read_signed, signed
 from dcrb_ros.exam.detector_families import BrokenFamily, Member
 from dcrb_ros.exam.evaluation import OnDone
 from dcrb_ros.exam.limits import Limits
@@ -21,13 +22,11 @@ from dcrb_ros.exam.scoring import score_scenario
 from dcrb_ros.runtime.exit_status import print_error
 from dcrb_ros.runtime.processes import in_processes
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.text.files import read_text
-from dcrb_ros.text.json import LARGEST, parsed_json
 from dcrb_ros.text.writing import write_whole
 
 ANSWERS = "answers"
 """Subfolder of the answers in the folder of the exam's recordings."""
-FORMAT = 2
+FORMAT = 3
 """Version of the way in which verdicts become answers; another one makes kept answers outdated."""
 
 
@@ -104,30 +103,21 @@ def run_member(given: str, tasks: Sequence[Task[Any]], limits: Limits) -> dict[s
 
 
 def _file(store: Path, member: Member) -> Path:
-    return store / f"{hashlib.sha256(f'{FORMAT} {member.digest}'.encode()).hexdigest()[:32]}.json"
+    return store / f"{hashlib.sha256(f'{FORMAT} {member.digest}'.encode()).hexdigest()[:32]}.answers"
 
 
 def _kept(store: Path, member: Member) -> Mapping[str, str]:
     """Return the kept answers of a member; none if the file is missing, or is not as it was written, which is reported."""
-    file = _file(store, member)
-    if not file.exists():
-        return {}
     try:
-        tree = parsed_json(read_text(file, LARGEST), str(file))
-    except Refusal:
-        tree = None
-    answers = tree.get("answers") if isinstance(tree, dict) else None
-    if isinstance(answers, dict) and tree == _signed(member, answers):
-        return answers
-    print_error("dcrb", f"{file} is not as it was written, so {member.name} judges the recordings again")
-    return {}
+        answers: dict[str, str] = json.loads(read_signed(_file(store, member)))
+    except FileNotFoundError:
+        return {}
+    except DamagedFile as error:
+        print_error("dcrb", f"{error}; {member.name} judges the recordings again")
+        return {}
+    return answers
 
 
 def _keep(store: Path, member: Member, answers: Mapping[str, str]) -> None:
-    write_whole(_file(store, member), json.dumps(_signed(member, answers), indent=0) + "\n")
-
-
-def _signed(member: Member, answers: Mapping[str, str]) -> dict[str, Any]:
-    """Return answers with the hash of them and of the member, so that an edited file and that of another member are found."""
-    about = json.dumps([FORMAT, member.digest, answers], sort_keys=True)
-    return {"answers": dict(answers), "sha256": hashlib.sha256(about.encode()).hexdigest()}
+    file = _file(store, member)
+    write_whole(file, signed(file, json.dumps(answers).encode()))

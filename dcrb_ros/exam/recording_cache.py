@@ -85,9 +85,12 @@ def cached_recording(case: Case, folder: Path) -> Path:
     """Return the recording of a case; simulate it if it does not exist or is damaged, which is reported on the standard error output.
 
     The recording is written to a temporary folder and renamed once it is complete, so an interrupted run is never used.
+
+    Raises:
+        Refusal: the folder cannot be written.
     """
     path = cache_path(case, folder)
-    if path.is_dir():
+    if os.path.lexists(path):
         flaw = recording_flaw(case, path)
         if not flaw:
             return path
@@ -96,7 +99,7 @@ def cached_recording(case: Case, folder: Path) -> Path:
     try:
         _simulate(case, making / path.name)
         _write_content(case, making / path.name)
-        if path.is_dir() and recording_flaw(case, path):
+        if os.path.lexists(path) and recording_flaw(case, path):
             with contextlib.suppress(FileNotFoundError):  # another process may have moved it
                 os.rename(path, making / "damaged")
         try:
@@ -104,6 +107,8 @@ def cached_recording(case: Case, folder: Path) -> Path:
         except OSError:
             if not path.is_dir():  # another process may have recorded the same case
                 raise
+    except OSError as error:
+        raise Refusal(f"{path} cannot be written: {error.strerror}; give another folder with --recordings") from None
     finally:
         shutil.rmtree(making, ignore_errors=True)
     return path

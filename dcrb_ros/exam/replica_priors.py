@@ -89,7 +89,7 @@ PRIORS: tuple[Prior, ...] = (
     Prior("impacts.element_share", "bearing", Beta(1.0, 3.0), "-", "a choice", "impacts", RINGS, "rollers"),
     Prior("impacts.shaft_share", "bearing", Beta(1.0, 5.0), "-", "sidebands of outer rings", "impacts", RINGS, "balls"),
     Prior("impacts.shaft_share", "bearing", Beta(1.0, 4.0), "-", "a choice", "impacts", RINGS, "rollers"),
-    Prior("impacts.axial_share", "machine", Uniform(0.1, 0.6), "-", "sidebands of inner rings", "impacts", (), "balls"),
+    Prior("impacts.axial_share", "machine", Uniform(0.3, 0.8), "-", "sidebands of inner rings", "impacts", (), "balls"),
     Prior("impacts.axial_share", "machine", Uniform(0.0, 0.1), "-", "a choice", "impacts", (), "rollers"),
     Prior("impacts.time_spread", "bearing", Lognormal(4e-5, 3.0), "s", "jitter of three rigs", "impacts", RINGS, "balls"),
     Prior("impacts.time_spread", "bearing", Lognormal(5e-5, 2.0), "s", "a choice", "impacts", RINGS, "rollers"),
@@ -100,7 +100,7 @@ PRIORS: tuple[Prior, ...] = (
     Prior(LINES, "machine", AXLE_BOX.lines, "-", "a choice", "background", (), "rollers"),
     Prior(FLOOR, "bearing", FLOORS["outer"], "-", "quiet quarter between impacts on three rigs", "background", ("outer_ring",)),
     Prior(FLOOR, "bearing", FLOORS["inner"], "-", "the same", "background", ("inner_ring",)),
-    Prior(FLOOR, "bearing", FLOORS["roller"], "-", "the same on CWRU", "background", ("roller",)),
+    Prior(FLOOR, "bearing", FLOORS["roller"], "-", "quiet quarter on CWRU, 70 % of all added power", "background", ("roller",)),
     Prior(GAIN, "bearing", Lognormal(1.0, 3.0), "-", "an amplifier is set when a bearing is mounted; 1 if it is `known`"),
 )
 """What is drawn for every replica."""

@@ -152,7 +152,7 @@ class Report:
         return math.fsum(result.healthy_revolutions for result in self.results)
 
     def contributions(self) -> list[Contribution]:
-        """Return what each scenario contributes to the exam score."""
+        """Return the contribution of each scenario to the exam score."""
         return [Contribution(result.expectation.name, result.expectation.verdict, result.credit) for result in self.results]
 
     def exam_scores(self) -> list[ExamScore]:

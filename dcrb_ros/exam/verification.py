@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from dcrb_ros.exam.case import scenarios_hash, simulation_seeds
-from dcrb_ros.exam.entry import FORMAT, Entry, entry_of
 from dcrb_ros.exam.exam_file import Exam
+from dcrb_ros.exam.leaderboard_entry import FORMAT, Entry, entry_of
 from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.scoring import score_scenario
 

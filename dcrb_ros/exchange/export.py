@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
 from dcrb_ros.exchange.files import WRITERS, Array
 from dcrb_ros.exchange.pulse_train import LEVELS, sampled_pulses
@@ -22,6 +21,7 @@ from dcrb_ros.stream.axes import AXES
 from dcrb_ros.stream.block import Truth
 from dcrb_ros.text.files import checked_path
 from dcrb_ros.text.writing import whole_file, write_whole
+from dcrb_ros.text.yaml import yaml_text
 
 WITH_FURTHER_ARRAYS = (".npz", ".mat")
 """Formats with arrays of other lengths than the waveform."""
@@ -60,7 +60,7 @@ def export(recording: Recording, path: Path, *, notes: list[str] | None = None) 
     description = _description(recording, path, {**columns, **extra}, labels, block_size)
     with whole_file(path) as temporary:
         writer(temporary, columns, extra, recording.sampling_rate, about)
-        write_whole(described, yaml.safe_dump(description, sort_keys=False))
+        write_whole(described, yaml_text(description))
     return described
 
 

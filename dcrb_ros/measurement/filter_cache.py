@@ -23,8 +23,6 @@ import scipy
 
 from dcrb_ros.schema.arrays import Floats
 
-DIGEST_SIZE = 32
-"""Bytes of the SHA-256 before the result in a file [-]."""
 MOST_RESULTS = 256
 """Files in the cache of one function; the oldest are removed [-]."""
 
@@ -77,18 +75,11 @@ def _read(path: Path) -> Floats:
     """Return the result in a file.
 
     Raises:
-        ValueError: its content does not have the hash at its begin, or is that of another file.
+        OSError: the file does not exist, or is not as it was written.
     """
-    content = path.read_bytes()
-    stated, data = content[:DIGEST_SIZE], content[DIGEST_SIZE:]
-    if _digest(path.name, data) != stated:
-        raise ValueError(f"{path} is damaged")
-    return np.asarray(np.load(io.BytesIO(data)), dtype=float)
+    from dcrb_ros.core.signed_file import read_signed
 
-
-def _digest(name: str, data: bytes) -> bytes:
-    """Return the hash of a result and of the name of its file, so that a file under the name of another one is found."""
-    return hashlib.sha256(name.encode() + data).digest()
+    return np.asarray(np.load(io.BytesIO(read_signed(path))), dtype=float)
 
 
 def folder() -> Path:
@@ -117,13 +108,15 @@ def _keep_newest(cache: Path, pattern: str) -> None:
 
 def _write(made: Floats, path: Path) -> None:
     """Write a result and rename the file into place, because another process may read it at the same time."""
+    from dcrb_ros.core.signed_file import signed
+
     path.parent.mkdir(exist_ok=True)
     stream = io.BytesIO()
     np.save(stream, made)
     handle, name = tempfile.mkstemp(dir=path.parent)
     try:
         with os.fdopen(handle, "wb") as file:
-            file.write(_digest(path.name, stream.getvalue()) + stream.getvalue())
+            file.write(signed(path, stream.getvalue()))
             file.flush()
             os.fsync(handle)
         Path(name).replace(path)

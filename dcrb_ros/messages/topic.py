@@ -1,4 +1,4 @@
-"""A topic of the bench: name, type, delivery, and how its messages are encoded and decoded."""
+"""A topic of the bench: name, type, quality of service (QoS), and how its messages are encoded and decoded."""
 
 from __future__ import annotations
 

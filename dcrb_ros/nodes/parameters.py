@@ -48,6 +48,8 @@ class ParameterNode(Node):
     def on_parameters(self, changes: dict[str, Any]) -> None:
         """Apply a requested change of parameters; a node that overrides this method accepts the declared ones.
 
+        The simulators do, and `bearing.runtime_change.altered` says which they accept.
+
         Raises:
             Refusal: it is invalid; nothing is changed.
         """

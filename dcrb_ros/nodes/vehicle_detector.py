@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
-from dcrb_ros.messages.topics import AMBIENT_TEMPERATURE, OUTER_RING_TEMPERATURE, VIBRATION, Message, Topic
+from dcrb_ros.messages.topics import AMBIENT_TEMPERATURE, ENVELOPE_SPECTRUM, OUTER_RING_TEMPERATURE, VIBRATION, Message, Topic
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DETECTED, VEHICLE_DIAGNOSIS, VEHICLE_INDICATORS
 from dcrb_ros.messages.vehicle import BASE, encode_indicators, encode_vehicle_diagnosis
 from dcrb_ros.nodes.base import BenchNode
@@ -31,7 +31,8 @@ class VehicleDetectorNode(BenchNode):
         super().__init__("vehicle_detector")
         self._input = VehicleDetectorInput(self.declare(VehicleDetectorSettings, adjust=lambda given: settings or given))
         self.watch_publishers(VEHICLE_DIAGNOSIS)
-        self._publisher = Publisher(self, VEHICLE_DETECTED)
+        self._publisher, self._spectra = Publisher(self, VEHICLE_DETECTED), Publisher(self, ())
+        """Verdicts on the vehicle, and envelope spectra of its boxes."""
         self._boxes: tuple[str, ...] = ()
         self._receivers: list[Any] = []
         self._verdicts: dict[str, str] = {}
@@ -41,6 +42,7 @@ class VehicleDetectorNode(BenchNode):
     def close(self) -> None:
         """Leave the topics."""
         self._publisher.close()
+        self._spectra.close()
 
     def _describe(self, data: bytes) -> None:
         self._respond(self._input.describe(data))
@@ -51,6 +53,8 @@ class VehicleDetectorNode(BenchNode):
         for subscription in self._receivers:
             self.destroy_subscription(subscription)
         self._boxes = names
+        self._spectra.close()
+        self._spectra = Publisher(self, [ENVELOPE_SPECTRUM.below(name) for name in names])
         # The first box last: the simulator counts the subscribers to its waveform before it sends a block.
         self._receivers = [
             self._receive(name, topic, take)
@@ -78,10 +82,20 @@ class VehicleDetectorNode(BenchNode):
                 Message(VEHICLE_DIAGNOSIS, time_ns, encode_vehicle_diagnosis(diagnosis)),
             ]
         )
+        self._spectra.write_messages(spectra_of(diagnosis))
         for name, status in diagnosis.statuses.items():
             if status.verdict != self._verdicts.get(name, "waiting"):
                 self.get_logger().info(f"{name}: {status.verdict} at {diagnosis.time:.2f} s: {status.reason}")
             self._verdicts[name] = status.verdict
+
+
+def spectra_of(diagnosis: VehicleDiagnosis) -> Iterator[Message]:
+    """Yield the envelope spectrum of each box that has one, as a bench's fault detector publishes it."""
+    for name, box in diagnosis.boxes.items():
+        topic = ENVELOPE_SPECTRUM.below(name)
+        data = topic.encode(box, name)
+        if data is not None:
+            yield Message(topic, box.time_ns, data)
 
 
 def run(arguments: list[str], parameters: VehicleDetectorSettings | None = None) -> int:

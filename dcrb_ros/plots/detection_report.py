@@ -22,6 +22,7 @@ from dcrb_ros.messages.points import packed
 from dcrb_ros.plots.envelope_spectrum import plot_envelope_spectrum
 from dcrb_ros.plots.style import FAULT_LINES, labelled, legend_above
 from dcrb_ros.plots.waveform import plot_waveform
+from dcrb_ros.recordings.digest import RecordedSamples, SampleDigests, stated_samples, unsigned
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.printable import decimal, printable
@@ -292,6 +293,9 @@ def _conditions(entry: DiagnosedRecording, content: Content) -> list[tuple[str, 
     if len(readings):
         conditions.append(("temperatures", f"at the start {readings.to_words(0)}, at the end {readings.to_words(-1)}"))
     conditions.append(("sha256 of the samples", content.sha256))
+    read = RecordedSamples(content.samples.first, content.count, content.sha256, content.samples.last + 1)
+    if reason := SampleDigests(stated_samples(recording), read, damaged=not recording.complete).mismatch or unsigned(recording):
+        conditions.append(("digest", printable(reason)))
     if not recording.complete:
         conditions += [("damage", printable(description)) for description in recording.damage]
     return conditions

@@ -51,7 +51,7 @@ def plot_envelope_spectrum(
     lines: str | Sequence[str] = ("BPFO", "BPFI", "2BSF", "FTF"),
     ax: Axes | None = None,
 ) -> Axes:
-    """Plot the squared envelope spectrum with the lines at which faults of the bearing show, and their harmonics.
+    """Plot the squared envelope spectrum with the fault lines of the bearing and their harmonics.
 
     Parameters
     ----------

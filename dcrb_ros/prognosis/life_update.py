@@ -52,7 +52,7 @@ def update_remaining_life(
 ) -> RemainingLife:
     """Return the remaining life from the inspections of a bearing and the histories of bearings that failed.
 
-    The time T from the begin of the trend to failure has the lognormal predictive distribution of the failed bearings, with Student's t for
+    The time T from the start of the trend to failure has the lognormal predictive distribution of the failed bearings, with Student's t for
     their small number. At the share t / T of that time, the logarithm of the severity is normal about the mean course of the failed
     bearings with the deviation between them. The deviations u of a bearing are correlated from inspection to inspection, by
     rho = exp(-change of the share / CORRELATION), so that many inspections do not count as many bearings:
@@ -68,9 +68,9 @@ def update_remaining_life(
     severity
         Severity at each over that of the healthy bearing, above 0, shape (inspections,) [-].
     failed
-        Hours and severity of at least three bearings from the begin of their trend to failure, likewise.
+        Hours and severity of at least three failed bearings, as above, from the start of their trend to failure.
     coverage
-        Probability with which the interval shall contain the remaining life, between 0 and 1.
+        Probability with which the interval contains the remaining life, between 0 and 1.
 
     Returns
     -------
@@ -80,7 +80,7 @@ def update_remaining_life(
     Raises
     ------
     Refusal
-        Fewer than three failed bearings, or hours and severities that are no history.
+        Fewer than three failed bearings, or invalid hours and severities.
 
     Examples
     --------

@@ -151,7 +151,7 @@ def equivalent_load(loads: Sequence[float], revolutions: Sequence[float]) -> flo
 
 @checked_arguments(rating=number, load=number)
 def rating_life(rating: float, load: float) -> float:
-    """Return the basic rating life L10 = (C / P)^(10/3) in revolutions [-], which 90 % of the bearings reach.
+    """Return the basic rating life L10 = 10^6 (C / P)^(10/3) in revolutions [-], which 90 % of the bearings reach (ISO 281:2007).
 
     Parameters
     ----------

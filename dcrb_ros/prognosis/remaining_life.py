@@ -42,9 +42,9 @@ def estimate_remaining_life(
     coverage: float = 0.9,
     limit_deviation: float = 0.0,
 ) -> RemainingLife:
-    """Return the hours until the trend of a severity reaches its limit, for a bearing of which no other life is known.
+    """Return the hours until the trend of a severity reaches its limit, without histories of other bearings.
 
-    Where other bearings failed, `update_remaining_life` is better: trends with bends, such as those of spalls, are extrapolated poorly.
+    With histories of failed bearings, use `update_remaining_life`: trends with bends, such as those of spalls, are extrapolated poorly.
 
     A straight line y = a + b t is fitted by least squares: to the severity s with linear growth, to ln s with exponential growth,
     ds/dt = b s, and to -1/s with hyperbolic growth, ds/dt = b s^2, which is infinite after a finite time (Voight, A relation to describe
@@ -67,7 +67,7 @@ def estimate_remaining_life(
     growth
         ``exponential``, ``linear`` or ``hyperbolic``.
     coverage
-        Probability with which the interval shall contain the remaining life, between 0 and 1.
+        Probability with which the interval contains the remaining life, between 0 and 1.
     limit_deviation
         Standard deviation of the limit between bearings, of s, ln s or 1/s as they are fitted.
 

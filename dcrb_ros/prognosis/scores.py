@@ -20,15 +20,15 @@ def phm_2012_score(true: npt.ArrayLike, estimated: npt.ArrayLike) -> float:
 
         A = exp(+ln 0.5 * E / 20) for E > 0, exp(-ln 0.5 * E / 5) for E <= 0
 
-    so that an estimate 20 % too short and one 5 % too long both get one half. Source: Nectoux et al., PRONOSTIA: An experimental platform
-    for bearings accelerated degradation tests, IEEE International Conference on Prognostics and Health Management, Denver 2012.
+    Estimates that are 20 % too short or 5 % too long score 0.5. Source: Nectoux et al., PRONOSTIA: An experimental platform for
+    bearings accelerated degradation tests, IEEE International Conference on Prognostics and Health Management, Denver 2012.
 
     Parameters
     ----------
     true
         True remaining lives above 0, shape (estimates,), in any unit of time.
     estimated
-        Estimated remaining lives in the same unit, shape (estimates,); infinite for a bearing that is said to live on.
+        Estimated remaining lives in the same unit, shape (estimates,); infinite for a bearing that is not expected to fail.
 
     Raises
     ------
@@ -57,8 +57,8 @@ def phm_2008_score(true: npt.ArrayLike, estimated: npt.ArrayLike, *, unit: float
         exp(-d / 13) - 1 for d < 0, exp(d / 10) - 1 for d >= 0
 
     Source: Saxena, Goebel, Simon and Eklund, Damage propagation modeling for aircraft engine run-to-failure simulation, International
-    Conference on Prognostics and Health Management, Denver 2008. There the unit is a flight; it decides how much an error weighs, so state
-    it beside the penalty. `phm_2012_score` has no unit.
+    Conference on Prognostics and Health Management, Denver 2008. There the unit is a flight. The penalty depends on the unit, so state it
+    together with the penalty. `phm_2012_score` has no unit.
 
     Parameters
     ----------

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from dcrb_ros.messages.topics import MANIFEST
@@ -11,9 +10,22 @@ from dcrb_ros.recordings.manifest import well_formed
 from dcrb_ros.recordings.storage import StoredFile
 from dcrb_ros.recordings.vehicle_folder import VEHICLE
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.json import digest_of, parsed_json
 
 KEYS = {MANIFEST: "manifest", VEHICLE: "vehicle"}
 """Entry of each metadata record that is the same in all files of a recording."""
+
+
+def sound(name: str, entries: Mapping[str, str]) -> bool:
+    """Return whether a metadata record has the form and the digest that the bench writes; those of other programs count as sound."""
+    kind = name.partition("/")[0]
+    if kind not in KEYS:
+        return True
+    try:
+        content = parsed_json(entries.get(KEYS[kind], ""), name)
+    except Refusal:
+        return False
+    return well_formed(content) and (kind != VEHICLE or content.get("sha256") == digest_of(content, "sha256"))
 
 
 def refuse_foreign(path: Path, files: Sequence[StoredFile]) -> None:
@@ -42,8 +54,4 @@ def _content(file: StoredFile, record: str) -> str | None:
     found = next((entry.metadata for entry in file.metadata(damage) if entry.name == record), None)
     if found is None:
         return None if damage else ""
-    content = found.get(KEYS[record], "")
-    try:
-        return content if well_formed(json.loads(content)) else None
-    except (ValueError, RecursionError):
-        return None
+    return found.get(KEYS[record], "") if sound(record, found) else None

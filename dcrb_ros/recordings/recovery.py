@@ -17,7 +17,7 @@ from dcrb_ros.messages.points import decode_vibration
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import GROUND_TRUTH, MANIFEST, VIBRATION, Message
 from dcrb_ros.recordings.digest import SampleDigests, samples_in, stated_samples
-from dcrb_ros.recordings.foreign_files import refuse_foreign
+from dcrb_ros.recordings.foreign_files import refuse_foreign, sound
 from dcrb_ros.recordings.manifest import OUTCOME, Outcome, now
 from dcrb_ros.recordings.mcap_writer import Channel, McapFile, described_channel
 from dcrb_ros.recordings.reader import Recording
@@ -88,12 +88,15 @@ class Recovery:
         if first is None:
             reason = f": {self._damage[0]}" if self._damage else ""
             raise Refusal(f"nothing can be recovered from {self._source}, because no message can be read{reason}")
-        bag = Bag(target, opening=self._opening(), closing=self._closing, splitting=self._splitting(), compression=self._compression())
+        records = self._opening()
+        bag = Bag(target, opening=records, closing=self._closing, splitting=self._splitting(), compression=self._compression())
         try:
             bag.write([first])
             for message in messages:
                 bag.write([message])
             self._note(self._mismatch())
+            unsound = [name for name, entries in records.items() if not sound(name, entries)]
+            self._note(f"the record {name} is damaged or was changed; it is kept, and not used by any command" for name in unsound)
             bag.close()
         except BaseException:
             with suppress(RecordingFailed):
@@ -159,12 +162,13 @@ class Recovery:
         self._recovered.last_ns = max(self._recovered.last_ns, record.log_time)
 
     def _opening(self) -> dict[str, dict[str, str]]:
-        """Return the metadata records of the source, except those of its end."""
+        """Return the metadata records of the source, except those of its end; the first sound one of each name, or else the first."""
         records: dict[str, dict[str, str]] = {}
-        for file in self._files:
-            for record in file.metadata():
-                if record.name not in ("rosbag2", RECOVERY, VEHICLE_OUTCOME) and record.name.partition("/")[0] != OUTCOME:
-                    records.setdefault(record.name, dict(record.metadata))
+        for record in (record for file in self._files for record in file.metadata()):
+            if record.name in ("rosbag2", RECOVERY, VEHICLE_OUTCOME) or record.name.partition("/")[0] == OUTCOME:
+                continue
+            if record.name not in records or (sound(record.name, record.metadata) and not sound(record.name, records[record.name])):
+                records[record.name] = dict(record.metadata)
         return records
 
     def _closing(self) -> Mapping[str, Mapping[str, str]]:

@@ -58,6 +58,11 @@ class VehicleRecording:
         lost = [name for name in boxes_of(self.parameters) if name not in names]
         if lost:
             raise Refusal(f"{path} is damaged: it does not describe the box {lost[0]} of its vehicle; simulate it again")
+        other = [name for name in names if name not in boxes_of(self.parameters)]
+        if other:
+            raise Refusal(
+                f"{path} was changed: it describes the box {printable(other[0])}, which its vehicle does not have; simulate it again"
+            )
         self.model = str(about.get("model", ""))
         """Fingerprint of the model of the vehicle; empty in a recording of an earlier version."""
         self.scenario: Any = about.get("scenario")

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from dcrb_ros.messages.topic import MANIFEST
 from dcrb_ros.recordings.storage import valid_files
+from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
 
 VEHICLE = f"{MANIFEST}_vehicle"
@@ -32,9 +33,19 @@ def box_of(path: Path) -> tuple[Path, str]:
 
 
 def boxes_in(records: Iterable[str]) -> tuple[str, ...]:
-    """Return the boxes that metadata records of these names describe."""
+    """Return the boxes that metadata records of these names describe.
+
+    Raises:
+        Refusal: a record describes something else, such as a path out of the recording.
+    """
     prefix = record_name(MANIFEST, " ").strip()
-    return tuple(dict.fromkeys(name.removeprefix(prefix) for name in records if name.startswith(prefix)))
+    boxes = tuple(dict.fromkeys(name.removeprefix(prefix) for name in records if name.startswith(prefix)))
+    other = next((name for name in boxes if not BOX_NAME.fullmatch(name)), None)
+    if other is not None:
+        raise Refusal(
+            f"the record {printable(prefix + other)} was changed: {printable(other)} is not the name of a box, such as axle_1.left"
+        )
+    return boxes
 
 
 def boxes_of(parameters: Iterable[str]) -> tuple[str, ...]:

@@ -22,7 +22,7 @@ from dcrb_ros.settings.sections import read_sections
 from dcrb_ros.settings.sensor import preset_values
 from dcrb_ros.settings.shipped import find_configuration
 from dcrb_ros.settings.vehicle_speed import SPEED, SPEED_KMH, WHEEL_DIAMETER, converted
-from dcrb_ros.text.yaml import parsed, read_yaml
+from dcrb_ros.text.yaml import parsed, read_yaml, yaml_text
 
 MOST_UNKNOWN = 20
 """Unknown parameters for which those that may be meant are searched, which takes a millisecond each."""
@@ -93,11 +93,6 @@ def nest(flat: Mapping[str, Any]) -> dict[str, Any]:
     return tree
 
 
-def problems(flat: Mapping[str, Any], model: type[Group]) -> list[str]:
-    """Return a sentence with the value, the range and the remedy for everything that is wrong with parameters with dotted keys."""
-    return _checked(flat, model)[1]
-
-
 def validated(flat: Mapping[str, Any], model: type[Model], source: str) -> Model:
     """Return the model of parameters with dotted keys.
 
@@ -105,14 +100,17 @@ def validated(flat: Mapping[str, Any], model: type[Model], source: str) -> Model
         Refusal: an unknown key, a value of the wrong type or out of range, or values that contradict each other; one sentence with the
             value, the range and the remedy.
     """
-    checked, wrong = _checked(flat, model)
-    if checked is None or wrong:
+    result, wrong = checked(flat, model)
+    if result is None or wrong:
         raise Refusal(f"{source}: {wrong[0]}{more(len(wrong))}")
-    return checked
+    return result
 
 
-def _checked(flat: Mapping[str, Any], model: type[Model]) -> tuple[Model | None, list[str]]:
-    """Return the model of parameters with dotted keys, none with invalid values, and a sentence for everything that is wrong."""
+def checked(flat: Mapping[str, Any], model: type[Model]) -> tuple[Model | None, list[str]]:
+    """Return the model of parameters with dotted keys, None if a value is invalid, and what is wrong with them.
+
+    What is wrong has a sentence each, with the value, the range and the remedy.
+    """
     known, fields = _without_empty_groups(flat, model), fields_by_key(model)
     unknown = [key for key in known if key not in fields]
     wrong = [unknown_parameter(key, model, known[key]) for key in unknown[:MOST_UNKNOWN]]
@@ -297,7 +295,7 @@ def settings_by_key(settings: Mapping[str, Any] | Sequence[str] | str) -> dict[s
 
 def to_yaml(configuration: Group) -> str:
     """Return a configuration as a ROS parameter file that contains every parameter."""
-    return str(yaml.safe_dump({"/**": {"ros__parameters": configuration.model_dump()}}, sort_keys=False))
+    return yaml_text({"/**": {"ros__parameters": configuration.model_dump()}})
 
 
 def to_described_yaml(configuration: Group) -> str:
@@ -309,7 +307,7 @@ def to_described_yaml(configuration: Group) -> str:
         same = next((k for k, (a, b) in enumerate(zip(groups, before, strict=False)) if a != b), min(len(groups), len(before)))
         lines += [f"{'  ' * (k + 2)}{groups[k]}:" for k in range(same, len(groups))]
         unit = f"  # {field.unit}" if field.unit != "-" else ""
-        text = yaml.safe_dump({name: values[field.key]}, width=math.inf).rstrip("\n")
+        text = yaml_text({name: values[field.key]}, width=math.inf).rstrip("\n")
         lines.append(textwrap.indent(text, "  " * (len(groups) + 2)) + unit)
         before = tuple(groups)
     return "\n".join(lines) + "\n"

@@ -20,7 +20,7 @@ COMMANDED = {"operating.speed": "command/speed", "operating.load": "command/load
 
 
 class Bearing(Group):
-    """Geometry, masses and material; the defaults are those of NJ(P)3226X1 in Table 1, with the spin inertia m r^2/2 of a solid roller."""
+    """Geometry, masses and material; by default Table 1 of Fan et al. 2025, with the spin inertia m r^2/2 of a solid roller."""
 
     rows: int = quantity(2, "-", "Rows of rollers", 1, 2)
     rollers_per_row: int = quantity(16, "-", "Rollers in each row", 6, 60)

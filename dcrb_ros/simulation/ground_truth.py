@@ -72,7 +72,7 @@ class GroundTruth:
         Raises
         ------
         Refusal
-            Another name.
+            Unknown name.
         """
         if name not in FREQUENCIES:
             raise Refusal(

@@ -29,7 +29,7 @@ def healthy_level(
 ) -> float:
     """Simulate a machine without faults and background and return its level for ``structure.healthy_level``.
 
-    The level belongs to a machine: bearing, operating point and path. A fault, whose configuration gets the level, keeps it.
+    The level belongs to a machine: bearing, operating point and path. Use the same level in the configurations of its faults.
 
     Parameters
     ----------

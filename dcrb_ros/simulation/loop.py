@@ -85,9 +85,9 @@ class Simulation:
         waveform_only
             Leave out states, preview and energy; samples and ground truth are the same.
         drive
-            What drives and loads the shaft; that of the configuration by default.
+            Drive and load of the shaft; those of the configuration by default.
         surroundings
-            What a vehicle does to the heat of the box at the start.
+            Heat that a vehicle adds to the box, and its cooling, at the start.
 
         Raises
         ------

@@ -8,8 +8,6 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from typing import Any
 
-import yaml
-
 from dcrb_ros.recordings.manifest import model_fingerprint
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.refusal import Refusal
@@ -29,6 +27,7 @@ from dcrb_ros.sweep.table import Tally, write_table
 from dcrb_ros.sweep.verification import ERRORS, LABELS, flaws, label_name
 from dcrb_ros.sweep.workers import Workers
 from dcrb_ros.text.json import parsed_json
+from dcrb_ros.text.yaml import yaml_text
 
 ABOUT, COPY, BASE = "sweep.json", "sweep.yaml", "base.yaml"
 DIGESTS = "digests"
@@ -160,7 +159,7 @@ def _about(plan: Plan) -> dict[str, Any]:
 
 def _as_file(plan: Plan) -> str:
     """Return the base configuration of a plan as the text of a configuration file."""
-    return str(yaml.safe_dump({"/**": {"ros__parameters": nest(plan.sweep.base)}}, sort_keys=False))
+    return yaml_text({"/**": {"ros__parameters": nest(plan.sweep.base)}})
 
 
 def _check_same(known: dict[str, Any], about: dict[str, Any], store: Store, *, extended: bool) -> None:

@@ -6,11 +6,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import yaml
-
+from dcrb_ros.calibration.files import intervals_of
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.files import checked_path, is_file
-from dcrb_ros.text.yaml import read_yaml
+from dcrb_ros.text.yaml import yaml_text
 
 MACHINE, BASE, VARY = "machine", "base", "vary"
 KEPT_BASE = "base.yaml"
@@ -38,22 +37,8 @@ def around_machine(tree: Mapping[str, Any], source: str, folder: Path) -> tuple[
     axes = tree.get(VARY) or {}
     vary = intervals_of(path) | (dict(flatten_axes(axes)) if isinstance(axes, Mapping) else {})
     keys = {key: value for key, value in tree.items() if key != MACHINE}
-    text = f"# The intervals are those of {path.name}.\n" + yaml.safe_dump(keys | {BASE: KEPT_BASE, VARY: vary}, sort_keys=False)
+    text = f"# The intervals are those of {path.name}.\n" + yaml_text(keys | {BASE: KEPT_BASE, VARY: vary})
     return keys | {BASE: str(path), VARY: vary}, text
-
-
-def intervals_of(machine: Path) -> dict[str, Any]:
-    """Return the axes in the file of intervals beside a calibrated configuration, ``my_machine.intervals.yaml`` beside ``my_machine.yaml``.
-
-    Raises:
-        Refusal: there is none, or it has another form.
-    """
-    intervals = machine.with_name(f"{machine.stem}.intervals.yaml")
-    tree = read_yaml(intervals)
-    axes = tree.get(VARY) if isinstance(tree, Mapping) else None
-    if not isinstance(axes, Mapping):
-        raise Refusal(f"{intervals} has no ranges below '{VARY}': dcrb calibrate writes the intervals of {machine.name} there")
-    return {str(key): axis for key, axis in axes.items()}
 
 
 def flatten_axes(tree: Mapping[str, Any], prefix: str = "") -> Mapping[str, Any]:

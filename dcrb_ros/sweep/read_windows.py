@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import json
 from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import accumulate
@@ -36,6 +35,9 @@ class Source(Protocol):
 
     def waveform(self, run: str) -> Waveform:
         """Return the waveform of a run."""
+
+    def files(self, row: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the records of the files of a run by their names."""
 
     def content(self, row: Mapping[str, Any], name: str) -> bytes:
         """Return the contents of a file of a run."""
@@ -130,7 +132,7 @@ class ReadWindows(Sequence[tuple[Samples, int]]):
         return x, [str(row["fault"])] * len(x)
 
     def _stored_windows(self, row: Mapping[str, Any]) -> tuple[Samples, list[str]]:
-        name = next((name for name in json.loads(row["files"]) if name.startswith("windows/")), "")
+        name = next((name for name in self._data_set.files(row) if name.startswith("windows/")), "")
         data = io.BytesIO(self._data_set.content(row, name))
         if name.endswith(".npz"):
             with np.load(data, allow_pickle=False) as content:

@@ -29,6 +29,7 @@ from dcrb_ros.sweep.schema import SPLITS, healthy_first
 from dcrb_ros.sweep.store import Store, record_of
 from dcrb_ros.sweep.sums import SUMS, read_sums
 from dcrb_ros.sweep.table import LABELS
+from dcrb_ros.text.files import read_bytes
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -43,8 +44,8 @@ LARGEST_FILE = 4 << 30
 class DataSet:
     """A data set of `dcrb sweep` or `dcrb collect` in a folder.
 
-    Every file is compared with its hash before its contents are used. A data set of an earlier version without hashes is read with a
-    warning, and so is one with a bearing or a machine in more than one split.
+    Every file is compared with its hash before its contents are used. A data set without hashes, or with a bearing or a
+    machine in more than one split, is read with a warning.
 
     Raises
     ------
@@ -125,7 +126,12 @@ class DataSet:
         name = "lives.parquet"
         if not (self.folder / name).is_file():
             raise Refusal(f"{self.folder} has no {name}: only a sweep of kind life has one")
-        return pandas().read_parquet(io.BytesIO(self._table(name)))
+        import pyarrow
+
+        try:
+            return pandas().read_parquet(io.BytesIO(self._table(name)))
+        except (pyarrow.ArrowException, OSError) as error:
+            raise Refusal(f"{self.folder / name} is damaged ({str(error).splitlines()[0]}): {REMEDY}") from None
 
     def waveform(self, run: str) -> Waveform:
         """Return the waveform of a run: acceleration [m/s^2], shaft angle [rad], and the orders of its bearing.
@@ -140,7 +146,7 @@ class DataSet:
         row = self._rows[run]
         name = str(row["file"])
         if not name.endswith((".npz", ".parquet")):
-            for part in json.loads(row["files"]):
+            for part in self.files(row):
                 if part.startswith(f"{name}/"):
                     self._check(row, part)
             return Recording(self.folder / name).waveform()
@@ -185,17 +191,29 @@ class DataSet:
             It is not a file of the data set, it is missing, or it does not have the hash of its label.
         """
         path = self._inside(name)
-        stated = json.loads(row["files"]).get(name) or {}
+        stated = self.files(row).get(name) or {}
         if not path.is_file() or path.stat().st_size > LARGEST_FILE:
             raise Refusal(f"{path} is missing or too large: {REMEDY}")
-        data = path.read_bytes()
-        if hashlib.sha256(data).hexdigest() != stated.get("sha256"):
+        if hashlib.sha256(data := read_bytes(path, path.stat().st_size)).hexdigest() != stated.get("sha256"):
             raise Refusal(f"{path} has been changed: its SHA-256 is not the one in its label; {REMEDY}")
         return data
 
+    def files(self, row: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the records of the files of a run, with size and hash, by their names.
+
+        Raises
+        ------
+        Refusal
+            They are damaged.
+        """
+        try:
+            return {str(name): dict(record) for name, record in json.loads(row["files"]).items()}
+        except (ValueError, TypeError, AttributeError):
+            raise Refusal(f"{self.folder / LABELS} is damaged: the files of the run {row['run']} are no records; {REMEDY}") from None
+
     def _check(self, row: Mapping[str, Any], name: str) -> None:
         path = self._inside(name)
-        if not path.is_file() or record_of(path) != json.loads(row["files"])[name]:
+        if not path.is_file() or record_of(path) != self.files(row)[name]:
             raise Refusal(f"{path} is missing or has been changed: {REMEDY}")
 
     def _inside(self, name: str) -> Path:
@@ -208,7 +226,7 @@ class DataSet:
 
     def _table(self, name: str) -> bytes:
         """Return the contents of a table that `SUMS` lists."""
-        data = (self.folder / name).read_bytes()
+        data = read_bytes(self.folder / name, (self.folder / name).stat().st_size)
         if self._sums is not None and hashlib.sha256(data).hexdigest() != self._sums.get(name):
             raise Refusal(f"{self.folder / name} has been changed: its SHA-256 is not the one in {SUMS}; {REMEDY}")
         return data

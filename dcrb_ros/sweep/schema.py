@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-import yaml
-
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.sweep.store import Store
 from dcrb_ros.sweep.sweep_file import Windows
 from dcrb_ros.sweep.table import COLUMNS, LABELS
 from dcrb_ros.sweep.windows import COLUMNS as WINDOW_COLUMNS
+from dcrb_ros.text.yaml import yaml_text
 
 DESCRIPTION, CARD = "dataset.yaml", "README.md"
 SPLITS = ("train", "validation", "test")
@@ -43,7 +42,7 @@ def _head(title: str, licence: str, splits: Sequence[str], *, windows: bool) -> 
     tree: dict[str, Any] = {"license": identifier} if known else {"license": "other", "license_name": licence}
     tree |= {"pretty_name": title, "tags": ["vibration", "bearing", "condition-monitoring"]}
     tree["configs"] = _configs(splits, windows)
-    return f"---\n{yaml.safe_dump(tree, sort_keys=False, allow_unicode=True, width=120)}---\n\n"
+    return f"---\n{yaml_text(tree, unicode=True, width=120)}---\n\n"
 
 
 def healthy_first(faults: Iterable[str]) -> list[str]:
@@ -100,4 +99,4 @@ def write_about(
     tree["labels"] = {"file": LABELS, "columns": {name: meaning for name, (_, meaning) in {**COLUMNS, **truth}.items()}}
     head = _head(title, licence, list(counts), windows=windows is not None and windows.kind == "parquet")
     store.write(CARD, (head + card).encode())
-    store.write(DESCRIPTION, str(yaml.safe_dump(tree, sort_keys=False, allow_unicode=True, width=120)).encode())
+    store.write(DESCRIPTION, yaml_text(tree, unicode=True, width=120).encode())

@@ -146,6 +146,8 @@ def remake_shard(index: Path, name: str, target: Path) -> str:
             f"{name} has the SHA-256 {sha256[:12]}..., not {known[name].sha256[:12]}... as in the index: the last bits depend on "
             f"processor and libraries, which were {about.software}"
         )
+    if len(data) != known[name].size:
+        raise Refusal(f"{index} was changed: {name} has {len(data)} bytes, not {known[name].size}; get the index again")
     write_whole(target, data)
     return sha256
 

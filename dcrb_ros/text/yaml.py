@@ -146,6 +146,18 @@ _Loader.add_constructor("tag:yaml.org,2002:str", _text)
 _Loader.add_constructor(None, _untyped)
 
 
+class _Dumper(yaml.SafeDumper):
+    """YAML writer that quotes texts that `read_yaml` would take for numbers, such as 12e4, which PyYAML reads as text."""
+
+
+_Dumper.add_implicit_resolver("tag:yaml.org,2002:float", DECIMAL, list("-+.0123456789"))
+
+
+def yaml_text(tree: Any, *, width: float = 80, unicode: bool = False) -> str:
+    """Return a YAML text of the tree, with keys in its order and lines of some ``width``, that `read_yaml` reads back."""
+    return str(yaml.dump(tree, Dumper=_Dumper, sort_keys=False, width=width, allow_unicode=unicode))
+
+
 def read_yaml(path: Path, largest: int = LARGEST_TEXT) -> Any:
     """Return the content of a YAML file of at most ``largest`` bytes.
 

@@ -40,6 +40,26 @@ def modal_outputs(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def between_ticks(ticks: Floats, weights: Floats) -> Floats:
+    """Return signals at the steps between their ticks, shape (signals, intervals * steps).
+
+    ``weights``, shape (steps, taps), are those of ``taps`` ticks around each step of an interval; ``ticks``, shape
+    (intervals + taps - 1, signals), begin taps/2 - 1 ticks before the first interval.
+    """
+    steps, taps = weights.shape
+    intervals = ticks.shape[0] - taps + 1
+    result = np.empty((ticks.shape[1], intervals * steps))
+    for j in range(ticks.shape[1]):
+        for n in range(intervals):
+            for s in range(steps):
+                total = 0.0
+                for i in range(taps):
+                    total += weights[s, i] * ticks[n + i, j]
+                result[j, n * steps + s] = total
+    return result
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def add_path(sections: Floats, delays: Floats, memory: Floats, known: Floats, lead: int, target: Floats) -> None:
     """Add a source after the resonances of a path to ``target``, shape (steps,).
 

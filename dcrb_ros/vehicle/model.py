@@ -1,8 +1,7 @@
 """The vehicle around its bearings: what drives and loads them, and what track, wheels and other bearings do to each box.
 
 Time goes in frames of `FRAME` steps that are counted from the start, so that no result depends on blocks. The structure's modes carry track
-and wheels to the boxes up to 1 kHz, and other bearings up to 200 Hz, at every eighth step with straight lines between. Paths of drawn
-resonances carry the rest.
+and wheels to the boxes up to 1 kHz, and other bearings up to 200 Hz, at every eighth step: ticks. Paths of drawn resonances carry the rest.
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ from dcrb_ros.measurement.kernels import filtered
 from dcrb_ros.schema.arrays import Complexes, Floats
 from dcrb_ros.vehicle.description import Vehicle, Wheel
 from dcrb_ros.vehicle.frame import FRAME, TICK, TICKS, Plan, Rolling, TrackEvent
-from dcrb_ros.vehicle.kernels import add_path, modal_outputs
+from dcrb_ros.vehicle.kernels import add_path, between_ticks, modal_outputs
 from dcrb_ros.vehicle.loads import quasi_static
 from dcrb_ros.vehicle.paths import BANDS, bearing_paths, contact_paths
 from dcrb_ros.vehicle.structure import BOX_MASS, Structure
@@ -33,6 +32,21 @@ SETTLING = 2.0
 SLIDING = 10.0
 """Rate at which the speed of the circumference of a sliding wheel changes [m/s^2] (an assumption): half of a braking force of 9 kN, which
 the rail no longer takes, on the 470 kg by which a wheelset resists turning."""
+BEFORE, AHEAD = 3, 4
+"""Ticks before and after a step from which the motion by track and wheels is interpolated [-]."""
+SHAPE = 8.0
+"""Shape of the Kaiser window of this interpolation [-]: the images of a tone up to 2 kHz are 80 dB below it."""
+
+
+def tick_weights() -> Floats:
+    """Return the weights of the ticks for every step between two of them, shape (TICK, BEFORE + 1 + AHEAD).
+
+    They are a sinc function in a Kaiser window, rounded so that every processor has the same bits.
+    """
+    distance = np.arange(-BEFORE, AHEAD + 1) - np.arange(TICK)[:, None] / TICK
+    window = np.i0(SHAPE * np.sqrt(np.maximum(1.0 - (distance / AHEAD) ** 2, 0.0)))
+    weights = np.sinc(distance) * window
+    return np.ascontiguousarray(np.round(weights / weights.sum(axis=1, keepdims=True), 9))
 
 
 class VehicleModel:
@@ -47,6 +61,7 @@ class VehicleModel:
         self.vehicle = vehicle
         self.rate = vehicle.boxes[0].configuration.step_rate
         self._interval = TICK / self.rate
+        self._weights = tick_weights()
         self._rails = Rails(vehicle.track)
         self._sides = [[box.side for box in vehicle.boxes if box.axle == p] for p in range(len(vehicle.axles))]
         self._wheels = [WheelSurface(vehicle, box) for box in vehicle.boxes]
@@ -103,7 +118,7 @@ class VehicleModel:
         """Frame that the next call of `_roll` gives."""
         self._next = self._roll()
         for _ in range(settled):
-            self._next = self._roll()
+            self._before, self._next = self._next.outputs[-BEFORE:], self._roll()
         self._frames = 0
 
     def _connect(self) -> None:
@@ -138,9 +153,8 @@ class VehicleModel:
         """Return the next frame; commands given before act from its end on."""
         now, first = self._next, self._frames * FRAME
         self._next = self._roll()
-        ticks = np.vstack([now.outputs, self._next.outputs[:1]])
-        fine = np.arange(FRAME) / TICK
-        motion = np.array([np.interp(fine, np.arange(TICKS + 1), ticks[:, j]) for j in range(len(self.vehicle.boxes))])
+        motion = between_ticks(np.vstack([self._before, now.outputs, self._next.outputs[:AHEAD]]), self._weights)
+        self._before = now.outputs[-BEFORE:]
         events = sorted([*now.slides, *self._add_contacts(now, motion, first)], key=lambda event: (event.time, event.box))
         self._frames += 1
         speed, place = float(now.speed[0]), float(now.place[0])

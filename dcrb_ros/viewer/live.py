@@ -7,11 +7,9 @@ from collections.abc import Callable, Mapping, Sequence
 
 import rerun as rr
 
-from dcrb_ros.diagnosis.detector import Diagnosis
 from dcrb_ros.messages.cdr import STAMP_END, stamps
 from dcrb_ros.messages.description import LARGEST_DESCRIPTION, SOURCE, decode_pulses_per_turn, decode_sensor
 from dcrb_ros.messages.plain import decode_text
-from dcrb_ros.messages.points import decode_spectrum
 from dcrb_ros.messages.topics import (
     DIAGNOSIS,
     ENVELOPE_SPECTRUM,
@@ -31,6 +29,7 @@ from dcrb_ros.text.json import parsed_json
 from dcrb_ros.viewer.content import BenchInfo, DetectorOutput
 from dcrb_ros.viewer.live_run import LiveRun, completed
 from dcrb_ros.viewer.reader import content_of, series_of, verdicts_in
+from dcrb_ros.viewer.spectrum import spectra_in
 
 SHOWN = (
     VIBRATION,
@@ -131,12 +130,8 @@ def bench_info(data: bytes, title: str) -> BenchInfo:
 
 def detector_output_in(received: Mapping[Topic, Sequence[bytes]]) -> DetectorOutput:
     """Return the output of the bench's fault detector from its messages."""
-    spectra = [decode_spectrum(data) for data in received.get(ENVELOPE_SPECTRUM, ())]
     return DetectorOutput(
         indicators=series_of(received.get(FAULT_INDICATORS, ())),
         verdicts=verdicts_in(received.get(DIAGNOSIS, ())),
-        diagnoses=tuple(
-            Diagnosis(0, time_ns * 1e-9, "waiting", "", shaft_frequency=frequency, spectrum=(orders, amplitude))
-            for time_ns, orders, amplitude, frequency in spectra
-        ),
+        diagnoses=spectra_in(received.get(ENVELOPE_SPECTRUM, ())),
     )

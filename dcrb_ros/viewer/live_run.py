@@ -38,7 +38,7 @@ class LiveRun:
         self._largest_load = 0.0
         self._recent: Motion | None = None
         self._spectra: Spectra | None = None
-        self._axes: spectrum_picture.Axes | None = None
+        self._growing = spectrum_picture.GrowingSpectra(bench.orders)
         self._latest = Content(
             bench.title, bench.bearing, bench.orders, bench.bodies, _empty_waveform(bench), completed(DetectorOutput(None, (), ()))
         )
@@ -116,14 +116,8 @@ class LiveRun:
         spectra = envelope_spectra(content.detector_output.diagnoses)
         if spectra is None:
             return
-        combs = fault_combs(self._bench.orders, spectra.highest_order)
-        axes = spectrum_picture.axes_of(spectra)
-        if self._axes is None or axes.highest_level > self._axes.highest_level or axes.highest_order != self._axes.highest_order:
-            self._axes = axes
-            spectrum_picture.log_combs(axes, combs)
-            order_map.log_fault_lines(axes.highest_order, combs)
-        spectrum_picture.log_axes(self._axes)
-        spectrum_picture.log_levels(self._axes, combs, spectra)
+        if self._growing.log(spectra):
+            order_map.log_fault_lines(spectra.highest_order, fault_combs(self._bench.orders, spectra.highest_order))
         self._spectra = _joined_spectra(self._spectra, spectra)
         order_map.log_map(self._spectra)
 

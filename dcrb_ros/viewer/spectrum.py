@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.bearing.temperature_readings import TemperatureReadings
+from dcrb_ros.messages.points import decode_spectrum
 from dcrb_ros.messages.statuses import ERROR
 from dcrb_ros.messages.topics.diagnosis import LEVELS
 from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.stream.diagnosis import Diagnosis
 from dcrb_ros.viewer.content import Series, TimedWaveform, Times, Verdict
-
-if TYPE_CHECKING:
-    from dcrb_ros.diagnosis.detector import Diagnosis
 
 HIGHEST_ORDER = 31.0
 """Highest order shown: four harmonics of BPFO and three of BPFI of the default bearing, and lines of FTF that can be distinguished [-]."""
@@ -85,6 +83,19 @@ def pieces(waveform: TimedWaveform, length: int) -> Iterator[slice]:
     for first, last in pairwise(borders):
         for start in range(first, last, length):
             yield slice(start, min(start + length, last))
+
+
+def spectra_in(messages: Iterable[bytes]) -> tuple[Diagnosis, ...]:
+    """Return the envelope spectra in messages as diagnoses without a verdict.
+
+    Raises:
+        Refusal: a message is no spectrum.
+    """
+    decoded = (decode_spectrum(data) for data in messages)
+    return tuple(
+        Diagnosis(0, time_ns * 1e-9, "waiting", "", shaft_frequency=frequency, spectrum=(orders, amplitude))
+        for time_ns, orders, amplitude, frequency in decoded
+    )
 
 
 def envelope_spectra(judgements: Sequence[Diagnosis]) -> Spectra | None:

@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import rerun as rr
 
-from dcrb_ros.bearing.fault_lines import Comb
+from dcrb_ros.bearing.fault_lines import Comb, fault_combs
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.columns import time_column
@@ -60,6 +61,27 @@ def log_spectra(spectra: Spectra, combs: Sequence[Comb], start_ns: int, *, root:
     log_axes(axes, root=root)
     log_combs(axes, combs, root=root)
     log_levels(axes, combs, replace(spectra, time_ns=times), root=root)
+
+
+class GrowingSpectra:
+    """Spectra that arrive one after another, on axes that grow with them."""
+
+    def __init__(self, orders: Orders, *, root: str = ROOT) -> None:
+        """Begin without spectra; ``orders`` are those of the fault lines."""
+        self._orders, self._root = orders, root
+        self._axes: Axes | None = None
+
+    def log(self, spectra: Spectra) -> bool:
+        """Log further spectra; return whether the fault lines were drawn anew, on other axes."""
+        combs, axes = fault_combs(self._orders, spectra.highest_order), axes_of(spectra)
+        known = self._axes
+        grown = known is None or axes.highest_level > known.highest_level or axes.highest_order != known.highest_order
+        if known is None or grown:
+            self._axes = axes
+            log_axes(axes, root=self._root)
+            log_combs(axes, combs, root=self._root)
+        log_levels(self._axes or axes, combs, spectra, root=self._root)
+        return grown
 
 
 def axes_of(spectra: Spectra) -> Axes:

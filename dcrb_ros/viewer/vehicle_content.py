@@ -4,23 +4,25 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from dcrb_ros.diagnosis.vehicle.detector import BoxBlock, VehicleDetector
 from dcrb_ros.messages.points import decode_waveform
 from dcrb_ros.messages.statuses import Status, decode_diagnostics
-from dcrb_ros.messages.topics import FEATURES, VIBRATION, Topic
+from dcrb_ros.messages.topics import ENVELOPE_SPECTRUM, FEATURES, VIBRATION, Topic
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DIAGNOSIS, VEHICLE_TRUTH
 from dcrb_ros.messages.vehicle import box_path, encode_vehicle_diagnosis
 from dcrb_ros.recordings.vehicle import VehicleRecording
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.stream.diagnosis import Diagnosis
 from dcrb_ros.stream.vehicle_description import VehicleDescription
 from dcrb_ros.stream.vehicle_diagnosis import VehicleDiagnosis
 from dcrb_ros.viewer.content import Series, TimedWaveform, Times
 from dcrb_ros.viewer.reader import series_of
+from dcrb_ros.viewer.spectrum import spectra_in
 
 CHUNK = 25600
 """Samples of each box that the detector takes at once [-]."""
@@ -63,8 +65,8 @@ class VehicleContent:
     """Statistics of every block by box."""
     verdicts: tuple[Verdicts, ...] = ()
     events: tuple[TrackEvent, ...] = ()
-    diagnoses: tuple[VehicleDiagnosis, ...] = ()
-    """Diagnoses of the shipped detector, with the spectra of the boxes."""
+    judgements: Mapping[str, Sequence[Diagnosis]] = field(default_factory=dict)
+    """Diagnoses of each box by itself, with their spectra."""
 
     @property
     def start_ns(self) -> int:
@@ -90,14 +92,15 @@ def read_vehicle_content(recording: VehicleRecording) -> VehicleContent:
     content = content_of(received, description, recording.path.name)
     if not content.waveforms:
         raise Refusal(f"{recording.path} has no waveform of any box: give a recording that contains outer_ring/vibration")
-    diagnoses = tuple(diagnoses_of(content))
-    verdicts = content.verdicts or verdicts_in(encode_vehicle_diagnosis(diagnosis) for diagnosis in diagnoses)
-    return VehicleContent(content.title, description, content.waveforms, content.features, tuple(verdicts), content.events, diagnoses)
+    diagnoses = diagnoses_of(content)
+    verdicts = content.verdicts or tuple(verdicts_in(encode_vehicle_diagnosis(diagnosis) for diagnosis in diagnoses))
+    judgements = {box.name: [each.boxes[box.name] for each in diagnoses if box.name in each.boxes] for box in description.boxes}
+    return replace(content, verdicts=verdicts, judgements=judgements)
 
 
 def shown_topics(boxes: Iterable[str]) -> list[Topic]:
     """Return the topics that are shown of a vehicle with some boxes."""
-    each = [topic.below(box_path(name)) for name in boxes for topic in (VIBRATION, FEATURES)]
+    each = [topic.below(box_path(name)) for name in boxes for topic in (VIBRATION, FEATURES, ENVELOPE_SPECTRUM)]
     return [*each, VEHICLE_DESCRIPTION, VEHICLE_TRUTH, VEHICLE_DIAGNOSIS]
 
 
@@ -107,7 +110,7 @@ def content_of(received: Mapping[Topic, Sequence[bytes]], description: VehicleDe
     Raises:
         Refusal: a message cannot be decoded.
     """
-    waveforms, features = dict[str, TimedWaveform](), dict[str, Series]()
+    waveforms, features, judgements = dict[str, TimedWaveform](), dict[str, Series](), dict[str, Sequence[Diagnosis]]()
     for box in description.boxes:
         blocks = received.get(VIBRATION.below(box.name), ())
         if blocks:
@@ -116,8 +119,10 @@ def content_of(received: Mapping[Topic, Sequence[bytes]], description: VehicleDe
         series = series_of(received.get(FEATURES.below(box.name), ()))
         if series is not None:
             features[box.name] = series
+        judgements[box.name] = spectra_in(received.get(ENVELOPE_SPECTRUM.below(box.name), ()))
     events = tuple(event for data in received.get(VEHICLE_TRUTH, ()) for event in events_in(data))
-    return VehicleContent(title, description, waveforms, features, tuple(verdicts_in(received.get(VEHICLE_DIAGNOSIS, ()))), events)
+    verdicts = tuple(verdicts_in(received.get(VEHICLE_DIAGNOSIS, ())))
+    return VehicleContent(title, description, waveforms, features, verdicts, events, judgements)
 
 
 def events_in(data: bytes) -> list[TrackEvent]:

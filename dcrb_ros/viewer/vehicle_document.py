@@ -106,8 +106,7 @@ def log_texts(verdicts: Sequence[Verdicts], events: Sequence[TrackEvent]) -> Non
 def log_spectra(content: VehicleContent) -> None:
     """Log the squared envelope spectra of each box with its fault lines."""
     for box in content.description.boxes:
-        own = [diagnosis.boxes[box.name] for diagnosis in content.diagnoses if box.name in diagnosis.boxes]
-        spectra = envelope_spectra(own)
+        spectra = envelope_spectra(content.judgements.get(box.name, ()))
         if spectra is not None:
             combs = fault_combs(Orders.from_dict(dict(box.orders)), spectra.highest_order)
             spectrum_picture.log_spectra(spectra, combs, content.start_ns, root=f"{SPECTRA}/{box.name}")
@@ -141,7 +140,7 @@ def compose(content: VehicleContent, *, picture_only: bool = False, live: bool =
         for box in sorted(content.description.boxes, key=lambda box: (SIDES.index(box.side), content.description.axle(box.axle).x))
     ]
     left = rrb.Vertical(plan(content.description), *waveforms, row_shares=[4.6, *[2.7] * len(waveforms)])
-    right = rrb.Vertical(*([rrb.Grid(*spectra, grid_columns=2)] if not live else []), logs, row_shares=[1.0] if live else [7.0, 3.0])
+    right = rrb.Vertical(rrb.Grid(*spectra, grid_columns=2), logs, row_shares=[7.0, 3.0])
     time = (
         rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state="following")
         if live

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import rerun as rr
 
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.messages.topics import Topic
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION
 from dcrb_ros.messages.vehicle import decode_description
@@ -16,8 +17,10 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.vehicle_description import VehicleDescription
 from dcrb_ros.viewer.content import TimedWaveform
 from dcrb_ros.viewer.live_run import as_current
+from dcrb_ros.viewer.spectrum import envelope_spectra
+from dcrb_ros.viewer.spectrum_picture import GrowingSpectra
 from dcrb_ros.viewer.vehicle_content import VehicleContent, content_of, joined
-from dcrb_ros.viewer.vehicle_document import compose, largest_level, log_vehicle
+from dcrb_ros.viewer.vehicle_document import SPECTRA, compose, largest_level, log_vehicle
 
 MOST_QUEUED = 2000
 """Messages of a topic kept until they are logged, at most [-]."""
@@ -35,6 +38,7 @@ class VehicleLiveView:
         self._description: VehicleDescription | None = None
         self._stream: rr.RecordingStream | None = None
         self._recent: dict[str, TimedWaveform] = {}
+        self._spectra: dict[str, GrowingSpectra] = {}
         self._runs = self._refused = 0
         self._largest = 0.0
 
@@ -89,14 +93,24 @@ class VehicleLiveView:
         self._largest = max(self._largest, largest_level(content))
         with as_current(self._stream):
             log_vehicle(content, fixed=begins, before=self._recent, largest=self._largest)
+            self._log_spectra(content)
         for name, waveform in content.waveforms.items():
             self._recent[name] = recent(self._recent.get(name), waveform)
+
+    def _log_spectra(self, content: VehicleContent) -> None:
+        for name, judgements in content.judgements.items():
+            spectra = envelope_spectra(judgements)
+            if spectra is not None:
+                if name not in self._spectra:
+                    orders = Orders.from_dict(dict(content.description.box(name).orders))
+                    self._spectra[name] = GrowingSpectra(orders, root=f"{SPECTRA}/{name}")
+                self._spectra[name].log(spectra)
 
     def _end(self) -> None:
         if self._stream is not None:
             self._stream.flush()
             self._stream.disconnect()
-        self._stream, self._recent, self._largest = None, {}, 0.0
+        self._stream, self._recent, self._spectra, self._largest = None, {}, {}, 0.0
 
     def close(self) -> None:
         """Log the remaining messages and close the recording."""

@@ -14,7 +14,7 @@ from dcrb_ros.bearing.catalogue import CatalogueBearing, configuration_of, descr
 from dcrb_ros.bearing.data_sheet import kept_defaults
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import load_configuration, nest, problems
+from dcrb_ros.settings.files import checked, load_configuration, nest
 from dcrb_ros.settings.parameters import Bearing
 
 NU_205 = CatalogueBearing(
@@ -75,7 +75,7 @@ def test_the_first_round_is_valid(diameter: float, ratio: float, slenderness: fl
         inner_raceway=pitch - diameter, rollers=rollers, roller_diameter=diameter, roller_length=slenderness * diameter, rpm=rpm, rows=rows
     )
     parameters, filled = configuration_of(bearing)
-    assert not problems(parameters, Configuration)
+    assert checked(parameters, Configuration)[1] == []
     assert {entry.key for entry in filled} <= parameters.keys()
     steps = 1.0 / (51200.0 * parameters["simulation.step"])
     assert steps == pytest.approx(round(steps), abs=1e-9)

@@ -10,9 +10,9 @@ import pytest
 from typer.testing import CliRunner
 
 import dcrb_ros
+from dcrb_ros.calibration.files import intervals_of
 from dcrb_ros.cli.app import app
 from dcrb_ros.settings.files import load_configuration
-from dcrb_ros.sweep.machine import intervals_of
 
 
 @pytest.fixture(scope="module")

@@ -43,6 +43,11 @@ def test_the_list_of_scenarios_has_units(capsys: pytest.CaptureFixture[str]) -> 
     assert "duration [s]" in shown
 
 
+def without_notes(err: str) -> str:
+    """Return what a command printed on standard error, except that the shipped recordings have no digest of their manifest."""
+    return "".join(line for line in err.splitlines(keepends=True) if not line.startswith("note: "))
+
+
 def test_a_quiet_score_prints_the_report_only(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(evaluation, "in_processes", lambda calls, workers: [(name, Outcome()) for name in calls])
     for arguments, expected in ((["--quiet"], ""), ([], "scenarios evaluated")):
@@ -50,7 +55,7 @@ def test_a_quiet_score_prints_the_report_only(capsys: pytest.CaptureFixture[str]
         out, err = capsys.readouterr()
         assert "criterion" in out
         assert expected in err
-        assert bool(err) == bool(expected)
+        assert bool(without_notes(err)) == bool(expected)
 
 
 def test_a_comparison_gives_the_depth_of_each_fault_line(capsys: pytest.CaptureFixture[str]) -> None:
@@ -66,7 +71,7 @@ def test_a_comparison_gives_the_depth_of_each_fault_line(capsys: pytest.CaptureF
 
 def test_a_quiet_comparison_shows_no_progress(capsys: pytest.CaptureFixture[str]) -> None:
     assert dcrb("compare", "--quiet", str(BAGS / "healthy"), str(BAGS / "healthy")) == 0
-    assert capsys.readouterr().err == ""
+    assert without_notes(capsys.readouterr().err) == ""
 
 
 def test_what_rounds_to_zero_has_no_sign() -> None:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from attacked_files import ATTACKS
 
 pytestmark = pytest.mark.slow
 
@@ -25,25 +25,11 @@ print(add(1, 2), add(1.5, 2.0), sum(add.stats.cache_hits.values()))
 """
 
 
-def flip(file: Path) -> None:
-    content = bytearray(file.read_bytes())
-    content[len(content) // 2] ^= 1
-    file.write_bytes(content)
-
-
 def swap(file: Path) -> None:
     other = next(one for one in file.parent.glob(f"*{file.suffix}") if one != file)
     content = other.read_bytes()
     other.write_bytes(file.read_bytes())
     file.write_bytes(content)
-
-
-ATTACKS: dict[str, Callable[[Path], object]] = {
-    "flipped": flip,
-    "truncated": lambda file: file.write_bytes(file.read_bytes()[:-1]),
-    "empty": lambda file: file.write_bytes(b""),
-    "swapped": swap,
-}
 
 
 def ran(folder: Path) -> list[str]:
@@ -56,19 +42,19 @@ def ran(folder: Path) -> list[str]:
     return done.stdout.splitlines()
 
 
-@pytest.mark.parametrize("attack", ATTACKS)
+@pytest.mark.parametrize("attack", ["swapped", "flipped", "truncated", "folder", "pipe", "link to other bytes"])
 def test_a_damaged_kernel_is_named_and_compiled_again(attack: str, tmp_path: Path) -> None:
     ran(tmp_path)
     assert ran(tmp_path) == ["3 3.5 2"]
     damaged = min((tmp_path / "cache").rglob("program.add-*.nbc"))
-    ATTACKS[attack](damaged)
+    (ATTACKS | {"swapped": swap})[attack](damaged)
     answer = ran(tmp_path)
     assert f"{damaged} is damaged: its kernel is compiled again" in answer
     assert answer[-1] == ("3 3.5 0" if attack == "swapped" else "3 3.5 1")
     assert ran(tmp_path) == ["3 3.5 2"]
 
 
-@pytest.mark.parametrize("attack", ["flipped", "truncated", "empty"])
+@pytest.mark.parametrize("attack", ["flipped", "empty", "folder", "pipe", "broken link", "unreadable"])
 def test_a_damaged_index_is_named_and_made_again(attack: str, tmp_path: Path) -> None:
     ran(tmp_path)
     (damaged,) = (tmp_path / "cache").rglob("program.add-*.nbi")

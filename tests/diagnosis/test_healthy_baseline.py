@@ -17,10 +17,11 @@ from synthetic_bearing import ORDERS, synthetic
 from dcrb_ros.bearing.waveform import signal_of
 from dcrb_ros.diagnosis.detection import DetectionResult, detect, learn_baseline
 from dcrb_ros.diagnosis.detector import FaultDetector
-from dcrb_ros.diagnosis.healthy_baseline import HealthyBaseline, read_baseline
+from dcrb_ros.diagnosis.healthy_baseline import DIGEST, HealthyBaseline, read_baseline
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exchange.importing import WaveformImport
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.json import digest_of
 
 pytestmark = pytest.mark.slow
 
@@ -135,6 +136,17 @@ def test_another_number_in_a_saved_baseline_is_found(baseline: HealthyBaseline, 
     tree["lines"][0]["size"] *= 10.0
     path.write_text(yaml.safe_dump(tree))
     with pytest.raises(Refusal, match="was changed: its digest does not match; learn the baseline again"):
+        read_baseline(path)
+
+
+def test_a_baseline_signed_with_fewer_fields_is_read(baseline: HealthyBaseline, tmp_path: Path) -> None:
+    """A version that knew no remark signed the other fields; an edit of one is found nevertheless."""
+    path, tree = tmp_path / "mine.yaml", baseline.model_dump(mode="json", exclude={"remark"})
+    signed = tree | {DIGEST: digest_of(tree, DIGEST)}
+    path.write_text(yaml.safe_dump(signed))
+    assert read_baseline(path) == baseline.model_copy(update={"remark": ""})
+    path.write_text(yaml.safe_dump(signed | {"remark": "the sensor was exchanged"}))
+    with pytest.raises(Refusal, match="was changed: its digest does not match"):
         read_baseline(path)
 
 

@@ -13,7 +13,7 @@ from scipy.stats import kendalltau, spearmanr
 
 from dcrb_ros.exam.agreement import agreement, macro_recall
 from dcrb_ros.exam.correlation import kendall_tau, spearman_rho
-from dcrb_ros.exam.entry import FORMAT, Entry, EntryScenario
+from dcrb_ros.exam.leaderboard_entry import FORMAT, Entry, EntryScenario
 from dcrb_ros.exam.profile import PROFILES
 from dcrb_ros.schema.refusal import Refusal
 

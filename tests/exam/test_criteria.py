@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dcrb_ros.exam.criteria import Criteria, DelayLimits
-from dcrb_ros.exam.exam_file import Entry, ExamFile
+from dcrb_ros.exam.exam_file import ExamFile, ScenarioEntry
 from dcrb_ros.schema.verdicts import FAULT_CLASSES
 from dcrb_ros.settings.files import parameter_fields
 
@@ -44,6 +44,6 @@ def test_an_exam_file_needs_a_name_and_scenarios_only() -> None:
 
 
 def test_durations_and_onsets_have_their_ranges() -> None:
-    for model in (Entry, ExamFile):
+    for model in (ScenarioEntry, ExamFile):
         limits = {name: sorted(repr(limit) for limit in model.model_fields[name].metadata) for name in ("duration", "onset")}
         assert limits == {"duration": ["Ge(ge=0.1)", "Le(le=100000.0)"], "onset": ["Ge(ge=0.0)", "Le(le=100000.0)"]}

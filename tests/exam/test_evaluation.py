@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import shutil
 import time
@@ -12,6 +13,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import attacked_files
 import numpy as np
 import pytest
 from made_up_blocks import BODIES, blocks, recorded
@@ -145,9 +147,44 @@ def add_a_file(path: Path, other: Path) -> None:
     shutil.copy(next(other.glob("*.mcap")), path / "another_1.mcap")
 
 
+def pipe_as_content(path: Path, other: Path) -> None:
+    attacked_files.pipe(path / CONTENT)
+
+
+def folder_as_file(path: Path, other: Path) -> None:
+    attacked_files.folder(next(path.glob("*.mcap")))
+
+
+def link_to_other_folder(path: Path, other: Path) -> None:
+    shutil.rmtree(path)
+    path.symlink_to(other)
+
+
+def file_as_folder(path: Path, other: Path) -> None:
+    shutil.rmtree(path)
+    path.write_text("a file")
+
+
+def pipe_as_folder(path: Path, other: Path) -> None:
+    shutil.rmtree(path)
+    os.mkfifo(path)
+
+
+def broken_link_as_folder(path: Path, other: Path) -> None:
+    shutil.rmtree(path)
+    path.symlink_to(path.with_name("missing"))
+
+
+@pytest.mark.timeout(200)  # a pipe would be waited for
 @pytest.mark.parametrize(
     ("damage", "sentence"),
     [
+        (pipe_as_content, "is a named pipe"),
+        (folder_as_file, "is a folder"),
+        (link_to_other_folder, "is the recording of another scenario"),
+        (file_as_folder, "cannot be checked"),
+        (pipe_as_folder, "cannot be checked"),
+        (broken_link_as_folder, "cannot be checked"),
         (cut, "has been changed since it was recorded"),
         (flip, "has been changed since it was recorded"),
         (swap_files, "has been changed since it was recorded"),
@@ -167,7 +204,8 @@ def test_a_damaged_or_swapped_recording_is_reported_and_simulated_again(
     path = cached_recording(mine, tmp_path)
     files = {file.name for file in path.iterdir()}
     samples = Recording(path).waveform().acceleration
-    damage(path, cached_recording(other, tmp_path))
+    others = cached_recording(other, tmp_path)
+    damage(path, others)
     capsys.readouterr()  # kernels may have been compiled
     assert not is_recorded(mine, tmp_path)
     assert capsys.readouterr().err == ""
@@ -179,6 +217,8 @@ def test_a_damaged_or_swapped_recording_is_reported_and_simulated_again(
     assert {file.name for file in path.iterdir()} == files
     assert np.array_equal(Recording(path).waveform().acceleration, samples)
     assert cached_recording(mine, tmp_path) == path
+    assert not path.is_symlink()
+    assert is_recorded(other, tmp_path)  # what a link leads to is not changed
     assert capsys.readouterr().err == ""
 
 
@@ -194,13 +234,16 @@ def test_a_recording_has_temperatures_where_the_bench_has_them(law: str, tempera
     assert named - own == ({"outer_ring/temperature", "box/temperature", "ambient/temperature"} if temperatures else set())
 
 
-def test_a_recording_that_cannot_be_put_in_its_place_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_recording_that_cannot_be_put_in_its_place_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def simulate(case: Any, target: Path) -> None:
         target.mkdir()
-        cache_path(CASES[0], tmp_path).write_text("a file is in the way")
+
+    def rename(source: object, target: object) -> None:
+        raise PermissionError(errno.EACCES, "Permission denied")
 
     monkeypatch.setattr(recording_cache, "_simulate", simulate)
-    with pytest.raises(OSError, match=r"well-0"):
+    monkeypatch.setattr(os, "rename", rename)
+    with pytest.raises(Refusal, match=r"well-0.* cannot be written: Permission denied; give another folder with --recordings"):
         cached_recording(CASES[0], tmp_path)
     assert not list(tmp_path.glob(".making-*"))
 

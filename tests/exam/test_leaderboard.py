@@ -14,10 +14,10 @@ from same_process import dcrb
 
 from dcrb_ros.exam.agreement import agreement
 from dcrb_ros.exam.criteria import Criteria
-from dcrb_ros.exam.entry import Entry, StoredDiagnoses, entry_of, read_entry, write_entry
 from dcrb_ros.exam.exam_score import compare
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.leaderboard import boards, markdown, page, read_entries, rows
+from dcrb_ros.exam.leaderboard_entry import Entry, StoredDiagnoses, entry_of, read_entry, write_entry
 from dcrb_ros.exam.profile import PROFILES
 from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.scoring import score_scenario

@@ -15,8 +15,8 @@ from same_process import dcrb
 from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exam.agreement import macro_recall
-from dcrb_ros.exam.entry import read_entry
 from dcrb_ros.exam.evaluation import evaluate
+from dcrb_ros.exam.leaderboard_entry import read_entry
 from dcrb_ros.exam.led_signal import LedSignal, healthy_lead
 from dcrb_ros.exam.measured import (
     COLUMNS,

@@ -12,7 +12,7 @@ from same_process import dcrb
 
 from dcrb_ros import FaultDetector
 from dcrb_ros.exam import plugin
-from dcrb_ros.exam.entry import read_entry
+from dcrb_ros.exam.leaderboard_entry import read_entry
 from dcrb_ros.exam.plugin import load_plugin
 from dcrb_ros.exam.plugin_process import ProcessDetector
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis

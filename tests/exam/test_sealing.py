@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 from same_process import dcrb
 
 from dcrb_ros.exam.case import scenarios_hash, simulation_seeds
-from dcrb_ros.exam.entry import Entry, entry_of
 from dcrb_ros.exam.exam_file import exam_of
 from dcrb_ros.exam.expectation import Expectation
+from dcrb_ros.exam.leaderboard_entry import Entry, entry_of
 from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.scoring import score_scenario
 from dcrb_ros.exam.sealing import SealedExam, _value, commitment, drawn_exam, new_secret, open_exam, seal

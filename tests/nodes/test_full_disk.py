@@ -15,6 +15,7 @@ pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is te
 from full_disk import files_of_at_most
 from node_arguments import parameters
 from ros_bench import PATIENCE, domain, environment, graph_client, node
+from waiting import wait_for
 
 from dcrb_ros.messages.statuses import ERROR, decode_diagnostics
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, VIBRATION
@@ -75,3 +76,23 @@ def test_the_bench_shows_the_verdict_and_fails(tmp_path: Path) -> None:
     assert "verdict: " in done.stdout
     assert "recording: " not in done.stdout
     assert not Recording(bag).complete
+
+
+def test_a_stopped_bench_whose_recording_failed_fails(tmp_path: Path) -> None:
+    next(iter(Simulation(load_configuration("dry")).blocks(0.02)))  # the compiled kernels are larger than the limit
+    command = [sys.executable, "-m", "dcrb_ros.cli.program", "bench", "dry", "--duration", "1000", "--record", str(tmp_path / "bag")]
+    log = tmp_path / "log"
+    with log.open("wb") as output, files_of_at_most(1_500_000):
+        bench = subprocess.Popen(command, env=environment(domain()), stdout=output, stderr=subprocess.STDOUT)
+    try:
+        wait_for(lambda: b"File too large" in log.read_bytes() or bench.poll() is not None, PATIENCE)
+        assert bench.poll() is None, log.read_text()
+        bench.send_signal(signal.SIGINT)
+        assert bench.wait(PATIENCE) == 1, log.read_text()
+    finally:
+        if bench.poll() is None:
+            bench.kill()
+            bench.wait(PATIENCE)
+    assert "Traceback" not in log.read_text()
+    assert "recording: " not in log.read_text()
+    assert not Recording(tmp_path / "bag").complete

@@ -15,9 +15,18 @@ import pytest
 from ros_bench import GraphClient, domain, environment, node
 from same_process import dcrb
 
-from dcrb_ros.messages.points import decode_vibration
+from dcrb_ros.messages.points import decode_spectrum, decode_vibration
 from dcrb_ros.messages.statuses import ERROR, Status, decode_diagnostics
-from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, FEATURES, GROUND_TRUTH, ROLLER_STATES, SPEED_COMMAND, VIBRATION, Topic
+from dcrb_ros.messages.topics import (
+    BENCH_DIAGNOSTICS,
+    ENVELOPE_SPECTRUM,
+    FEATURES,
+    GROUND_TRUTH,
+    ROLLER_STATES,
+    SPEED_COMMAND,
+    VIBRATION,
+    Topic,
+)
 from dcrb_ros.messages.topics.vehicle import (
     VEHICLE_COMMANDS,
     VEHICLE_DESCRIPTION,
@@ -33,6 +42,7 @@ from dcrb_ros.recordings.vehicle import VehicleRecording
 from dcrb_ros.recordings.vehicle_recorder import VehicleRecorder
 from dcrb_ros.vehicle.file import read_parameters, vehicle_of
 from dcrb_ros.vehicle.simulation import VehicleSimulation
+from dcrb_ros.viewer.vehicle_content import read_vehicle_content
 
 pytestmark = [pytest.mark.node, pytest.mark.slow]
 
@@ -59,7 +69,7 @@ class VehicleClient(GraphClient):
     def __init__(self, number: int) -> None:
         super().__init__(number)
         self.boxes: dict[tuple[Topic, str], list[bytes]] = defaultdict(list)
-        for topic in (VIBRATION, FEATURES, GROUND_TRUTH, ROLLER_STATES):
+        for topic in (VIBRATION, FEATURES, GROUND_TRUTH, ROLLER_STATES, ENVELOPE_SPECTRUM):
             for box in BOXES:
                 self._listen(topic.below(box), self.boxes[topic, box])
         for topic in OF_VEHICLE:
@@ -197,11 +207,15 @@ def test_a_recorded_run_has_the_samples_of_simulate_and_the_verdicts_of_the_dete
     env = environment(number_of(client))
     with node("vehicle_detector", [], env, tmp_path / "detector"), node("vehicle_simulator", arguments, env, tmp_path / "log") as simulator:
         client.until(lambda: client.received[VEHICLE_DIAGNOSIS] and simulator.process.poll() is not None, "verdicts and the end")
+        client.until(lambda: all(client.boxes[ENVELOPE_SPECTRUM, box] for box in BOXES), "a spectrum of every box")
         assert simulator.process.returncode == 0
     names = {status.name for data in client.received[VEHICLE_DIAGNOSIS] for status in decode_diagnostics(data)[1]}
     assert {f"{box}/{part}" for box in BOXES for part in ("bearing", "wheel", "sensor")} | {"track"} <= names
     last = client.statuses(VEHICLE_DIAGNOSIS)
     assert last["axle_1/left/bearing"].message == "outer_ring"
+    for box in BOXES:
+        orders, amplitude = decode_spectrum(client.boxes[ENVELOPE_SPECTRUM, box][-1])[1:3]
+        assert len(orders) == len(amplitude) > 100
     assert {"verdict", "confidence", "score [dB]", "reason"} <= set(last["axle_1/left/bearing"].values)
     recording = VehicleRecording(bag)
     for name, box in recording.boxes.items():
@@ -210,6 +224,8 @@ def test_a_recorded_run_has_the_samples_of_simulate_and_the_verdicts_of_the_dete
         assert box.outcome["samples"] == 153600
         assert box.complete
     assert next(recording.messages((VEHICLE_DIAGNOSIS,)), None) is not None
+    shown = read_vehicle_content(recording).judgements
+    assert {box: bool(judgements and len(judgements[-1].spectrum[0])) for box, judgements in shown.items()} == dict.fromkeys(BOXES, True)
     assert dcrb("info", str(bag)) == 0
     assert "axle_2.right" in capfd.readouterr().out
 

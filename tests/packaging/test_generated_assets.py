@@ -10,8 +10,8 @@ from types import ModuleType
 
 import pytest
 
-from dcrb_ros.exam.entry import read_entry, write_entry
 from dcrb_ros.exam.leaderboard import markdown, read_boards
+from dcrb_ros.exam.leaderboard_entry import read_entry, write_entry
 
 ROOT = Path(__file__).parents[2]
 IMAGES, LEADERBOARD = ROOT / "docs/images", ROOT / "docs/leaderboard"

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import json
+from html import unescape
 from pathlib import Path
 
 import pytest
 from made_up_blocks import recorded
 from separate_process import dcrb
 
-from dcrb_ros.messages.topics import VIBRATION
-from dcrb_ros.recordings.digest import digest_mismatch, sample_digests
+from dcrb_ros.messages.topics import MANIFEST, VIBRATION
+from dcrb_ros.recordings.digest import digest_mismatch, sample_digests, unsigned
+from dcrb_ros.recordings.manifest import DIGEST, OUTCOME
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recovery import described_channel
 from dcrb_ros.recordings.reproduction import NotReproduced, Reproduction
@@ -79,10 +81,19 @@ def test_info_shows_the_stated_and_the_actual_digest(intact: Path, flipped: Path
         assert ("NOT as stated" in words) is not match
 
 
-@pytest.mark.parametrize("command", ["detect", "score", "export", "recover"])
+@pytest.mark.parametrize("command", ["detect", "score", "export", "recover", "plot", "calibrate", "compare", "view", "replay"])
 def test_commands_warn_of_samples_that_do_not_match(command: str, intact: Path, flipped: Path, tmp_path: Path) -> None:
     for bag in (intact, flipped):
-        output = {"score": ["--reference"], "export": ["-o", f"{tmp_path}/{bag.name}.npz"], "recover": ["-o", f"{tmp_path}/{bag.name}"]}
+        output = {
+            "score": ["--reference"],
+            "export": ["-o", f"{tmp_path}/{bag.name}.npz"],
+            "recover": ["-o", f"{tmp_path}/{bag.name}"],
+            "plot": ["-o", f"{tmp_path}/{bag.name}.png"],
+            "calibrate": ["-o", f"{tmp_path}/{bag.name}.yaml"],
+            "compare": [str(intact)],
+            "view": ["--save", f"{tmp_path}/{bag.name}.rrd"],
+            "replay": ["--rate", "0", "--wait", "0"],
+        }
         done = dcrb(command, str(bag), *output.get(command, []))
         assert done.stderr.count(SENTENCE) == (bag == flipped), done.stderr
 
@@ -91,3 +102,45 @@ def test_a_reproduction_says_that_the_recording_was_changed(flipped: Path) -> No
     reproduction = Reproduction(Recording(flipped))
     with pytest.raises(NotReproduced, match=f"{SENTENCE}: it states 61440 samples with sha256 [0-9a-f]{{12}}, and contains 61440 with"):
         reproduction.check()
+
+
+def unsigned_copy(source: Path, target: Path, **changes: object) -> Path:
+    """Copy a recording with other entries of the manifest and without digests in its records, as those of earlier versions are."""
+    opening, closing = dict[str, dict[str, str]](), dict[str, dict[str, str]]()
+    recording = Recording(source)
+    for record in recording.stored[0].metadata():
+        if record.name in (MANIFEST, OUTCOME):
+            (key,) = record.metadata
+            content = {name: value for name, value in json.loads(record.metadata[key]).items() if name != DIGEST}
+            manifest = record.name == MANIFEST
+            (opening if manifest else closing)[record.name] = {key: json.dumps(content | (changes if manifest else {}))}
+    bag = Bag(target, opening=opening, closing=lambda: closing)
+    for stored in recording.stored[0].messages([]):
+        assert stored.schema is not None
+        bag.write([(described_channel(stored.channel, stored.schema), stored.message.log_time, stored.message.data)])
+    bag.close()
+    return target
+
+
+def test_a_recording_without_digests_is_used_and_called_unverified(intact: Path, tmp_path: Path) -> None:
+    old = unsigned_copy(intact, tmp_path / "old", dcrb_ros="0.0.1")
+    assert Recording(old).complete
+    assert unsigned(Recording(intact)) == ""
+    sentence = "unverified: no digest in manifest and outcome record (dcrb_ros 0.0.1)"
+    for command, output in {"detect": [], "export": ["-o", f"{tmp_path}/old.npz"], "score": ["--reference"]}.items():
+        done = dcrb(command, str(old), *output)
+        assert done.stderr.count(f"note: {old}: {sentence}") == 1, done.stderr
+    assert json.loads(dcrb("detect", str(old), "--json").stdout)["unverified"].startswith(sentence)
+    assert json.loads(dcrb("info", str(old), "--json").stdout)["unverified"].startswith(sentence)
+    assert sentence in dcrb("info", str(old)).stdout
+    assert json.loads(dcrb("info", str(intact), "--json").stdout)["unverified"] is None
+
+
+def test_a_report_says_what_is_wrong_with_a_digest(intact: Path, flipped: Path, tmp_path: Path) -> None:
+    old = unsigned_copy(intact, tmp_path / "old")
+    for bag, sentence in ((intact, ""), (flipped, SENTENCE), (old, "unverified: no digest in manifest and outcome record")):
+        page = tmp_path / f"{bag.name}.html"
+        dcrb("detect", str(bag), "--report", str(page))
+        found = [words for words in (SENTENCE, "unverified: ") if words in unescape(page.read_text(encoding="utf-8"))]
+        assert bool(sentence) == bool(found)
+        assert sentence in unescape(page.read_text(encoding="utf-8"))

@@ -205,6 +205,30 @@ def test_a_recovered_recording_is_split_and_compressed_like_the_source(tmp_path:
     assert compressions(tmp_path / "new") == {"lz4"}
 
 
+@pytest.mark.parametrize("damaged", [0, 1])
+def test_a_sound_manifest_of_any_file_is_kept(damaged: int, tmp_path: Path) -> None:
+    """Each file of a split recording has the manifest; an edited one of the first file must not hide that of the second."""
+    split = recorded(tmp_path / "split", 60, split_duration=0.6)
+    content = (split / f"split_{damaged}.mcap").read_bytes()
+    assert b'"rollers_per_row": 16' in content
+    (split / f"split_{damaged}.mcap").write_bytes(content.replace(b'"rollers_per_row": 16', b'"rollers_per_row": 17'))
+    manifest = Recording(split).manifest
+    recover(split, tmp_path / "new")
+    recovered = Recording(tmp_path / "new")
+    assert recovered.complete
+    assert recovered.manifest == manifest
+
+
+def test_a_manifest_without_a_sound_copy_is_reported(tmp_path: Path) -> None:
+    bag = recorded(tmp_path / "bag", 3)
+    (file,) = bag.glob("*.mcap")
+    file.write_bytes(file.read_bytes().replace(b'"rollers_per_row": 16', b'"rollers_per_row": 17'))
+    assert recover(bag, tmp_path / "new").damage == (
+        "the record dcrb_ros is damaged or was changed; it is kept, and not used by any command",
+    )
+    assert not Recording(tmp_path / "new").complete
+
+
 def test_imported_data_are_recovered_as_one_file(tmp_path: Path) -> None:
     messages = [message for block in blocks(3) for message in BlockEncoder(Configuration(), BODIES).encode(block)]
     imported = message_bag(tmp_path / "bag", messages, imported={}, configuration=None)

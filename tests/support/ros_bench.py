@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import os
+import secrets
+import socket
 import subprocess
 import sys
 import time
-from collections import defaultdict
+from collections import defaultdict, deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -17,18 +18,28 @@ from typing import Any
 from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, CLOCK, DETECTED, NAMESPACE, SIMULATED, Topic
 from dcrb_ros.nodes.publisher import message_class, qos
+from dcrb_ros.nodes.reserved_domain import FIRST_DOMAIN, FIRST_PORT, LOOPBACK
 
 PATIENCE = 200.0
 """Longest wait for anything [s]; a cold compile is the longest."""
 
-_domains = itertools.count(1)
+_reserved: deque[socket.socket] = deque(maxlen=16)
+"""Sockets at the ports of the domains that this process took last; a domain is free again when its socket is deleted."""
 
 
 def domain() -> int:
-    """Return a ROS domain that no other test process uses."""
-    worker = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
-    workers = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
-    return 1 + worker + (os.getpid() * 7 + next(_domains)) % (100 // workers) * workers
+    """Return a ROS domain that no other test process on this machine uses, reserved as `dcrb_ros.nodes.reserved_domain` does."""
+    for _ in range(10_000):
+        number = secrets.randbelow(FIRST_DOMAIN - 1) + 1
+        port = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+        try:
+            port.bind((LOOPBACK, FIRST_PORT + number))
+        except OSError:
+            port.close()
+        else:
+            _reserved.append(port)
+            return number
+    raise AssertionError("all ROS domains for tests are reserved")
 
 
 def environment(number: int, **changes: str) -> dict[str, str]:

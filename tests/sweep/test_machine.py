@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import hashlib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 import yaml
+from attacked_files import ATTACKS
 
+from dcrb_ros.calibration.files import CONFIGURATION_DIGEST, DIGEST, intervals_beside
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import load_configuration, to_yaml
 from dcrb_ros.sweep.design import Span
 from dcrb_ros.sweep.loader import read_sweep, sweep_of
 from dcrb_ros.sweep.plan import Plan
+from dcrb_ros.text.json import digest_of
 
 VARY = {
     "structure.gain_y": {"low": 0.3, "high": 0.5, "scale": "log"},
@@ -22,12 +27,18 @@ VARY = {
 TREE = {"design": "random", "points": 10, "duration": 0.1, "cases": {"healthy": {}, "outer": {"faults.outer_1.width": 0.0005}}}
 
 
+def signed(machine: Path, tree: dict[str, Any]) -> None:
+    """Write the intervals of a configuration as `dcrb calibrate` signs them."""
+    tree = tree | {CONFIGURATION_DIGEST: hashlib.sha256(machine.read_bytes()).hexdigest()}
+    intervals_beside(machine).write_text(yaml.safe_dump(tree | {DIGEST: digest_of(tree, DIGEST)}))
+
+
 @pytest.fixture
 def machine(tmp_path: Path) -> Path:
     """Return a configuration with its intervals beside it, as `dcrb calibrate` writes them."""
     file = tmp_path / "my_machine.yaml"
     file.write_text(to_yaml(load_configuration("ball_bearing_6205", {"structure.gain_y": 0.4})))
-    (tmp_path / "my_machine.intervals.yaml").write_text(yaml.safe_dump({"vary": VARY}))
+    signed(file, {"vary": VARY})
     return file
 
 
@@ -91,3 +102,47 @@ def test_intervals_of_another_form_are_refused(machine: Path) -> None:
 def test_a_machine_that_is_none_is_refused(tree: dict[str, Any], words: str, machine: Path) -> None:
     with pytest.raises(Refusal, match=words):
         sweep_of({**TREE, "machine": str(machine), **tree}, "sweep.yaml")
+
+
+def other_numbers(machine: Path) -> None:
+    file = intervals_beside(machine)
+    file.write_text(file.read_text().replace("0.5", "5.0"))
+
+
+def other_configuration(machine: Path) -> None:
+    machine.write_text(to_yaml(load_configuration("ball_bearing_6205", {"structure.gain_y": 4.0})))
+
+
+def intervals_of_another_machine(machine: Path) -> None:
+    other = machine.with_name("other.yaml")
+    other.write_text(to_yaml(load_configuration("ball_bearing_6205")))
+    signed(other, {"vary": VARY})
+    intervals_beside(machine).write_bytes(intervals_beside(other).read_bytes())
+
+
+@pytest.mark.parametrize(
+    ("attack", "sentence"),
+    [
+        (other_numbers, r"my_machine\.intervals\.yaml was changed: its digest does not match; calibrate again"),
+        (other_configuration, r"my_machine\.yaml was changed after its calibration, or .* is that of another machine: calibrate again"),
+        (intervals_of_another_machine, r"my_machine\.yaml was changed after its calibration, or .* is that of another machine"),
+    ],
+)
+def test_a_changed_calibration_is_refused(attack: Callable[[Path], None], sentence: str, machine: Path) -> None:
+    attack(machine)
+    with pytest.raises(Refusal, match=sentence):
+        sweep_of({**TREE, "machine": str(machine)}, "sweep.yaml")
+
+
+@pytest.mark.parametrize("attack", ["empty", "nearly empty", "folder", "pipe", "broken link", "link to a folder", "unreadable"])
+@pytest.mark.timeout(60)  # a pipe would be waited for
+def test_something_else_in_place_of_the_intervals_is_refused(attack: str, machine: Path) -> None:
+    ATTACKS[attack](intervals_beside(machine))
+    with pytest.raises(Refusal, match=r"intervals\.yaml"):
+        sweep_of({**TREE, "machine": str(machine)}, "sweep.yaml")
+
+
+def test_intervals_of_an_earlier_version_are_called_unverified(machine: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    intervals_beside(machine).write_text(yaml.safe_dump({"vary": VARY}))
+    assert sweep_of({**TREE, "machine": str(machine)}, "sweep.yaml").vary["structure.gain_y"] == Span(0.3, 0.5, log=True)
+    assert "has no digest, as of an earlier version: whether it was changed is unknown" in capsys.readouterr().err

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import json
 import pickle
 import sys
@@ -16,6 +17,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
+from attacked_files import ATTACKS
 from folder_contents import contents
 from typer.testing import CliRunner
 
@@ -213,9 +215,45 @@ def test_an_old_set_without_hashes_is_read_with_a_warning(copied: Path) -> None:
     assert "has no SHA256SUMS" in str(warned[0].message)
 
 
+@pytest.fixture
+def lives(copied: Path) -> Path:
+    """A data set with a table of lives, which only a sweep of kind life has, and its hash."""
+    table = pd.DataFrame({"bearing_id": ["a", "b"], "failure": [900.0, 2500.0], "censored": [False, True]})
+    table.to_parquet(copied / "lives.parquet")
+    with (copied / SUMS).open("a") as sums:
+        sums.write(f"{hashlib.sha256((copied / 'lives.parquet').read_bytes()).hexdigest()}  lives.parquet\n")
+    return copied
+
+
+@pytest.mark.parametrize("attack", ATTACKS)
+@pytest.mark.timeout(60)  # a pipe would be waited for
+def test_a_changed_table_of_lives_is_refused(attack: str, lives: Path) -> None:
+    with quiet():
+        data_set = DataSet(lives)
+        assert data_set.lives()["failure"].tolist() == [900.0, 2500.0]
+        ATTACKS[attack](lives / "lives.parquet")
+        with pytest.raises(Refusal, match=r"lives\.parquet"):
+            DataSet(lives).lives()
+
+
+def test_other_lives_are_refused_and_named_even_without_hashes(lives: Path) -> None:
+    table = pd.read_parquet(lives / "lives.parquet")
+    table.assign(failure=table["failure"] * 10.0).to_parquet(lives / "lives.parquet")
+    with quiet(), pytest.raises(Refusal, match=r"lives\.parquet has been changed: its SHA-256 is not the one in SHA256SUMS"):
+        DataSet(lives).lives()
+    (lives / SUMS).unlink()
+    with pytest.warns(UserWarning, match="changes of its labels are not found|in more than one split"):
+        DataSet(lives).lives()
+    (lives / "lives.parquet").write_bytes(b"PAR1")
+    with quiet(), pytest.raises(Refusal, match=r"lives\.parquet is damaged"):
+        DataSet(lives).lives()
+
+
 @pytest.mark.parametrize(
     ("column", "value", "sentence"),
     [
+        ("files", "{", "the files of the run .* are no records"),
+        ("files", "[]", "the files of the run .* are no records"),
         ("file", "../../etc/passwd", "outside the data set"),
         ("samples", 51_200_000_000_000, "samples instead of"),
         ("split", "exam", "no valid split"),

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from attacked_files import ATTACKS
 
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.sweep.data_set import open_data_set
@@ -114,6 +115,11 @@ def test_other_bytes_and_other_versions_are_refused(data_set: Path, tmp_path: Pa
         (lambda index: index["recipe"].pop("base.yaml"), "its recipe must have sweep.yaml and base.yaml"),
         (lambda index: index.update(runs_per_shard=5), "are not those of its recipe"),
         (lambda index: next(iter(index["shards"].values()))["runs"].pop(), "are not those of its recipe"),
+        (lambda index: next(iter(index["shards"].values())).update(size=1), r"train-000000\.tar has \d+ bytes, not 1"),
+        (lambda index: index.update(recipe={key: text.replace("160.0", "170.0") for key, text in index["recipe"].items()}), "install that"),
+        (lambda index: index["recipe"].update({"base.yaml": "bearing: {rows: 1}"}), "install that version"),
+        (lambda index: index["recipe"].update({"sweep.yaml": "machine: ../../../etc/passwd"}), "are both a configuration"),
+        (lambda index: index["recipe"].update({"sweep.yaml": "- a list"}), "is not a sweep"),
     ],
 )
 def test_an_index_that_was_changed_is_refused(change: Callable[[Any], object], sentence: str, data_set: Path, tmp_path: Path) -> None:
@@ -125,6 +131,26 @@ def test_an_index_that_was_changed_is_refused(change: Callable[[Any], object], s
     with pytest.raises(Refusal, match=sentence):
         remake_shard(file, name, tmp_path / "a.tar")
     assert not (tmp_path / "a.tar").exists()
+
+
+@pytest.mark.parametrize("attack", ["folder", "pipe", "broken link", "truncated", "empty"])
+@pytest.mark.timeout(60)  # a pipe would be waited for
+def test_something_else_in_place_of_an_index_is_refused(attack: str, data_set: Path, tmp_path: Path) -> None:
+    name = write_shards(data_set, tmp_path / "shards", 3)[0]
+    ATTACKS[attack](tmp_path / "shards" / INDEX)
+    with pytest.raises(Refusal, match=INDEX):
+        remake_shard(tmp_path / "shards" / INDEX, name, tmp_path / "a.tar")
+
+
+@pytest.mark.parametrize("file", ["sweep.yaml", "base.yaml"])
+def test_an_edited_recipe_of_a_data_set_is_not_packed(file: str, data_set: Path, tmp_path: Path) -> None:
+    copied = Path(shutil.copytree(data_set, tmp_path / "copied"))
+    text = (copied / file).read_text()
+    changed = text.replace("160.0", "170.0") if file == "sweep.yaml" else text.replace("rollers_per_row: 16", "rollers_per_row: 15")
+    assert changed != text
+    (copied / file).write_text(changed)
+    with pytest.raises(Refusal, match=r"is missing: repair or finish the data set"):
+        write_shards(copied, tmp_path / "shards", 3)
 
 
 def test_a_missing_run_and_a_full_folder_are_refused(data_set: Path, tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.text.yaml import DEEPEST, parsed, read_yaml
+from dcrb_ros.text.yaml import DEEPEST, parsed, read_yaml, yaml_text
 
 
 @pytest.mark.parametrize(
@@ -127,3 +127,13 @@ def test_tags_and_merge_keys_are_refused_in_plain_words(text: str, words: str, t
     with pytest.raises(Refusal, match="is not valid YAML") as refused:
         read_yaml(path)
     assert words in str(refused.value)
+
+
+@given(st.text(alphabet="0123456789eE+-._xb:", max_size=14) | st.integers() | st.floats(allow_nan=False))
+def test_what_is_written_is_read_back(value: str | float) -> None:
+    found = parsed(yaml_text({"value": value}))["value"]
+    assert (found, type(found)) == (value, type(value))
+
+
+def test_a_hash_that_looks_like_a_number_stays_a_text() -> None:
+    assert parsed(yaml_text({"rules": "12345678e123"})) == {"rules": "12345678e123"}

@@ -208,6 +208,22 @@ def test_a_motor_has_lines_at_its_supply_and_its_rotor() -> None:
     assert sorted(lines) == pytest.approx([4.14 * turn, 2.0 * 2 * 4.14 / 0.98 * turn], abs=0.3)
 
 
+def test_a_tone_has_no_images_at_the_rate_of_the_ticks() -> None:
+    vehicle = smooth(track__corrugation="0.03 10e-6 left", vehicle__speed_kmh=100.0, axle_1__gear__teeth=0)
+    motion, _, _ = run(vehicle, 0.5)
+    window = np.hanning(motion.shape[1])
+    spectrum = np.abs(np.fft.rfft(motion[0] * window))
+    step = VehicleModel(vehicle).rate / motion.shape[1]
+
+    def level(frequency: float) -> float:
+        middle = round(frequency / step)
+        return 20.0 * np.log10(spectrum[middle - 3 : middle + 4].max())
+
+    tone, ticks = 100.0 / 3.6 / 0.03, VehicleModel(vehicle).rate / TICK
+    # A Kaiser window of eight points and shape 8 has side lobes 80 dB down; straight lines give -44 dB.
+    assert max(level(ticks - tone), level(ticks + tone)) < level(tone) - 75.0
+
+
 def test_a_slide_slows_the_wheelset_and_the_truth_has_time_and_place() -> None:
     model = VehicleModel(smooth(vehicle__speed_kmh=72.0))
     free = model.shaft_speed()

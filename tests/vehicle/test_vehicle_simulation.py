@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from mcap.records import Metadata
 from same_process import dcrb
 
 from dcrb_ros.bearing.frequencies import characteristic_orders
@@ -17,10 +18,12 @@ from dcrb_ros.messages.plain import decode_text
 from dcrb_ros.messages.topics import VIBRATION
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DIAGNOSIS, VEHICLE_TRUTH
 from dcrb_ros.recordings.digest import digest_mismatch
+from dcrb_ros.recordings.mcap_reader import McapRecords
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.recordings.replay import Replay, ReplayParameters
 from dcrb_ros.recordings.reproduction import NotReproduced
+from dcrb_ros.recordings.splitting import Bag
 from dcrb_ros.recordings.vehicle import VehicleRecording, VehicleReproduction
 from dcrb_ros.recordings.vehicle_recorder import VehicleRecorder
 from dcrb_ros.schema.refusal import Refusal
@@ -440,6 +443,27 @@ def test_a_box_whose_record_is_lost_is_missed(run: Path, tmp_path: Path, capsys:
     for command in (("simulate", "--from"), ("detect",), ("info",)):
         assert dcrb(*command, str(damaged)) == 2
         assert "is damaged: it does not describe the box axle_2.right of its vehicle" in capsys.readouterr().err
+
+
+def test_a_box_that_is_a_path_out_of_the_recording_is_refused(run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    changed = tmp_path / "changed"
+    shutil.copytree(run, changed)
+    (file,) = changed.glob("*.mcap")
+    file.write_bytes(file.read_bytes().replace(b"dcrb_ros/axle_2.right", b"dcrb_ros/../../../bag"))
+    with pytest.raises(Refusal, match=r"\.\./\.\./\.\./bag is not the name of a box"):
+        VehicleRecording(changed)
+    for command in (("simulate", "--from"), ("detect",), ("info",), ("view", "--save", str(tmp_path / "view.rrd"))):
+        assert dcrb(*command, str(changed)) == 2
+        assert "../../../bag is not the name of a box" in capsys.readouterr().err
+
+
+def test_a_box_that_the_vehicle_does_not_have_is_refused(run: Path, tmp_path: Path) -> None:
+    (file,) = run.glob("*.mcap")
+    records = {record.name: dict(record.metadata) for record in McapRecords(file, chunks=False) if isinstance(record, Metadata)}
+    records["dcrb_ros/axle_3.left"] = records["dcrb_ros/axle_1.left"]
+    Bag(tmp_path / "more", opening=records, closing=dict).close()
+    with pytest.raises(Refusal, match=r"was changed: it describes the box axle_3\.left, which its vehicle does not have"):
+        VehicleRecording(tmp_path / "more")
 
 
 @pytest.mark.parametrize("name", ["a_0.mcap", "z_0.mcap"])

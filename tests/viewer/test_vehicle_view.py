@@ -13,9 +13,9 @@ from rerun_documents import rows
 
 from dcrb_ros.messages.joints import encode_features
 from dcrb_ros.messages.plain import encode_text
-from dcrb_ros.messages.points import encode_vibration
+from dcrb_ros.messages.points import encode_spectrum, encode_vibration
 from dcrb_ros.messages.statuses import ERROR, OK, WARN, Status
-from dcrb_ros.messages.topics import FEATURES, VIBRATION
+from dcrb_ros.messages.topics import ENVELOPE_SPECTRUM, FEATURES, VIBRATION
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_TRUTH
 from dcrb_ros.messages.vehicle import encode_vehicle_truth
 from dcrb_ros.stream.block import Block
@@ -174,6 +174,10 @@ def test_a_running_vehicle_is_shown_and_a_reset_begins_a_new_recording(tmp_path:
             for box in BOXES:
                 view.take(VIBRATION.below(box), encode_vibration(block, block.acceleration))
                 view.take(FEATURES.below(box), encode_features(block))
+            # The second spectrum rises beyond the axes of the first.
+            amplitude = np.where(np.arange(4000) % 100 == 0, 10.0 ** (number + 1.0), 1.0)
+            spectrum = encode_spectrum(number * 20_000_000, np.arange(4000) * 0.01, amplitude, 10.0, BOXES[1])
+            view.take(ENVELOPE_SPECTRUM.below(BOXES[1]), spectrum)
             view.take(VEHICLE_TRUTH, truth(number))
             view.flush()
     view.close()
@@ -182,5 +186,7 @@ def test_a_running_vehicle_is_shown_and_a_reset_begins_a_new_recording(tmp_path:
         count = rows(file)
         assert {box.name: count[f"/aligned/{box.side}/{box.axle}"] for box in DESCRIPTION.boxes} == dict.fromkeys(BOXES, 4096)
         assert count["/events"] == 4
+        assert count[f"/spectra/{BOXES[1]}/curve"] == 4
+        assert count[f"/spectra/{BOXES[0]}/curve"] == 0
     assert len(warnings) == 1
     assert "format" in warnings[0]

@@ -71,7 +71,7 @@ class FeatureTable:
 
 
 class FeatureExtractor:
-    """Features block by block: what a node or an online classifier uses, with the same results as `extract_features`."""
+    """Computes features block by block, as a node or an online classifier does, with the same results as `extract_features`."""
 
     @checked_arguments(orders=of_type(Orders), sampling_rate=number, families=optional(texts), axes=texts)
     def __init__(

@@ -70,6 +70,12 @@ def spectral_coherence(
 ) -> SpectralCoherence:
     """Return the fast spectral coherence of a signal up to a cyclic order.
 
+    With the spectral correlation S(alpha, f) of the components at f and f - alpha, it is
+
+        gamma(alpha, f) = S(alpha, f) / sqrt(S(0, f) S(0, f - alpha))
+
+    Source: Antoni, Xin and Hamzaoui 2017, "Fast computation of the spectral correlation"; orders as in Abboud et al. 2015.
+
     Parameters
     ----------
     signal
@@ -82,6 +88,11 @@ def spectral_coherence(
         Highest cyclic order [-].
     resolution
         Resolution of the carrier frequency [Hz]; by default 800, or a sixteenth of a sampling rate below 12.8 kHz.
+
+    Returns
+    -------
+    SpectralCoherence
+        Cyclic orders [-], carrier frequencies [Hz] and coherence, shape (frequencies, orders) [-].
 
     Raises
     ------

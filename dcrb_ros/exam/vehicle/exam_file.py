@@ -115,23 +115,17 @@ class VehicleExam:
         return tuple(sorted({int(case.parameters.get("vehicle.seed", 1)) for case in self.cases}))
 
 
-def is_vehicle_exam(source: str | Path) -> bool:
-    """Return whether a file or shipped name is the exam of a vehicle.
-
-    Raises:
-        Refusal: there is no such file, or it is not YAML.
-    """
-    tree = read_yaml(find_shipped("exam", source))
-    return isinstance(tree, Mapping) and "vehicle" in tree
-
-
 def read_vehicle_exam(source: str | Path) -> VehicleExam:
     """Return the exam given by a file or by a shipped name.
 
     Raises:
         Refusal: there is no such exam, it has an unknown key, or one of its scenarios is invalid.
     """
-    tree = read_yaml(find_shipped("exam", source))
+    return vehicle_exam_of(read_yaml(find_shipped("exam", source)), str(source))
+
+
+def vehicle_exam_of(tree: Any, source: str) -> VehicleExam:
+    """Return the exam described by a tree read from YAML; see `read_vehicle_exam`."""
     try:
         file = VehicleExamFile.model_validate(tree)
     except ValidationError as error:
@@ -140,7 +134,7 @@ def read_vehicle_exam(source: str | Path) -> VehicleExam:
     base = {**read_parameters(file.vehicle), **flatten(file.set)}
     cases: list[VehicleCase] = []
     for entry in file.scenarios:
-        for case in _cases(file, entry, base, str(source)):
+        for case in _cases(file, entry, base, source):
             cases.append(case)
             if len(cases) > MOST_CASES:
                 raise Refusal(f"{source} defines more than {MOST_CASES} scenarios: leave out variations")

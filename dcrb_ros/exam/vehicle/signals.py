@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from dcrb_ros.core.signed_file import DamagedFile, read_signed, signed
 from dcrb_ros.diagnosis.vehicle.detector import BoxBlock
 from dcrb_ros.exam.case import canonical
 from dcrb_ros.measurement.sensor import Measurement, Sensor
@@ -43,8 +44,6 @@ KINDS = ("acceleration", "shaft_angle", "temperatures")
 OF_SENSOR = ("sensor", "structure", "publishing", "tacho", "recording", "background")
 """Groups of a box's configuration on which the motion of its outer ring does not depend."""
 
-DIGEST_SIZE = 32
-"""Bytes of the SHA-256 at the beginning of a kept signal [-]."""
 Motion = list[tuple[Floats, Floats]]
 """Acceleration of an outer ring and angle of its shaft, frame by frame."""
 
@@ -171,7 +170,7 @@ def keep_signal(signal: VehicleSignal, path: Path) -> bytes:
     stream = io.BytesIO()
     np.savez(stream, description=np.array(signal.description.to_json()), **arrays)
     content = stream.getvalue()
-    write_whole(path, _digest(path, content) + content)
+    write_whole(path, signed(path, content))
     return content
 
 
@@ -196,18 +195,13 @@ def kept_signal(parameters: Mapping[str, Any], duration: float, folder: Path, *,
 
 def _kept(path: Path) -> bytes | None:
     """Return what a file of a signal contains after its digest; None if there is none, or it is damaged, which is reported."""
-    if not path.is_file():
+    try:
+        return read_signed(path)
+    except FileNotFoundError:
         return None
-    written = path.read_bytes()
-    if written[:DIGEST_SIZE] == _digest(path, written[DIGEST_SIZE:]):
-        return written[DIGEST_SIZE:]
-    print_error("dcrb", f"{path} is damaged, or that of another vehicle; it is simulated again")
-    return None
-
-
-def _digest(path: Path, content: bytes) -> bytes:
-    """Return the hash of a content and of the name of its file, so that the signal of another vehicle is found."""
-    return hashlib.sha256(path.name.encode() + content).digest()
+    except DamagedFile as error:
+        print_error("dcrb", f"{error}; the vehicle is simulated again")
+        return None
 
 
 def signal_path(parameters: Mapping[str, Any], duration: float, folder: Path) -> Path:

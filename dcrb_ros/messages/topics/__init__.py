@@ -1,6 +1,6 @@
 """The topics of the bench, one per file. A new topic needs its own file and one line in the lists below.
 
-The constants are the topics that other modules refer to.
+The constants are the topics that other modules refer to. The quality of service (QoS) of a topic is `Topic.qos`.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Commands to a running simulator: speed and load."""
+"""Commands to a running simulator: speed and load, which `simulation.drive` applies."""
 
 from __future__ import annotations
 

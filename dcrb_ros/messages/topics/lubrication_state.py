@@ -68,7 +68,7 @@ def _encode(block: Block, source: EncodedBench) -> Encoded:
 LUBRICATION_STATE = SimulatedTopic(
     "lubrication/state",
     JOINT_STATE,
-    "films, traction, friction power and torque of each row in `position`, see below; 100 Hz, only with `lubrication.law: film`",
+    "films, traction, friction power and torque of each row in `position`, see below; 100 Hz, only with a lubricant",
     depth=500,
     decode=decode_joints,
     encode=_encode,

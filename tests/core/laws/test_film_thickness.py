@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import Any
 
@@ -9,7 +10,7 @@ import pytest
 from documented_tables import half_unit, rows_of
 from hypothesis import given
 from hypothesis import strategies as st
-from oil_films import inner_film, outer_film
+from oil_films import inner_film, oil, outer_film, speeds
 
 from dcrb_ros.core.laws.film import thickness_under
 from dcrb_ros.core.laws.film_thickness import asperity_share, central_per_load, inlet_heating, minimum_per_load, power, starved
@@ -93,3 +94,17 @@ def test_the_page_shows_the_films_over_speed() -> None:
             film = thickness_under(inner_film(float(rpm) * math.pi / 30.0, lubricant=name, temperature=60.0, layer=LAYERS[name]), 30e3)
             assert film * 1e6 == pytest.approx(float(thickness), abs=half_unit(thickness))
             assert asperity_share(film / 2.8e-7) == pytest.approx(float(share), abs=half_unit(share))
+
+
+@pytest.mark.parametrize(("force", "least", "most"), [(1e3, 0.04, 0.09), (3e3, 0.11, 0.17), (1e4, 0.21, 0.27), (3e4, 0.30, 0.36)])
+def test_the_film_exceeds_that_of_pan_and_hamrock_as_documented(force: float, least: float, most: float) -> None:
+    """docs/explanation/lubrication.md, "Limits": Pan and Hamrock 1989, J. Tribol. 111:246, h_c/R = 2.922 U^0.692 G^0.470 W^-0.166."""
+    excess = []
+    for lubricant, temperature, rpm in itertools.product(LAYERS, (40.0, 100.0), (300.0, 2500.0)):
+        law = oil(lubricant=lubricant, temperature=temperature)
+        for raceway, speed in zip((law.inner, law.outer), speeds(rpm * math.pi / 30.0), strict=True):
+            group, reference = raceway.viscosity * speed / (law.modulus * raceway.radius), law.modulus * raceway.radius * law.length
+            film = central_per_load(group, raceway.material, law.modulus, raceway.radius, law.length) * force**-0.10
+            other = 2.922 * raceway.radius * group**0.692 * raceway.material**0.470 * (force / reference) ** -0.166
+            excess.append(film / other - 1.0)
+    assert (round(min(excess), 2), round(max(excess), 2)) == (least, most)

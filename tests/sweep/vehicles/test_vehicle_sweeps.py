@@ -82,6 +82,29 @@ def test_the_samples_are_those_of_the_vehicle(tmp_path: Path) -> None:
     np.testing.assert_array_equal(dcrb_ros.DataSet(tmp_path).waveform(row["run"]).acceleration, expected)
 
 
+def test_the_boxes_of_another_vehicle_are_not_taken(tmp_path: Path) -> None:
+    """The files of two vehicles with other seeds are swapped, with their labels and without."""
+    plan = plan_of(sweep_of(tree(points=2, cases={"healthy": {}}, split={"train": 0.5, "validation": 0.0, "test": 0.5}), "sweep.yaml"))
+    with open_data_set(plan, Store(str(tmp_path))) as data_set:
+        for task in plan.groups():
+            run_task(common_settings(plan.sweep, data_set.store), task)
+        data_set.finish()
+    first, second = ([run.name for run in group] for group in plan.groups())
+    for folder, ending, sentence in (("runs", "npz", "has been changed"), ("labels", "json", "is the label of the run")):
+        for mine, other in zip(first, second, strict=True):
+            a, b, spare = (tmp_path / folder / f"{name}.{ending}" for name in (mine, other, "spare"))
+            a.rename(spare)
+            b.rename(a)
+            spare.rename(b)
+        with open_data_set(plan, Store(str(tmp_path))) as data_set:
+            assert set(data_set.flaws) == {*first, *second}
+            assert all(sentence in reason for reason in data_set.flaws.values())
+            for task in plan.tasks(data_set.done, 1.0):
+                run_task(common_settings(plan.sweep, data_set.store), task)
+    with open_data_set(plan, Store(str(tmp_path))) as data_set:
+        assert data_set.flaws == {}
+
+
 def test_shipped_vehicles_and_their_cost() -> None:
     plan = plan_of(read_sweep("twelve_vehicles"))
     runs = list(plan.runs())
