@@ -64,13 +64,8 @@ nodes: environment compiled ## The tests that start ROS nodes (SPEED=slow for th
 validate: environment ## The paper's numbers and figures: a table, and a report in validation/
 	$(BIN)/dcrb validate -o validation
 
-bench: environment ## Speed, some minutes on a machine that does nothing else
-	$(BIN)/python benchmarks/real_time.py
-	$(BIN)/python benchmarks/batch.py
-	$(BIN)/python benchmarks/sweep.py
-	$(BIN)/python benchmarks/start.py
-	$(BIN)/python benchmarks/recording.py
-	$(BIN)/python benchmarks/node.py
+bench: environment ## Speed, starts, growth and memory, half an hour: rewrites docs/results/performance.md (BENCH='start scaling' for parts)
+	$(BIN)/python benchmarks/performance.py $(BENCH)
 
 MEASURED ?= ../shared/measured
 sim_to_real: environment ## Train on simulated bearings, test on measured ones in MEASURED, half an hour (SIM_TO_REAL='--machines 64 --seconds 8')

@@ -1,6 +1,6 @@
-"""Speed of writing and reading recordings and of converting them to a Rerun file, and their size.
+"""Speed of writing, reading and converting recordings, in recorded seconds per second of processor time, and their size.
 
-The blocks of one simulated run are written repeatedly, so the speed of the model has no influence; run it on an otherwise idle machine.
+The blocks of one simulated run are written repeatedly, so the speed of the model has no influence.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from start import Cost, cost
+from start import cost
 
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.topics import VIBRATION, Message
@@ -46,10 +46,10 @@ def repeated(blocks: list[Block], seconds: float) -> Iterator[Block]:
 
 
 def timed(work: Callable[[], object]) -> float:
-    """Return the wall time of a call [s]."""
-    begin = time.perf_counter()
+    """Return the processor time of a call, all threads together [s]."""
+    begin = time.process_time()
     work()
-    return time.perf_counter() - begin
+    return time.process_time() - begin
 
 
 def written(path: Path, configuration: Configuration, simulation: Simulation, blocks: list[list[Message]]) -> None:
@@ -59,20 +59,18 @@ def written(path: Path, configuration: Configuration, simulation: Simulation, bl
             recorder.write_messages(messages)
 
 
-def converted(bag: Path, file: Path) -> Cost:
-    """Return the cost of the conversion in a process that has imported everything."""
+def converted(bag: Path, file: Path) -> float:
+    """Return the processor time of the conversion in a process that has imported everything [s]."""
     from dcrb_ros.viewer.show import view_recording
 
     file.unlink(missing_ok=True)
-    busy = time.process_time()
-    wall = timed(lambda: view_recording(bag, save=file, screenshot=None, web=False))
-    return Cost(wall, time.process_time() - busy, 0.0, "")
+    return timed(lambda: view_recording(bag, save=file, screenshot=None, web=False))
 
 
-def commanded(bag: Path, file: Path) -> Cost:
-    """Return the cost of the whole command, including the start of Python and all imports."""
+def commanded(bag: Path, file: Path) -> float:
+    """Return the processor time of the whole command, including the start of Python and all imports [s]."""
     file.unlink(missing_ok=True)
-    return cost([sys.executable, "-m", "dcrb_ros.cli.program", "view", str(bag), "--save", str(file)])
+    return cost([sys.executable, "-m", "dcrb_ros.cli.program", "view", str(bag), "--save", str(file)]).processor
 
 
 def print_view(folder: Path, simulation: Simulation, blocks: list[Block], seconds: float, runs: int) -> None:
@@ -82,16 +80,10 @@ def print_view(folder: Path, simulation: Simulation, blocks: list[Block], second
     encoder = BlockEncoder(configuration, simulation.bodies)
     written(bag, configuration, simulation, [encoder.encode(block) for block in repeated(blocks, seconds)])
     converted(bag, file)  # import everything
-    print(
-        f"\n| `dcrb view --save` of {seconds:g} s, median of {runs} | x real time | slowest, fastest | wall time [s] | processor time [s] |"
-    )
-    print("|---|---|---|---|---|")
-    for name, work in (("conversion", converted), ("whole command, start-up included", commanded)):
-        costs = [work(bag, file) for _ in range(runs)]
-        walls = sorted(each.wall for each in costs)
-        wall, processor = statistics.median(walls), statistics.median(each.processor for each in costs)
-        extremes = f"{seconds / walls[-1]:.1f}, {seconds / walls[0]:.1f}"
-        print(f"| {name} | {seconds / wall:.1f} | {extremes} | {wall:.2f} | {processor:.2f} |", flush=True)
+    print(f"\n| `dcrb view --save` of {seconds:g} s | recorded seconds per second | processor time [s] |\n|---|---|---|")
+    for name, work in (("conversion", converted), ("whole command", commanded)):
+        taken = statistics.median(work(bag, file) for _ in range(runs))
+        print(f"| {name}, median of {runs} | {seconds / taken:.0f} | {taken:.2f} |", flush=True)
     print(f"\n{file.stat().st_size / seconds / 1e6:.2f} MB per recorded second")
 
 
@@ -106,13 +98,13 @@ def main() -> None:
     blocks = list(simulation.blocks(1.0))
     heads = (
         "compression",
-        "blocks/s",
-        "MB/s",
-        "x real time",
-        "bytes per simulated second",
-        "of raw samples",
-        "of all messages",
-        "read back",
+        "blocks per second",
+        "MB per second",
+        "recorded seconds per second",
+        "MB for a second",
+        "size over that of the samples",
+        "size over that of all messages",
+        "seconds read per second",
     )
     print(f"| {' | '.join(heads)} |\n{'|---' * len(heads)}|")
     with tempfile.TemporaryDirectory() as folder:
@@ -128,7 +120,7 @@ def main() -> None:
             raw = options.duration * configuration.sensor.sampling_rate * RAW
             print(
                 f"| {compression} | {len(encoded) / took:.0f} | {data / took / 1e6:.1f} | {options.duration / took:.0f} | "
-                f"{size / options.duration:.0f} | {size / raw:.2f} | {size / data:.2f} | {options.duration / back:.0f} x real time |",
+                f"{size / options.duration / 1e6:.2f} | {size / raw:.2f} | {size / data:.2f} | {options.duration / back:.0f} |",
                 flush=True,
             )
         if options.view:

@@ -1,4 +1,4 @@
-"""Overhead of a sweep: simulated time per core second relative to the kernel, busy cores, and a long plan.
+"""Overhead of a sweep: simulated time per second of processor time relative to the kernel, and a long plan.
 
 The kernel is measured before and after in as many parallel processes as there are workers; processor times are compared.
 """
@@ -19,7 +19,7 @@ import psutil
 from real_time import kernel
 
 from dcrb_ros.runtime.processes import in_processes
-from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.sweep.data_set import open_data_set
 from dcrb_ros.sweep.loader import sweep_of
 from dcrb_ros.sweep.local_workers import LocalWorkers, local_workers
@@ -31,13 +31,13 @@ def plan(joint: str, runs: int, duration: float, **more: Any) -> Plan:
     """Return a plan of healthy and faulty runs of a duration [s]."""
     cases = {"healthy": {}, "outer": {"faults.outer_1.width": {"low": 0.001, "high": 0.003}}}
     vary = {"operating.load": {"low": 4e4, "high": 1.2e5}}
-    tree = {"set": {"cage.joint": joint}, "design": "random", "points": max(runs // 2, 1), "vary": vary, "cases": cases}
+    tree = {"base": "healthy", "set": {"cage.joint": joint}, "design": "random", "points": max(runs // 2, 1), "vary": vary, "cases": cases}
     return Plan(sweep_of({**tree, "duration": duration, **more}, "benchmark"))
 
 
 def kernel_factor(joint: str, duration: float) -> float:
     """Return simulated over processor time of the kernel alone [-]."""
-    run = kernel(Configuration.model_validate({"cage": {"joint": joint}}))
+    run = kernel(load_configuration("healthy", [f"cage.joint={joint}"]))
     run(0.2)
     begin = time.process_time()
     run(duration)
@@ -63,34 +63,28 @@ def measured(joint: str, runs: int, duration: float) -> str:
         with open_data_set(plan(joint, 2 * workers, 0.1), Store(f"{folder}/warm")) as data_set:
             data_set.make(processes, lambda _: None)
         with open_data_set(plan(joint, runs, duration), Store(f"{folder}/set")) as data_set:
-            others = psutil.cpu_times()
-            spent, begin = processor_time(processes), time.perf_counter()
+            spent = processor_time(processes)
             tally = data_set.make(processes, lambda _: None)
-            wall, spent = time.perf_counter() - begin, processor_time(processes) - spent
-            later = psutil.cpu_times()
+            spent = processor_time(processes) - spent
     alone = statistics.mean([*before, *kernels(joint, 3.0, workers)])
-    foreign = (later.user + later.system + later.nice - others.user - others.system - others.nice - spent) / (wall * workers)
     factor = tally.seconds / spent
-    return (
-        f"| {joint} | {runs} of {duration:g} s | {alone:.2f} | {factor:.2f} | {factor / alone:.2f} | {tally.seconds / wall:.2f} | "
-        f"{100 * spent / (wall * workers):.0f} % | {100 * foreign:.0f} % |"
-    )
+    return f"| {joint} | {runs} of {duration:g} s | {alone:.2f} | {factor:.2f} | {factor / alone:.2f} |"
 
 
 def long_plan(runs: int) -> None:
-    """Print the time to the first and to the last task of a long plan, and its memory."""
+    """Print the processor time to the first and to the last task of a long plan, and its memory."""
     tracemalloc.start()
-    begin = time.perf_counter()
+    begin = time.process_time()
     long = plan("revolute", runs, 10.0)
     tasks = long.tasks(set(), 2.0)
     next(tasks)
-    first, after_first = time.perf_counter() - begin, tracemalloc.get_traced_memory()[0]
+    first, after_first = time.process_time() - begin, tracemalloc.get_traced_memory()[0]
     count = 1 + sum(1 for _ in tasks)
-    last, peak = time.perf_counter() - begin, tracemalloc.get_traced_memory()[1]
+    last, peak = time.process_time() - begin, tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     print(
         f"\nA plan of {runs} runs: first task after {first:.2f} s, all {count} tasks after {last:.2f} s, {after_first / 1e6:.1f} MB after "
-        f"the first and at most {peak / 1e6:.1f} MB (times include the tracing of memory)."
+        f"the first and at most {peak / 1e6:.1f} MB (processor time, with the tracing of memory)."
     )
 
 
@@ -101,9 +95,7 @@ def main() -> None:
     parser.add_argument("--duration", type=float, default=10.0, help="simulated time of a run [s]")
     parser.add_argument("--joints", nargs="+", default=["revolute", "pocket"])
     options = parser.parse_args()
-    print(f"Load average before: {os.getloadavg()[0]:.1f}\n")
-    print("| joint | runs | kernel, x real time | sweep, per core second | ratio | all workers | busy | others |")
-    print("|---|---|---|---|---|---|---|---|")
+    print("| `healthy` with the cage joint | runs | simulated seconds per second, kernel | sweep | ratio |\n|---|---|---|---|---|")
     for joint in options.joints:
         print(measured(joint, options.runs, options.duration), flush=True)
     long_plan(10_000)

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from importlib import import_module
 
+from dcrb_ros.runtime.kernel_loading import load_kernels_quickly
+
 with open(f"{__file__}i", encoding="utf-8") as stub:
     _MODULES = {line.split()[3]: line.split()[1] for line in stub if line.startswith("from ")}
 """The module of each public name."""
@@ -25,3 +27,6 @@ def __getattr__(name: str) -> object:
 
 def __dir__() -> list[str]:
     return sorted({*globals(), *__all__})
+
+
+load_kernels_quickly()

@@ -76,9 +76,12 @@ def detector_parameters(file: Path | None) -> DetectorParameters:
         Refusal: see `read_parameters` and `validated`.
     """
     from dcrb_ros.diagnosis.parameters import DetectorParameters
+
+    if file is None:
+        return DetectorParameters()
     from dcrb_ros.settings.files import read_parameters, validated
 
-    return DetectorParameters() if file is None else validated(read_parameters(file, "fault_detector"), DetectorParameters, str(file))
+    return validated(read_parameters(file, "fault_detector"), DetectorParameters, str(file))
 
 
 def refuse_given(context: typer.Context, reason: str, *names: str) -> None:

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import json
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from dcrb_ros.bearing.frequencies import Orders, characteristic_orders
 from dcrb_ros.messages.cdr import FRAME
 from dcrb_ros.messages.plain import decode_text
 from dcrb_ros.schema.numbers import sampling_rate
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.text.json import parsed_json
+
+if TYPE_CHECKING:
+    from dcrb_ros.settings.configuration import Configuration
 
 SOURCE = "the sensor's description"
 LARGEST_DESCRIPTION = 100_000

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from dcrb_ros.messages.cdr import FRAME
 from dcrb_ros.messages.topic import EncodedBench, Message
 from dcrb_ros.messages.topics import DETECTED, SIMULATED
-from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.block import Block
 from dcrb_ros.stream.diagnosis import Diagnosis
 from dcrb_ros.stream.states import BodyNames
+
+if TYPE_CHECKING:
+    from dcrb_ros.settings.configuration import Configuration
 
 
 class BlockEncoder:

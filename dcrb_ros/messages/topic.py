@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from dcrb_ros.messages.cdr import decoded, stamp_of
-from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.block import Block
 from dcrb_ros.stream.diagnosis import Diagnosis
+
+if TYPE_CHECKING:
+    from dcrb_ros.settings.configuration import Configuration
 
 NAMESPACE = "/dcrb"
 MANIFEST = "dcrb_ros"

@@ -14,7 +14,7 @@ import platform
 import time
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.messages.description import sensor_text
@@ -24,12 +24,14 @@ from dcrb_ros.messages.topics import GROUND_TRUTH, MANIFEST, VIBRATION, Message
 from dcrb_ros.recordings.mathematics import function_results
 from dcrb_ros.recordings.processor import processor
 from dcrb_ros.runtime.version import __version__
-from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.ground_truth import commands_in
 from dcrb_ros.stream.event_text import encode_command
 from dcrb_ros.stream.events import TimedCommand
 from dcrb_ros.stream.states import BodyNames
 from dcrb_ros.text.json import digest_of
+
+if TYPE_CHECKING:
+    from dcrb_ros.settings.configuration import Configuration
 
 FORMAT = 2
 """Format of the manifest; the first had no second record."""

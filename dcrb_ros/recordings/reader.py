@@ -41,9 +41,7 @@ from dcrb_ros.schema.numbers import sampling_rate
 from dcrb_ros.schema.parameter_field import first_problem
 from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.parameters import Bearing
-from dcrb_ros.settings.sensor import as_recorded
 from dcrb_ros.simulation.ground_truth import commands_in
 from dcrb_ros.stream.event_text import decode_command
 from dcrb_ros.stream.events import TimedCommand
@@ -51,6 +49,8 @@ from dcrb_ros.text.json import parsed_json
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from dcrb_ros.settings.configuration import Configuration
 
 SAME_ORDER = 1e-9
 """Relative difference of orders in one manifest that are the same [-]."""
@@ -84,13 +84,20 @@ class Recording(RecordedRun):
         self.manifest = self._manifest()
         if self.manifest.get("format", 1) != 1 and self.outcome is None:
             self._report(f"{self.files[-1].name}: the end is missing, the recording was cut off")
-        self._configuration = self._read_configuration()
+        self._bearing = self._read_bearing() if self.configured else None
 
     def __repr__(self) -> str:
         rate, samples = self.manifest.get("sampling_rate", 0), (self.outcome or {}).get("samples", 0)
         length = f"{samples / rate:.4g} s" if rate and samples else "of unknown length"
-        content = self._configuration.summary if self._configuration is not None else "imported data" if self.imported else "no manifest"
-        return f"<Recording {self.path}: {length} at {rate / 1e3:g} kHz, {content}{'' if self.complete else ', damaged'}>"
+        return f"<Recording {self.path}: {length} at {rate / 1e3:g} kHz, {self._content()}{'' if self.complete else ', damaged'}>"
+
+    def _content(self) -> str:
+        if not self.configured:
+            return "imported data" if self.imported else "no manifest"
+        try:
+            return self.configuration.summary
+        except Refusal:
+            return "a configuration of another version"
 
     @property
     def files(self) -> list[Path]:
@@ -102,28 +109,34 @@ class Recording(RecordedRun):
         """Whether everything read so far was intact."""
         return not self.damage
 
-    @property
+    @cached_property
     def configuration(self) -> Configuration:
         """Configuration of the bench.
 
         Raises
         ------
         Refusal
-            The recording contains imported data, or it has no manifest.
+            The recording contains imported data, it has no manifest, or this version does not understand the configuration.
         """
+        from dcrb_ros.settings.configuration import Configuration  # imports the kernels, which many readers do not need
+        from dcrb_ros.settings.sensor import as_recorded
+
         if self.described:
             raise Refusal(
                 f"{self.path} has no manifest, so the configuration of its bench is unknown: give a recording made by dcrb simulate, "
                 "dcrb bench or the service record"
             )
-        if self._configuration is None:
+        if self.imported:
             raise Refusal(f"{self.path} contains imported data, not a run of the bench: it has no configuration")
-        return self._configuration
+        try:
+            return Configuration.model_validate(as_recorded(self.manifest["configuration"]))
+        except DAMAGE as error:
+            raise self._not_understood(error) from None
 
     @property
     def configured(self) -> bool:
         """Whether the recording contains the configuration of the bench."""
-        return self._configuration is not None
+        return not (self.imported or self.described)
 
     @property
     def imported(self) -> bool:
@@ -138,8 +151,8 @@ class Recording(RecordedRun):
     @property
     def bearing(self) -> Bearing | None:
         """The bearing of the bench, from the configuration or the description of the sensor; None if it is unknown."""
-        if self._configuration is not None:
-            return self._configuration.bearing
+        if self._bearing is not None:
+            return self._bearing
         about = None if self.imported else self.manifest.get("sensor", {}).get("bearing")
         try:
             return Bearing.model_validate(about) if about else None
@@ -159,8 +172,8 @@ class Recording(RecordedRun):
     @cached_property
     def orders(self) -> Orders:
         """Characteristic orders of the bearing."""
-        if self._configuration is not None:
-            return characteristic_orders(self._configuration.bearing)
+        if self._bearing is not None:
+            return characteristic_orders(self._bearing)
         try:
             return Orders.from_dict(self.manifest["orders"])
         except Refusal as refusal:
@@ -286,27 +299,30 @@ class Recording(RecordedRun):
                 raise
             raise Refusal(f"{refusal} ({self.damage[0]})") from None
 
-    def _read_configuration(self) -> Configuration | None:
-        if self.imported or self.described:
-            return None
+    def _read_bearing(self) -> Bearing:
+        """Return the bearing in the configuration of the bench; the other groups are read when they are asked for."""
         try:
-            configuration = Configuration.model_validate(as_recorded(self.manifest["configuration"]))
+            bearing = Bearing.model_validate(self.manifest["configuration"]["bearing"])
             stated = {name: float(order) for name, order in self.manifest.get("orders", {}).items()}
         except DAMAGE as error:
-            problem = first_problem(error) if isinstance(error, ValidationError) else None
-            reason = f"{problem.key}: {problem.reason}" if problem else str(error) or type(error).__name__
-            version = self.manifest.get("dcrb_ros", "unknown")
-            raise Refusal(
-                f"the configuration in {self.path} (dcrb_ros {version}) is damaged or not understood by dcrb_ros {__version__} ({reason}): "
-                "read it with the version that wrote it"
-            ) from None
-        for name, order in characteristic_orders(configuration.bearing).as_dict().items():
+            raise self._not_understood(error, "bearing.") from None
+        for name, order in characteristic_orders(bearing).as_dict().items():
             if not math.isclose(stated.get(name, order), order, rel_tol=SAME_ORDER):
                 raise Refusal(
                     f"the manifest of {self.path} was changed: its {name} is {stated[name]:.6g}, but {order:.6g} follows from its bearing; "
                     "get the recording again"
                 )
-        return configuration
+        return bearing
+
+    def _not_understood(self, error: Exception, group: str = "") -> Refusal:
+        """Return the refusal of a configuration."""
+        problem = first_problem(error) if isinstance(error, ValidationError) else None
+        reason = f"{group}{problem.key}: {problem.reason}" if problem else str(error) or type(error).__name__
+        writer = f"{self.path} (dcrb_ros {self.manifest.get('dcrb_ros', 'unknown')})"
+        return Refusal(
+            f"the configuration in {writer} is damaged or not understood by dcrb_ros {__version__} ({reason}): "
+            "read it with the version that wrote it"
+        )
 
     def _first_range(self) -> float:
         """Return the sensor's range in the manifest [m/s^2]; 0 if it is unknown."""

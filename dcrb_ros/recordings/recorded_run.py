@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from dcrb_ros.bearing.history import StateHistory
 from dcrb_ros.bearing.tacho_pulses import TachoPulses
@@ -16,8 +16,10 @@ from dcrb_ros.messages.topics import GROUND_TRUTH, ROLLER_STATES, Message, Topic
 from dcrb_ros.recordings.arrays import states_of, tacho_of, temperatures_of, truths_of
 from dcrb_ros.schema.arrays import Floats, Integers, Samples
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.ground_truth import GroundTruth
+
+if TYPE_CHECKING:
+    from dcrb_ros.settings.configuration import Configuration
 
 
 class RecordedRun(ABC):
@@ -69,7 +71,7 @@ class RecordedRun(ABC):
     @cached_property
     def temperatures(self) -> TemperatureReadings:
         """The readings of the temperature sensors [deg C]; empty if they were not recorded."""
-        if self.configured and not self.described and self.configuration.thermal.law == "none":
+        if self.configured and self.manifest["configuration"].get("thermal", {}).get("law") == "none":
             return TemperatureReadings.none()  # without reading the file
         return temperatures_of(self.messages)
 

@@ -33,6 +33,27 @@ def test_help_lists_the_commands_without_importing_their_dependencies() -> None:
     assert loaded.stdout.strip() == "[]"
 
 
+def test_a_diagnosis_imports_neither_the_kernels_nor_what_it_does_not_use() -> None:
+    unused = {
+        "numba",
+        "dcrb_ros.core",
+        "pandas",
+        "matplotlib",
+        "rclpy",
+        "rerun",
+        "scipy.signal",
+        "scipy.optimize",
+        "scipy.stats",
+        "scipy.linalg",
+    }
+    bag = Path(__file__).parents[2] / "bags" / "outer_ring_defect"
+    code = "import sys; from pathlib import Path; from dcrb_ros.cli import detect; "
+    code += f"detect.detect([Path({str(bag)!r})]); print(sorted({unused} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)
+    assert "outer_ring, confidence" in done.stdout
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
 def test_lists_and_completion_of_what_is_shipped_import_neither_the_kernels_nor_the_parameters() -> None:
     code = (
         "import sys; from dcrb_ros.cli import completion, config; config.list_(); "

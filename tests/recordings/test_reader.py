@@ -376,10 +376,20 @@ def test_the_outcome_is_the_last_one_in_the_last_file(tmp_path: Path) -> None:
 
 
 def test_a_configuration_of_another_version_is_refused_with_the_reason(tmp_path: Path) -> None:
-    with pytest.raises(Refusal, match=r"\(dcrb_ros 0\.0\.1\) is damaged or not understood by .* \(.*: .*\): read it"):
-        made(tmp_path / "bag", {}, configuration={"gear": 3}, dcrb_ros="0.0.1")
+    later = Configuration().model_dump() | {"gear": 3}
+    recording = made(tmp_path / "bag", {}, configuration=later, dcrb_ros="0.0.1")
+    with pytest.raises(Refusal, match=r"\(dcrb_ros 0\.0\.1\) is damaged or not understood by .* \(gear: .*\): read it"):
+        recording.configuration  # noqa: B018 - a property
+    assert recording.bearing == Configuration().bearing
+    assert "of another version" in repr(recording)
     with pytest.raises(Refusal, match=r"\(dcrb_ros unknown\) is damaged or not understood by .* \('configuration'\): read it with"):
         made(tmp_path / "none", {}, configuration=None, dcrb_ros=None)
+
+
+def test_a_bearing_of_another_version_is_refused_when_the_recording_is_opened(tmp_path: Path) -> None:
+    later = {**Configuration().model_dump(), "bearing": {**Configuration().bearing.model_dump(), "rows": 9}}
+    with pytest.raises(Refusal, match=r"is damaged or not understood by .* \(bearing\.rows: .*\): read it"):
+        made(tmp_path / "bag", {}, configuration=later)
 
 
 def edited(bag: Path, old: bytes, new: bytes) -> Path:

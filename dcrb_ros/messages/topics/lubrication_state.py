@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from dcrb_ros.messages.cdr import JOINT_STATE
 from dcrb_ros.messages.joints import decode_joints, encode_joints
 from dcrb_ros.messages.topic import Encoded, EncodedBench, SimulatedTopic
 from dcrb_ros.schema.arrays import Floats
-from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.block import Block
 from dcrb_ros.stream.states import FRICTION_SOURCES, LubricationState
+
+if TYPE_CHECKING:
+    from dcrb_ros.settings.configuration import Configuration
 
 RACEWAYS = ("inner", "outer")
 AT_RACEWAYS = ("least_film", "mean_film", "least_film_ratio", "loaded_traction", "loaded_slip")

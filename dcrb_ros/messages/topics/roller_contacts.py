@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from dcrb_ros.messages.cdr import JOINT_STATE
 from dcrb_ros.messages.joints import decode_joints, encode_contacts
 from dcrb_ros.messages.topic import Encoded, EncodedBench, SimulatedTopic
-from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.block import Block
 
 
@@ -27,3 +28,6 @@ ROLLER_CONTACTS = SimulatedTopic(
     encode=_encode,
     enabled=_enabled,
 )
+
+if TYPE_CHECKING:
+    from dcrb_ros.settings.configuration import Configuration

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from dcrb_ros.messages.cdr import POINT_CLOUD
 from dcrb_ros.messages.pulses import decode_pulses, encode_pulses
 from dcrb_ros.messages.topic import Encoded, EncodedBench, SimulatedTopic
-from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.block import Block
 
 
@@ -26,3 +27,6 @@ TACHO = SimulatedTopic(
     encode=_encode,
     enabled=_enabled,
 )
+
+if TYPE_CHECKING:
+    from dcrb_ros.settings.configuration import Configuration

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from functools import partial
+from typing import TYPE_CHECKING
 
 from dcrb_ros.messages.plain import TEMPERATURE, decode_temperature, encode_temperature
 from dcrb_ros.messages.topic import Encoded, EncodedBench, SimulatedTopic
-from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.block import Block
+
+if TYPE_CHECKING:
+    from dcrb_ros.settings.configuration import Configuration
 
 READINGS = ("outer_ring", "box", "ambient")
 """Places of the sensors, attributes of `dcrb_ros.stream.states.TemperatureReading`."""

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 from dcrb_ros.messages.cdr import encoded, header, ros_type
 from dcrb_ros.messages.topic import Topic
-from dcrb_ros.settings.configuration import Configuration
 
 TF = "tf2_msgs/msg/TFMessage"
 SENSOR_AZIMUTH = math.pi
@@ -31,3 +31,6 @@ def encode_transforms(configuration: Configuration) -> bytes:
 TRANSFORMS = Topic(
     "/tf_static", TF, "place of the sensor in the bearing; simulator only, if `tf2_msgs` is installed", depth=1, latched=True
 )
+
+if TYPE_CHECKING:
+    from dcrb_ros.settings.configuration import Configuration

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,8 +12,10 @@ from dcrb_ros.messages.cdr import JOINT_STATE
 from dcrb_ros.messages.joints import decode_joints, encode_joints
 from dcrb_ros.messages.topic import Encoded, EncodedBench, SimulatedTopic
 from dcrb_ros.schema.simulated_time import nanoseconds
-from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.block import Block
+
+if TYPE_CHECKING:
+    from dcrb_ros.settings.configuration import Configuration
 
 
 def _enabled(configuration: Configuration) -> bool:

@@ -1,0 +1,80 @@
+"""The measured parts of docs/results/performance.md: ``python benchmarks/performance.py [PART ...]``, without names all of them.
+
+Each part is what a script of this folder prints, between two marks of the page, under a line that says when, at which commit and on which
+machine it was made. ``--keep FOLDER`` takes ``FOLDER/PART.md`` where it exists instead of measuring.
+"""
+
+from __future__ import annotations
+
+import argparse
+import datetime
+import os
+import platform
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import llvmlite.binding
+import numba
+
+ROOT = Path(__file__).parents[1]
+PAGE = ROOT / "docs" / "results" / "performance.md"
+BAGS = ("healthy", "outer_ring_defect", "run_up")
+PARTS = {
+    "speed": ("real_time.py",),
+    "start": ("start.py",),
+    "scaling": ("scaling.py",),
+    "recording": ("recording.py",),
+    "detector": ("detector.py", *(f"bags/{bag}" for bag in BAGS)),
+    "sweep": ("sweep.py",),
+    "node": ("node.py",),
+    "vehicle": ("vehicle_levels.py", "cost", "3"),
+}
+"""Script and arguments by part of the page."""
+
+
+def measured(part: str) -> str:
+    """Return what the script of a part prints."""
+    script, *arguments = PARTS[part]
+    command = [sys.executable, str(ROOT / "benchmarks" / script), *arguments]
+    return subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, text=True, check=True).stdout
+
+
+def about() -> str:
+    """Return the line above a part."""
+    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, stdout=subprocess.PIPE, text=True, check=True).stdout.strip()
+    now = datetime.datetime.now(datetime.timezone.utc)
+    machine = f"{os.cpu_count()} cores ({llvmlite.binding.get_host_cpu_name()}), {os.getloadavg()[1]:.0f} running processes in the mean"
+    return f"*{now.day} {now:%B %Y}, commit `{commit}`, {machine}, Python {platform.python_version()}, numba {numba.__version__}.*"
+
+
+def replaced(page: str, part: str, text: str) -> str:
+    """Return the page with another text of a part.
+
+    Raises:
+        SystemExit: the page has no marks of this part.
+    """
+    begin, end = f"<!-- measured: {part} -->", f"<!-- end: {part} -->"
+    if page.count(begin) != 1 or page.count(end) != 1:
+        sys.exit(f"{PAGE} needs the marks {begin} and {end} once each")
+    return re.sub(f"{re.escape(begin)}.*{re.escape(end)}", lambda _: f"{begin}\n{text}\n{end}", page, flags=re.DOTALL)
+
+
+def main() -> None:
+    """Measure parts and rewrite them in the page."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("parts", nargs="*", metavar="PART", help=", ".join(PARTS))
+    parser.add_argument("--keep", type=Path, help="folder with parts that have been measured")
+    options = parser.parse_args()
+    if unknown := set(options.parts) - set(PARTS):
+        parser.error(f"there is no part {', '.join(sorted(unknown))}: give {', '.join(PARTS)}")
+    for part in options.parts or PARTS:
+        kept = options.keep / f"{part}.md" if options.keep else None
+        text = kept.read_text() if kept is not None and kept.exists() else measured(part)
+        PAGE.write_text(replaced(PAGE.read_text(), part, f"{about()}\n\n{text.strip()}"))
+        print(f"{part}: written", flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,70 @@
+"""Compiled kernels are loaded from the cache without numba's compiler."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numba
+import pytest
+
+pytestmark = pytest.mark.skipif(numba.config.DISABLE_JIT, reason="needs the compiler")  # type: ignore[attr-defined]
+
+LOADED = """
+import sys
+import numpy as np
+from dcrb_ros.measurement.kernels import filtered
+from numba import njit
+
+sections, samples = np.array([[1.0, 0.0, 0.0, 1.0, -0.5, 0.0]]), np.ones((4, 1))
+direct = filtered(sections, np.zeros((1, 2, 1)), samples)
+print(sum(filtered.stats.cache_hits.values()), "numba.typed.typeddict" in sys.modules)
+
+
+@njit
+def twice(sections, memory, samples):
+    return 2.0 * filtered(sections, memory, samples)
+
+
+assert (twice(sections, np.zeros((1, 2, 1)), samples) == 2.0 * direct).all()
+(compiled,) = twice.overloads.values()
+print(sum(function.is_declaration and "filtered" in function.name for function in compiled.library._final_module.functions))
+"""
+OTHER = """
+import sys
+import dcrb_ros.core
+from numba import njit
+
+
+@njit(cache=True)
+def half(x):
+    return 0.5 * x
+
+
+print(half(3.0), sum(half.stats.cache_hits.values()), "numba.typed.typeddict" in sys.modules)
+"""
+
+
+def output_of(program: Path, cache: Path) -> str:
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(cache)}
+    return subprocess.run([sys.executable, str(program)], env=environment, capture_output=True, text=True, timeout=200.0, check=True).stdout
+
+
+def test_a_loaded_kernel_starts_no_compiler_and_can_still_be_inlined(tmp_path: Path) -> None:
+    (tmp_path / "program.py").write_text(LOADED)
+
+    first, second = (output_of(tmp_path / "program.py", tmp_path / "cache").split() for _ in range(2))
+
+    assert first[0] == "0"
+    assert second == ["1", "False", "0"]
+
+
+def test_functions_of_other_packages_are_loaded_by_numba_itself(tmp_path: Path) -> None:
+    (tmp_path / "program.py").write_text(OTHER)
+
+    assert [output_of(tmp_path / "program.py", tmp_path / "cache").split() for _ in range(2)] == [
+        ["1.5", "0", "True"],
+        ["1.5", "1", "True"],
+    ]
