@@ -17,8 +17,8 @@ from typing import Any
 
 KERNELS = "dcrb_ros.core"
 """Package that imports numba."""
-KNOWN = ("0.67.", "0.68.")
-"""Releases of numba whose functions are loaded like this; others load them in their own way."""
+KNOWN = ("0.68.1",)
+"""Releases of numba with which this was tried; others load functions in their own way."""
 
 
 class _BeforeKernels(MetaPathFinder):
@@ -51,7 +51,7 @@ def _import_numba() -> None:
             if collecting:
                 gc.enable()
         gc.freeze()
-    if sys.modules["numba"].__version__.startswith(KNOWN):
+    if sys.modules["numba"].__version__ in KNOWN:
         _replace_loading()
 
 

@@ -5,7 +5,10 @@ from __future__ import annotations
 import subprocess
 import sys
 
+import numba
 import pytest
+
+from dcrb_ros.runtime.kernel_loading import KNOWN
 
 FIRST_BLOCK = """
 import sys
@@ -26,5 +29,6 @@ def test_a_second_start_imports_neither_scipy_nor_the_compiler_and_yields_the_sa
         for _ in range(2)
     ]
 
-    assert starts[1][1:] == []
+    of_compiler = {"numba.typed.typeddict"} if numba.__version__ not in KNOWN else set()
+    assert set(starts[1][1:]) <= of_compiler
     assert starts[1][0] == starts[0][0]
