@@ -41,12 +41,12 @@ def write_calibration(calibration: Calibration, file: Path) -> Path:
     beside = intervals_beside(file)
     named = ", ".join(Path(name).name for name in calibration.recordings)
     head = f"# A bench calibrated to {named}; the intervals are in {beside.name}.\n"
-    text = head + to_described_yaml(calibration.configuration)
-    tree = _tree(calibration, file.name) | {CONFIGURATION_DIGEST: hashlib.sha256(text.encode()).hexdigest()}
+    content = (head + to_described_yaml(calibration.configuration)).encode()
+    tree = _tree(calibration, file.name) | {CONFIGURATION_DIGEST: hashlib.sha256(content).hexdigest()}
     about = yaml_text(tree | {DIGEST: digest_of(tree, DIGEST)}, width=120)
     remarks = "".join(f"# Not identified: {sentence}.\n" for sentence in calibration.unidentified)
     with whole_file(file) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+        temporary.write_bytes(content)  # without other line ends on Windows
         write_whole(beside, f"# Intervals of {file.name}: 'vary' can stand in a sweep file.\n{remarks}{about}")
     return beside
 

@@ -38,7 +38,8 @@ def replay(
     given |= {"listeners": listeners, "wait": wait}
     parameters = validated(given, ReplayParameters, "replay")
     Replay(parameters)  # refuses an invalid recording before ROS is started
-    warn_of_digests(bag)
     from dcrb_ros.nodes.programs import run
 
-    raise typer.Exit(run("replayer", [], parameters=parameters))
+    status = run("replayer", [], parameters=parameters)
+    warn_of_digests(bag)  # it reads all samples, which takes seconds for an hour of signal
+    raise typer.Exit(status)

@@ -32,8 +32,8 @@ def view(
         for option, path in (("--save", save), ("--screenshot", screenshot)):
             if path is not None:
                 stack.enter_context(replacing(option, path, force=force, source=bag))
-        warn_of_digests(bag)
         content, complete, status = view_recording(bag, save=save, screenshot=screenshot, web=web)
+    warn_of_digests(bag)  # it reads all samples
     if not complete:
         seconds = (content.end_ns - content.start_ns) / 1e9
         typer.echo(f"dcrb: {bag} is truncated; its readable part of {seconds:.2f} s was shown", err=True)

@@ -108,7 +108,7 @@ def cached_recording(case: Case, folder: Path) -> Path:
             if not path.is_dir():  # another process may have recorded the same case
                 raise
     except OSError as error:
-        raise Refusal(f"{path} cannot be written: {error.strerror}; give another folder with --recordings") from None
+        raise Refusal(f"{path} cannot be written: {error.strerror or error}; give another folder with --recordings") from None
     finally:
         shutil.rmtree(making, ignore_errors=True)
     return path

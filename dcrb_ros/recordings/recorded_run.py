@@ -71,7 +71,8 @@ class RecordedRun(ABC):
     @cached_property
     def temperatures(self) -> TemperatureReadings:
         """The readings of the temperature sensors [deg C]; empty if they were not recorded."""
-        if self.configured and self.manifest["configuration"].get("thermal", {}).get("law") == "none":
+        thermal = self.manifest["configuration"].get("thermal") if self.configured else None
+        if isinstance(thermal, Mapping) and thermal.get("law") == "none":
             return TemperatureReadings.none()  # without reading the file
         return temperatures_of(self.messages)
 

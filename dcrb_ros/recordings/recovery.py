@@ -26,6 +26,7 @@ from dcrb_ros.recordings.storage import StoredMessage, valid_files
 from dcrb_ros.recordings.vehicle_folder import VEHICLE_OUTCOME, box_of, record_name, vehicle_boxes
 from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.settings.parameters import Recording as RecordingSettings
 from dcrb_ros.text.files import checked_path
 
 ENCODING = ("cdr", "ros2msg")
@@ -179,17 +180,19 @@ class Recovery:
         return ending
 
     def _splitting(self) -> Splitting:
-        if not self._configured:
-            return Splitting()
-        settings = self._recordings[0].configuration.recording
-        return Splitting(settings.split_size, round(settings.split_duration * SECOND))
+        settings = self._settings
+        return Splitting() if settings is None else Splitting(settings.split_size, round(settings.split_duration * SECOND))
 
     def _compression(self) -> str:
-        return self._recordings[0].configuration.recording.compression if self._configured else "zstd"
+        return "zstd" if self._settings is None else self._settings.compression
 
     @property
-    def _configured(self) -> bool:
-        return bool(self._recordings) and self._recordings[0].configured
+    def _settings(self) -> RecordingSettings | None:
+        """How the recording was to be written; None if it has no configuration, or one that this version does not understand."""
+        if self._recordings and self._recordings[0].configured:
+            with suppress(Refusal):
+                return self._recordings[0].configuration.recording
+        return None
 
 
 def recover(source: Path, target: Path) -> Recovered:

@@ -22,12 +22,18 @@ KNOWN = ("0.68.1",)
 
 
 class _BeforeKernels(MetaPathFinder):
-    """Finds no module, and imports numba when the kernels are about to be imported."""
+    """Finds no module, and imports numba when the kernels are about to be imported.
+
+    It stays in the list of finders, which the import system is going through when it is asked.
+    """
+
+    def __init__(self) -> None:
+        self._asked = False
 
     def find_spec(self, fullname: str, path: object = None, target: object = None) -> None:
         """Import numba before `KERNELS`."""
-        if fullname == KERNELS:
-            sys.meta_path.remove(self)
+        if fullname == KERNELS and not self._asked:
+            self._asked = True
             _import_numba()
 
 
@@ -50,6 +56,7 @@ def _import_numba() -> None:
                 del sys.modules["coverage"]
             if collecting:
                 gc.enable()
+        gc.collect()  # what is garbage already must not stay
         gc.freeze()
     if sys.modules["numba"].__version__ in KNOWN:
         _replace_loading()

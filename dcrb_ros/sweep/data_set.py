@@ -104,7 +104,8 @@ class DataSetWriter:
 
     def finish(self) -> Tally:
         """Write the table, the card and the description for loaders; remove what workers that were lost have left."""
-        self.store.remove_unfinished()
+        with contextlib.suppress(OSError):  # a worker that was taken for lost may still write
+            self.store.remove_unfinished()
         tally = write_table(self.plan, self.store)
         tables = list(self.plan.tables())
         for name, data in tables:

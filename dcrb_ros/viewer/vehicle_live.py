@@ -78,6 +78,7 @@ class VehicleLiveView:
             self._refuse(refusal)
             return
         if not content.waveforms:
+            self._received = received  # they are shown with the next part of the waveforms
             return
         known = self._recent
         if any(waveform.time_ns[0] < known[name].time_ns[-1] for name, waveform in content.waveforms.items() if name in known):

@@ -32,7 +32,7 @@ def test_axial_preload_in_a_laboratory_gives_the_sidebands_of_three_rigs() -> No
     # Medians of CWRU, HIT and MFPT in docs/results/signals.md; without preload the depth is 3 pi/8 / (4/3).
     assert sidebands(0.0) == pytest.approx(9.0 * np.pi / 32.0, rel=1e-3)
     low, high = LABORATORY.axial_share
-    for measured in (0.40, 0.37, 0.74):
+    for measured in (0.40, 0.38, 0.73):
         assert sidebands(high) < measured < sidebands(low)
 
 

@@ -57,6 +57,13 @@ def test_the_detector_diagnoses_a_replay_like_the_live_bench(name: str, verdict:
     assert decode_diagnostics(client.received[BENCH_DIAGNOSTICS][-1])[1][0].name == "/dcrb/replayer"
 
 
+def test_the_command_says_once_that_a_recording_is_unverified() -> None:
+    command = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()", "replay", str(BAGS / "outer_ring_defect")]
+    options = ["--rate", "0", "--wait", "0"]
+    done = subprocess.run([*command, *options], env=environment(domain()), capture_output=True, text=True, timeout=PATIENCE, check=True)
+    assert done.stderr.count("unverified: no digest in manifest and outcome record") == 1
+
+
 def test_a_replay_waits_until_its_subscriber_knows_it(tmp_path: Path) -> None:
     bag, number = recorded(tmp_path / "bag", 20), domain()
     given = parameters(bag=str(bag), rate=0.0, listeners=1, wait=PATIENCE)

@@ -81,7 +81,7 @@ def test_info_shows_the_stated_and_the_actual_digest(intact: Path, flipped: Path
         assert ("NOT as stated" in words) is not match
 
 
-@pytest.mark.parametrize("command", ["detect", "score", "export", "recover", "plot", "calibrate", "compare", "view", "replay"])
+@pytest.mark.parametrize("command", ["detect", "score", "export", "recover", "plot", "calibrate", "compare", "view"])
 def test_commands_warn_of_samples_that_do_not_match(command: str, intact: Path, flipped: Path, tmp_path: Path) -> None:
     for bag in (intact, flipped):
         output = {
@@ -92,7 +92,6 @@ def test_commands_warn_of_samples_that_do_not_match(command: str, intact: Path, 
             "calibrate": ["-o", f"{tmp_path}/{bag.name}.yaml"],
             "compare": [str(intact)],
             "view": ["--save", f"{tmp_path}/{bag.name}.rrd"],
-            "replay": ["--rate", "0", "--wait", "0"],
         }
         done = dcrb(command, str(bag), *output.get(command, []))
         assert done.stderr.count(SENTENCE) == (bag == flipped), done.stderr

@@ -31,6 +31,7 @@ from dcrb_ros.recordings.manifest import OUTCOME, opening, record_text
 from dcrb_ros.recordings.metadata import metadata_flaw
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder, RecordingFailed, channel_of
+from dcrb_ros.recordings.recovery import recover
 from dcrb_ros.recordings.splitting import Bag
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
@@ -382,8 +383,15 @@ def test_a_configuration_of_another_version_is_refused_with_the_reason(tmp_path:
         recording.configuration  # noqa: B018 - a property
     assert recording.bearing == Configuration().bearing
     assert "of another version" in repr(recording)
+    assert recover(tmp_path / "bag", tmp_path / "new").messages == sum(recording.counts().values())
     with pytest.raises(Refusal, match=r"\(dcrb_ros unknown\) is damaged or not understood by .* \('configuration'\): read it with"):
         made(tmp_path / "none", {}, configuration=None, dcrb_ros=None)
+
+
+@pytest.mark.parametrize("thermal", [None, "none", {"law": "none"}, {}])
+def test_temperatures_are_read_whatever_the_thermal_group_of_another_version_is(thermal: object, tmp_path: Path) -> None:
+    recording = made(tmp_path / "bag", {}, configuration=Configuration().model_dump() | {"thermal": thermal})
+    assert len(recording.temperatures.time) == 0
 
 
 def test_a_bearing_of_another_version_is_refused_when_the_recording_is_opened(tmp_path: Path) -> None:

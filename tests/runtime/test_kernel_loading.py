@@ -52,6 +52,26 @@ print(half(3.0), sum(half.stats.cache_hits.values()), "numba.typed.typeddict" in
 """
 
 
+FINDERS = """
+import sys
+
+
+class Asked:
+    names = []
+
+    def find_spec(self, name, path=None, target=None):
+        self.names.append(name)
+
+
+import dcrb_ros
+
+sys.meta_path.insert(1, Asked())
+import dcrb_ros.core
+
+print("dcrb_ros.core" in Asked.names)
+"""
+
+
 def output_of(program: Path, cache: Path) -> str:
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(cache)}
     return subprocess.run([sys.executable, str(program)], env=environment, capture_output=True, text=True, timeout=200.0, check=True).stdout
@@ -73,3 +93,9 @@ def test_functions_of_other_packages_are_loaded_by_numba_itself(tmp_path: Path) 
         ["1.5", "0", "True"],
         ["1.5", "1", "True"],
     ]
+
+
+def test_the_finders_behind_ours_are_asked_for_the_kernels(tmp_path: Path) -> None:
+    (tmp_path / "program.py").write_text(FINDERS)
+
+    assert output_of(tmp_path / "program.py", tmp_path / "cache").split() == ["True"]

@@ -44,7 +44,7 @@ def link_to_folder(file: Path) -> None:
 
 
 def link_to_other(file: Path) -> None:
-    """Put a link to a sound file of another name in its place."""
+    """Put a link to a damaged file of another name in its place."""
     other = file.parent.parent / "another"
     shutil.move(file, other)
     file.symlink_to(other)

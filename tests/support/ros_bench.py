@@ -18,10 +18,13 @@ from typing import Any
 from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, CLOCK, DETECTED, NAMESPACE, SIMULATED, Topic
 from dcrb_ros.nodes.publisher import message_class, qos
-from dcrb_ros.nodes.reserved_domain import FIRST_DOMAIN, FIRST_PORT, LOOPBACK
+from dcrb_ros.nodes.reserved_domain import FIRST_PORT, LOOPBACK
 
 PATIENCE = 200.0
 """Longest wait for anything [s]; a cold compile is the longest."""
+
+LAST_SAFE_DOMAIN = 101
+"""Domain up to which no discovery port is among those that Linux gives to any program."""
 
 _reserved: deque[socket.socket] = deque(maxlen=16)
 """Sockets at the ports of the domains that this process took last; a domain is free again when its socket is deleted."""
@@ -30,7 +33,7 @@ _reserved: deque[socket.socket] = deque(maxlen=16)
 def domain() -> int:
     """Return a ROS domain that no other test process on this machine uses, reserved as `dcrb_ros.nodes.reserved_domain` does."""
     for _ in range(10_000):
-        number = secrets.randbelow(FIRST_DOMAIN - 1) + 1
+        number = secrets.randbelow(LAST_SAFE_DOMAIN) + 1
         port = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
         try:
             port.bind((LOOPBACK, FIRST_PORT + number))
