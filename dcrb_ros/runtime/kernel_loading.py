@@ -12,8 +12,10 @@ from __future__ import annotations
 
 import gc
 import sys
-from importlib.abc import MetaPathFinder
-from typing import Any
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:  # every import of the package loads this module, also that of a program that must not miss a signal
+    from typing import Any
 
 KERNELS = "dcrb_ros.core"
 """Package that imports numba."""
@@ -21,7 +23,7 @@ KNOWN = ("0.68.1",)
 """Releases of numba with which this was tried; others load functions in their own way."""
 
 
-class _BeforeKernels(MetaPathFinder):
+class _BeforeKernels:
     """Finds no module, and imports numba when the kernels are about to be imported.
 
     It stays in the list of finders, which the import system is going through when it is asked.
