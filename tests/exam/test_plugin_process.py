@@ -127,12 +127,17 @@ def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return file
 
 
-@pytest.fixture(autouse=True)
-def no_process_remains() -> Iterator[None]:
-    yield
+def close_processes() -> None:
     for process in plugin_process._PROCESSES.values():
         process.close()
     plugin_process._PROCESSES.clear()
+
+
+@pytest.fixture(autouse=True)
+def only_processes_of_this_test() -> Iterator[None]:
+    close_processes()  # those of tests in other files
+    yield
+    close_processes()
 
 
 @pytest.mark.parametrize(
