@@ -20,7 +20,7 @@ class CaseSimulation:
 
     configuration: Configuration
     scenario: Mapping[str, Any] | None
-    """Timeline of speed, load and faults as read from YAML, since its text is hashed; planned again where it is run; None without one."""
+    """Timeline of speed, load and faults as read from YAML, because it is hashed; None without one. Each run plans its changes anew."""
     duration: float
     """Simulated time [s]."""
 

@@ -115,18 +115,15 @@ def test_the_command_writes_the_page_beside_its_answer(tmp_path: Path, capsys: p
     assert "exists: give another name, or --force" in capsys.readouterr().err
 
 
-def test_two_runs_of_the_command_write_the_same_bytes_within_five_seconds_a_recording(tmp_path: Path) -> None:
+def test_two_runs_of_the_command_write_the_same_bytes(tmp_path: Path) -> None:
     bags = [str(BAGS / "outer_ring_defect"), str(BAGS / "run_up")]
-    pages, before = [], os.times()
+    pages = []
     for seed in ("1", "2"):
         page = tmp_path / f"{seed}.html"
         command = [sys.executable, "-m", "dcrb_ros.cli.program", "detect", *bags, "--report", str(page)]
         subprocess.run(command, env={**os.environ, "PYTHONHASHSEED": seed}, capture_output=True, timeout=200.0, check=True)
         pages.append(page.read_bytes())
-    after = os.times()
     assert pages[0] == pages[1]
-    # Processor time of both runs, with the start of the programs: 0.9 s for a recording on one core were measured.
-    assert (after.children_user + after.children_system - before.children_user - before.children_system) / (2 * len(bags)) < 5.0
 
 
 def test_another_file_type_is_refused_before_the_work(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -9,6 +9,9 @@ from dcrb_ros.messages.joints import decode_joints, encode_contacts
 from dcrb_ros.messages.topic import Encoded, EncodedBench, SimulatedTopic
 from dcrb_ros.stream.block import Block
 
+if TYPE_CHECKING:
+    from dcrb_ros.settings.configuration import Configuration
+
 
 def _enabled(configuration: Configuration) -> bool:
     return configuration.publishing.contacts
@@ -28,6 +31,3 @@ ROLLER_CONTACTS = SimulatedTopic(
     encode=_encode,
     enabled=_enabled,
 )
-
-if TYPE_CHECKING:
-    from dcrb_ros.settings.configuration import Configuration

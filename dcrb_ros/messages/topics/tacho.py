@@ -9,6 +9,9 @@ from dcrb_ros.messages.pulses import decode_pulses, encode_pulses
 from dcrb_ros.messages.topic import Encoded, EncodedBench, SimulatedTopic
 from dcrb_ros.stream.block import Block
 
+if TYPE_CHECKING:
+    from dcrb_ros.settings.configuration import Configuration
+
 
 def _enabled(configuration: Configuration) -> bool:
     return configuration.tacho.pulses_per_turn > 0
@@ -27,6 +30,3 @@ TACHO = SimulatedTopic(
     encode=_encode,
     enabled=_enabled,
 )
-
-if TYPE_CHECKING:
-    from dcrb_ros.settings.configuration import Configuration

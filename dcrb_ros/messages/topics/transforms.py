@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING
 from dcrb_ros.messages.cdr import encoded, header, ros_type
 from dcrb_ros.messages.topic import Topic
 
+if TYPE_CHECKING:
+    from dcrb_ros.settings.configuration import Configuration
+
 TF = "tf2_msgs/msg/TFMessage"
 SENSOR_AZIMUTH = math.pi
 """Azimuth of the sensor from the load line (-Y), counter-clockwise [rad]: the top. The rigid ring moves alike everywhere."""
@@ -31,6 +34,3 @@ def encode_transforms(configuration: Configuration) -> bytes:
 TRANSFORMS = Topic(
     "/tf_static", TF, "place of the sensor in the bearing; simulator only, if `tf2_msgs` is installed", depth=1, latched=True
 )
-
-if TYPE_CHECKING:
-    from dcrb_ros.settings.configuration import Configuration

@@ -9,6 +9,9 @@ from dcrb_ros.messages.points import decode_vibration, encode_vibration
 from dcrb_ros.messages.topic import Encoded, EncodedBench, SimulatedTopic
 from dcrb_ros.stream.block import Block
 
+if TYPE_CHECKING:
+    from dcrb_ros.settings.configuration import Configuration
+
 
 def _enabled(configuration: Configuration) -> bool:
     return configuration.publishing.clean
@@ -27,6 +30,3 @@ VIBRATION_CLEAN = SimulatedTopic(
     encode=_encode,
     enabled=_enabled,
 )
-
-if TYPE_CHECKING:
-    from dcrb_ros.settings.configuration import Configuration
