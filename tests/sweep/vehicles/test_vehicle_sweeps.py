@@ -43,7 +43,7 @@ def tree(**changes: Any) -> dict[str, Any]:
 @given(st.integers(0, 1000))
 def test_a_vehicle_is_in_one_split_on_all_its_rides(seed: int) -> None:
     rides = {"vehicle.seed": [1, 2, 3, 4], "vehicle.speed_kmh": {"low": 80.0, "high": 160.0}}
-    runs = list(plan_of(sweep_of(tree(points=12, seed=seed, vary=rides), "sweep.yaml")).runs())
+    runs = list(plan_of(sweep_of(tree(points=40, seed=seed, vary=rides), "sweep.yaml")).runs())
     splits: dict[str, set[str]] = {}
     for run in runs:
         splits.setdefault(str(run.truth["machine"]), set()).add(run.split)
