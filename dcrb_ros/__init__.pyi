@@ -40,6 +40,7 @@ from dcrb_ros.prognosis.scores import phm_2012_score as phm_2012_score
 from dcrb_ros.recordings.reader import Recording as Recording
 from dcrb_ros.recordings.vehicle import VehicleRecording as VehicleRecording
 from dcrb_ros.runtime.version import __version__ as __version__
+from dcrb_ros.schema.refusal import AlteredSamples as AlteredSamples
 from dcrb_ros.schema.refusal import Refusal as Refusal
 from dcrb_ros.settings.configuration import Configuration as Configuration
 from dcrb_ros.settings.files import load_configuration as load_configuration

@@ -41,6 +41,11 @@ class Piece(NamedTuple):
     sensor_range: float
     """Range of the sensor [m/s^2]; 0 if unknown."""
 
+    @property
+    def end_index(self) -> int:
+        """Index after the last sample."""
+        return self.first_index + len(self.shaft_angle)
+
 
 def stretch(rate: int, start: float | None, stop: float | None) -> tuple[float, float]:
     """Return the index of the first sample with ``start <= time`` and of the first with ``stop <= time``; infinite where not given.

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sys
+import warnings
+from collections.abc import Callable
 from typing import Any
 
 import typer
@@ -30,6 +32,7 @@ from dcrb_ros.cli import (
 from dcrb_ros.cli.literal_help import Commands, LiteralGroup
 from dcrb_ros.runtime.exit_status import exit_status
 from dcrb_ros.runtime.version import __version__
+from dcrb_ros.schema.refusal import AlteredSamples
 
 
 class Program(LiteralGroup):
@@ -37,10 +40,27 @@ class Program(LiteralGroup):
 
     def invoke(self, ctx: Any) -> Any:
         """Run a command."""
-        try:
-            return super().invoke(ctx)
-        except KeyboardInterrupt:
-            raise typer.Abort from None
+        with warnings.catch_warnings():
+            warnings.filterwarnings("always", category=AlteredSamples)
+            warnings.showwarning = _printing_altered(warnings.showwarning)
+            try:
+                return super().invoke(ctx)
+            except KeyboardInterrupt:
+                raise typer.Abort from None
+
+
+def _printing_altered(others: Callable[..., None]) -> Callable[..., None]:
+    """Return a function that prints each sentence on altered samples once, and hands on every other warning."""
+    printed = set[str]()
+
+    def show(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
+        if not issubclass(category, AlteredSamples):
+            others(message, category, *place, **more)
+        elif str(message) not in printed:
+            printed.add(str(message))
+            typer.echo(f"warning: {message}", err=True)
+
+    return show
 
 
 app = Commands(cls=Program, pretty_exceptions_enable=False)

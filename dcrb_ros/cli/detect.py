@@ -77,9 +77,9 @@ def detect(
     diagnosed = []
     for bag in bags:
         recording = Recording(bag)
-        warn_of_digest(recording, str(bag))
         # A program gets an answer in any case, and a page has all recordings; otherwise the reason for no verdict is the error message.
         result = (detect_in if report is None and not as_json else watch)(recording, parameters=parameters, baseline=known)
+        warn_of_digest(recording, str(bag))
         diagnosed.append((bag, recording, result))
         if not as_json:
             _print_table(bag, recording, result, parameters, learned=known is not None or bool(parameters.baseline))
@@ -188,8 +188,8 @@ def _learned(
     if save is not None:
         check_output("--save-baseline", save, (".yaml", ".yml"))
     recording = Recording(healthy)
-    warn_of_digest(recording, str(healthy))
     learned = learn_baseline(recording, name=healthy.name, parameters=parameters)
+    warn_of_digest(recording, str(healthy))
     if save is not None:
         with replacing("--save-baseline", save, force=force):
             learned.save(save)

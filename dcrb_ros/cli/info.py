@@ -167,11 +167,10 @@ def _lines(recording: Recording) -> list[str]:
 
 def _digests(recording: Recording) -> tuple[SampleDigests | None, str]:
     """Return the stated and the actual digest, and a sentence if they differ; None and the reason if the samples cannot be decoded."""
-    from dcrb_ros.recordings.digest import sample_digests
     from dcrb_ros.schema.refusal import Refusal
 
     try:
-        digests = sample_digests(recording)
+        digests = recording.digests()
     except Refusal as refusal:
         return None, str(refusal)
     return digests, digests.mismatch

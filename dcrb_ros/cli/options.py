@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dcrb_ros.cli import completion
-from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.schema.refusal import AlteredSamples, Refusal
 
 if TYPE_CHECKING:
     from dcrb_ros.diagnosis.parameters import DetectorParameters
@@ -114,11 +115,14 @@ def refuse_node_settings(settings: Sequence[str] | None) -> None:
 
 
 def warn_of_digest(recording: Recording, name: str) -> None:
-    """Print on stderr whether the samples of a recording do not match the digest that it states, or it states none of its manifest."""
+    """Warn if the samples of a recording do not match the digest that it states, and note if it states none of its manifest.
+
+    The samples are read unless the waveform was. A mismatch that was found while it was read is not printed a second time.
+    """
     from dcrb_ros.recordings.digest import digest_mismatch, unsigned
 
     if sentence := digest_mismatch(recording):
-        typer.echo(f"warning: {name}: {sentence}", err=True)
+        warnings.warn(f"{name}: {sentence}", AlteredSamples, stacklevel=2)
     if sentence := unsigned(recording):
         typer.echo(f"note: {name}: {sentence}", err=True)
 

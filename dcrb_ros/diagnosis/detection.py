@@ -286,7 +286,7 @@ def _diagnoses(detector: ThermalFaultDetector, pieces: Iterable[Piece], readings
         detector.sensor_range = piece.sensor_range
         diagnosis = detector.update(piece.first_index, piece.acceleration, piece.shaft_angle)
         samples += len(piece.shaft_angle)
-        feed.give(detector.take_temperature, (piece.first_index + len(piece.shaft_angle)) / detector.rate)
+        feed.give(detector.take_temperature, piece.end_index / detector.rate)
         if diagnosis is not None:
             history.append(diagnosis)
     return history, samples

@@ -47,7 +47,7 @@ def detector_blocks(signal: Signal) -> Iterator[DetectorBlock]:
     feed = TemperatureFeed(signal.temperatures())
     for piece in signal.pieces():
         readings: list[tuple[float, float, float]] = []
-        feed.give(lambda *reading: readings.append(reading), (piece.first_index + len(piece.shaft_angle)) / signal.sampling_rate)  # noqa: B023
+        feed.give(lambda *reading: readings.append(reading), piece.end_index / signal.sampling_rate)  # noqa: B023
         yield DetectorBlock(*piece, tuple(readings))
 
 

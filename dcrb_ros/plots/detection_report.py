@@ -3,26 +3,27 @@
 from __future__ import annotations
 
 import base64
-import hashlib
 import io
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from itertools import islice
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
 
+from dcrb_ros.bearing.waveform import Piece, Waveform
 from dcrb_ros.diagnosis.detection import DetectionResult
 from dcrb_ros.diagnosis.envelope_spectrum import envelope_spectrum, trackable
 from dcrb_ros.diagnosis.parameters import DetectorParameters
-from dcrb_ros.messages.points import packed
 from dcrb_ros.plots.envelope_spectrum import plot_envelope_spectrum
 from dcrb_ros.plots.style import FAULT_LINES, labelled, legend_above
 from dcrb_ros.plots.waveform import plot_waveform
-from dcrb_ros.recordings.digest import RecordedSamples, SampleDigests, stated_samples, unsigned
+from dcrb_ros.recordings.arrays import joined_waveform
+from dcrb_ros.recordings.digest import unsigned
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.printable import decimal, printable
@@ -30,11 +31,10 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.verdicts import CHARACTERISTIC, COMPONENTS, TITLES, is_alarm, title_of
 from dcrb_ros.stream.diagnosis import Diagnosis
 
-if TYPE_CHECKING:
-    from dcrb_ros.bearing.waveform import Waveform
-
 RESOLUTION = 110
 """Resolution of the figures [dots per inch]."""
+TOGETHER = 64
+"""Blocks of a recording that are measured together [-]."""
 LIBRARIES = ("numpy", "scipy", "matplotlib")
 """Libraries whose versions the page states."""
 LIMITS = (
@@ -63,10 +63,8 @@ class Samples(NamedTuple):
 class Content:
     """What a recording contains, read in one pass."""
 
-    samples: Samples
-    """First and last sample of the recording."""
-    count: int
-    """Samples that are there [-]."""
+    judged: Sequence[Piece]
+    """The blocks with the samples on which the last verdict is based."""
     axes: Literal["both", "y"]
     """``both``, or ``y`` for a recording of one axis, whose X repeats Y."""
     rms: float
@@ -75,8 +73,6 @@ class Content:
     """Largest magnitude of the acceleration in one axis [m/s^2]."""
     largest_sample: int
     """Index of the sample with that magnitude."""
-    sha256: str
-    """Digest of ax, ay and shaft angle of every sample as little-endian single-precision numbers, as in the manifest."""
 
 
 @dataclass(frozen=True)
@@ -100,29 +96,31 @@ class DiagnosedRecording:
         return Samples(max(0, last + 1 - length), last)
 
 
-def read_content(recording: Recording) -> Content:
-    """Read a recording once, block by block.
+def read_content(recording: Recording, judged: Samples) -> Content:
+    """Read a recording once, block by block, and keep the blocks with the ``judged`` samples.
 
     Raises:
         Refusal: it has no waveform.
     """
-    digest = hashlib.sha256()
-    first = last = count = largest = 0
+    kept = list[Piece]()
+    count = largest = 0
     total, squares, peak, single = np.zeros(2), np.zeros(2), -1.0, True
-    for piece in recording.pieces():
-        acceleration = np.nan_to_num(piece.acceleration.astype(np.float64))
-        digest.update(packed(piece.acceleration, piece.shaft_angle))
-        first = first if count else piece.first_index
-        count, last = count + len(acceleration), piece.first_index + len(acceleration) - 1
-        total += acceleration.sum(axis=0)
-        squares += np.square(acceleration).sum(axis=0)
+    pieces = recording.pieces()
+    while together := list(islice(pieces, TOGETHER)):
+        kept += [piece for piece in together if piece.first_index <= judged.last and piece.end_index > judged.first]
+        acceleration = np.nan_to_num(np.concatenate([piece.acceleration for piece in together]))
+        count += len(acceleration)
+        total += acceleration.sum(axis=0, dtype=np.float64)
+        squares += np.square(acceleration, dtype=np.float64).sum(axis=0)
         single = single and np.array_equal(acceleration[:, 0], acceleration[:, 1])
-        sample = int(np.abs(acceleration).max(axis=1).argmax())
-        if (magnitude := float(np.abs(acceleration[sample]).max())) > peak:
-            peak, largest = magnitude, piece.first_index + sample
+        magnitudes = np.abs(acceleration)
+        sample = int(magnitudes.argmax()) // magnitudes.shape[1]
+        if (magnitude := float(magnitudes[sample].max())) > peak:
+            indices = np.concatenate([np.arange(piece.first_index, piece.end_index) for piece in together])
+            peak, largest = magnitude, int(indices[sample])
     powers = squares / count - np.square(total / count)
     rms = math.sqrt(float(powers[1] if single else powers.sum()))
-    return Content(Samples(first, last), count, "y" if single else "both", rms, peak, largest, digest.hexdigest())
+    return Content(kept, "y" if single else "both", rms, peak, largest)
 
 
 def detection_report(diagnosed: Sequence[DiagnosedRecording]) -> str:
@@ -153,7 +151,7 @@ def detection_report(diagnosed: Sequence[DiagnosedRecording]) -> str:
 def _section(number: int, entry: DiagnosedRecording) -> dict[str, Any]:
     """Return what the template shows of one recording."""
     last, recording = entry.result.last, entry.recording
-    content = read_content(recording)
+    content = read_content(recording, entry.judged)
     return {
         "number": number,
         "name": printable(entry.name),
@@ -166,7 +164,7 @@ def _section(number: int, entry: DiagnosedRecording) -> dict[str, Any]:
         "remarks": [printable(remark) for remark in last.remarks],
         "lines": [_line_row(component, last) for component in COMPONENTS],
         "judged": str(entry.judged),
-        "figures": _figures(entry, content.axes),
+        "figures": _figures(entry, content),
         "changes": _changes_of_verdict(entry.result.history, recording.sampling_rate),
         "conditions": _conditions(entry, content),
     }
@@ -200,15 +198,16 @@ def _signed(value: float, digits: int = 1) -> str:
     return text if float(text) else f"{0.0:.{digits}f}"
 
 
-def _figures(entry: DiagnosedRecording, axes: Literal["both", "y"]) -> list[tuple[str, str]]:
+def _figures(entry: DiagnosedRecording, content: Content) -> list[tuple[str, str]]:
     """Return caption and picture of the evidence: waveform and spectrum of the judged samples, and the history."""
-    rate, judged = entry.recording.sampling_rate, entry.judged
+    recording, judged = entry.recording, entry.judged
+    rate = recording.sampling_rate
     figures = []
-    try:
-        waveform = entry.recording.waveform(judged.first / rate, (judged.last + 1) / rate)
-    except Refusal as refusal:
-        return [(f"No waveform: {refusal}", "")]
-    figures.append((f"Waveform, samples {judged}.", _waveform_picture(waveform, axes)))
+    if not content.judged:
+        return [(f"No waveform: there are no samples {judged}.", "")]
+    span = judged.first / rate, (judged.last + 1) / rate
+    waveform = joined_waveform(content.judged, rate, recording.orders, recording.path, *span)
+    figures.append((f"Waveform, samples {judged}.", _waveform_picture(waveform, content.axes)))
     figures.append(_spectrum_figure(entry, waveform))
     if len(entry.result.history) > 1:
         first, last = entry.result.history[0].index, entry.result.history[-1].index
@@ -270,15 +269,17 @@ def _changes_of_verdict(history: Iterable[Diagnosis], rate: int) -> list[dict[st
 def _conditions(entry: DiagnosedRecording, content: Content) -> list[tuple[str, str]]:
     """Return the conditions of the measurement as names and values."""
     recording, last, rate = entry.recording, entry.result.last, entry.recording.sampling_rate
-    orders = recording.orders
+    orders, digests = recording.orders, recording.digests()
+    read = digests.read
+    samples = Samples(read.first_index, read.end - 1)
     manifest: Mapping[str, Any] = recording.manifest
     conditions = [
         ("sampling rate", f"{rate} Hz"),
-        ("signal", f"{content.count / rate:.2f} s, samples {content.samples}"),
+        ("signal", f"{read.count / rate:.2f} s, samples {samples}"),
         ("shaft", f"{last.shaft_frequency:.3f} Hz, {60.0 * last.shaft_frequency:.1f} rpm, mean over samples {entry.judged}"),
         ("orders", f"FTF {orders.ftf:.4f}, BPFO {orders.bpfo:.4f}, BPFI {orders.bpfi:.4f}, BSF {orders.bsf:.4f}"),
         ("axes", "X and Y" if content.axes == "both" else "one"),
-        ("rms", f"{content.rms:.3g} m/s² over the axes, samples {content.samples}"),
+        ("rms", f"{content.rms:.3g} m/s² over the axes, samples {samples}"),
         ("peak", f"{content.peak:.3g} m/s², sample {content.largest_sample}"),
         ("severity", f"{last.severity:.3g} m/s² at 20 Hz of shaft frequency, samples {entry.judged}"),
         ("gaps", f"{last.gaps}"),
@@ -292,9 +293,8 @@ def _conditions(entry: DiagnosedRecording, content: Content) -> list[tuple[str, 
     readings = recording.temperatures()
     if len(readings):
         conditions.append(("temperatures", f"at the start {readings.to_words(0)}, at the end {readings.to_words(-1)}"))
-    conditions.append(("sha256 of the samples", content.sha256))
-    read = RecordedSamples(content.samples.first, content.count, content.sha256, content.samples.last + 1)
-    if reason := SampleDigests(stated_samples(recording), read, damaged=not recording.complete).mismatch or unsigned(recording):
+    conditions.append(("sha256 of the samples", read.sha256))
+    if reason := digests.mismatch or unsigned(recording):
         conditions.append(("digest", printable(reason)))
     if not recording.complete:
         conditions += [("damage", printable(description)) for description in recording.damage]

@@ -76,7 +76,7 @@ def joined_waveform(blocks: Iterable[Piece], rate: int, orders: Orders, path: Pa
     first, last = stretch(rate, start, stop)
     pieces, spans = [], []
     for piece in blocks:
-        begin, end = piece.first_index, piece.first_index + len(piece.shaft_angle)
+        begin, end = piece.first_index, piece.end_index
         spans.append((begin, end))
         if begin < last and end > first:
             pieces.append(piece)

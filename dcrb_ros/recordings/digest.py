@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from dcrb_ros.messages.topics import VIBRATION
-from dcrb_ros.recordings.manifest import DIGEST, Outcome
-from dcrb_ros.recordings.reader import DAMAGE, Recording
+from dcrb_ros.recordings.manifest import DAMAGE, DIGEST, Outcome
+
+if TYPE_CHECKING:
+    from dcrb_ros.recordings.reader import Recording
 
 SHOWN = 12
 """Digits of a digest in a message."""
@@ -72,14 +74,6 @@ def stated_samples(recording: Recording) -> RecordedSamples | None:
         return None
 
 
-def sample_digests(recording: Recording) -> SampleDigests:
-    """Read and hash all samples of a recording, and return the result beside the stated one."""
-    outcome = Outcome(recording.sampling_rate)
-    for message in recording.messages((VIBRATION,)):
-        outcome.add(message)
-    return SampleDigests(stated_samples(recording), samples_in(outcome), damaged=not recording.complete)
-
-
 def samples_in(outcome: Outcome) -> RecordedSamples:
     """Return the samples that were added to an outcome."""
     return RecordedSamples(outcome.first_index or 0, outcome.samples, outcome.sha256, outcome.end_index)
@@ -87,7 +81,7 @@ def samples_in(outcome: Outcome) -> RecordedSamples:
 
 def digest_mismatch(recording: Recording) -> str:
     """Return a sentence if the samples of a recording do not match the digest that it states, else the empty string."""
-    return "" if stated_samples(recording) is None else sample_digests(recording).mismatch
+    return "" if stated_samples(recording) is None else recording.digests().mismatch
 
 
 def unsigned(recording: Recording) -> str:

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.messages.description import sensor_text
-from dcrb_ros.messages.points import decode_vibration, decode_waveform, packed
+from dcrb_ros.messages.points import Vibration, decode_vibration
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import GROUND_TRUTH, MANIFEST, VIBRATION, Message
 from dcrb_ros.recordings.mathematics import function_results
@@ -37,8 +37,6 @@ FORMAT = 2
 """Format of the manifest; the first had no second record."""
 OUTCOME = f"{MANIFEST}_outcome"
 """Name of the second record."""
-HASH_BATCH = 1 << 20
-"""Size of the messages that are decoded and hashed together [bytes]."""
 MAX_RECORD = 16 * 1024 * 1024
 """Largest record of the manifest [bytes], some 200000 commands; more commands are only counted there, and read from the ground truth."""
 UNITS = {
@@ -54,6 +52,8 @@ MEASURED_UNITS = UNITS | {"time": "s, index of the sample over the sampling rate
 MODEL = ("bearing", "core", "faults", "measurement", "schema", "settings", "simulation")
 """Packages on whose sources the samples depend."""
 
+DAMAGE = (ValueError, KeyError, TypeError, RecursionError)
+"""Exceptions that a damaged manifest may raise."""
 DIGEST = "record_sha256"
 """Entry with the digest of the others."""
 TYPES: dict[str, type] = {
@@ -148,57 +148,32 @@ class Outcome:
     def __init__(self, rate: int, commands: Iterable[TimedCommand] = ()) -> None:
         """Start without samples, with the sampling ``rate`` [Hz] and the ``commands`` that took effect before."""
         self._rate, self._digest = rate, hashlib.sha256()
-        self._unhashed: list[bytes] = []
-        self._size = 0
-        self._first_index: int | None = None
-        self._samples = self._end_index = 0
+        self.first_index: int | None = None
+        """Index of the first sample; None without samples."""
+        self.samples = 0
+        """Number of samples."""
+        self.end_index = 0
+        """Index after the last sample; blocks before it may be lost in transmission."""
         self.commands = list(commands)
 
     def add(self, message: Message) -> None:
         """Include a message."""
         if message.topic == VIBRATION:
-            self._unhashed.append(message.data)
-            self._size += len(message.data)
-            if self._size > HASH_BATCH:
-                self._hash()
+            self.add_block(decode_vibration(message.data))
         elif message.topic == GROUND_TRUTH:
             self.commands += commands_in([decode_truth(message.data)])
 
-    def _hash(self) -> None:
-        """Hash the pending samples: decoding many blocks together takes a fifth of the time."""
-        if not self._unhashed:
-            return
-        blocks, self._unhashed, self._size = self._unhashed, [], 0
-        _, acceleration, angle = decode_waveform(blocks)
-        first, last = decode_vibration(blocks[0]), decode_vibration(blocks[-1])
-        if self._first_index is None:
-            self._first_index = first.first_index(self._rate)
-        self._digest.update(packed(acceleration, angle))
-        self._samples += len(angle)
-        self._end_index = last.first_index(self._rate) + len(last.shaft_angle)
-
-    @property
-    def first_index(self) -> int | None:
-        """Index of the first sample; None without samples."""
-        self._hash()
-        return self._first_index
-
-    @property
-    def samples(self) -> int:
-        """Number of samples."""
-        self._hash()
-        return self._samples
-
-    @property
-    def end_index(self) -> int:
-        """Index after the last sample; blocks before it may be lost in transmission."""
-        self._hash()
-        return self._end_index
+    def add_block(self, block: Vibration) -> None:
+        """Include a block of samples."""
+        first = block.first_index(self._rate)
+        self._digest.update(block.packed())
+        self.first_index = first if self.first_index is None else self.first_index
+        self.samples += len(block.shaft_angle)
+        self.end_index = first + len(block.shaft_angle)
 
     @property
     def sha256(self) -> str:
         """SHA-256 of ax, ay and shaft angle of every sample as little-endian single-precision numbers, independent of the block size."""
-        self._hash()
         return self._digest.hexdigest()
 
     def records(self) -> dict[str, dict[str, str]]:

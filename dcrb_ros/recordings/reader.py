@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import warnings
 from collections import Counter
 from collections.abc import Container, Iterable, Iterator, Mapping
 from functools import cached_property
@@ -30,9 +31,10 @@ from dcrb_ros.messages.topics import (
     Topic,
 )
 from dcrb_ros.recordings.arrays import RecordedVerdict, joined_waveform, verdicts_of
+from dcrb_ros.recordings.digest import SampleDigests, samples_in, stated_samples
 from dcrb_ros.recordings.foreign_files import refuse_foreign
 from dcrb_ros.recordings.latched import described_manifest, in_order, of_one_bench
-from dcrb_ros.recordings.manifest import OUTCOME, well_formed
+from dcrb_ros.recordings.manifest import DAMAGE, OUTCOME, Outcome, well_formed
 from dcrb_ros.recordings.recorded_run import RecordedRun
 from dcrb_ros.recordings.storage import StoredMessage, valid_files
 from dcrb_ros.recordings.vehicle_folder import box_of, boxes_in, record_name
@@ -40,7 +42,7 @@ from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.numbers import sampling_rate
 from dcrb_ros.schema.parameter_field import first_problem
 from dcrb_ros.schema.printable import printable
-from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.schema.refusal import AlteredSamples, Refusal
 from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.simulation.ground_truth import commands_in
 from dcrb_ros.stream.event_text import decode_command
@@ -54,8 +56,6 @@ if TYPE_CHECKING:
 
 SAME_ORDER = 1e-9
 """Relative difference of orders in one manifest that are the same [-]."""
-DAMAGE = (ValueError, KeyError, TypeError, RecursionError)
-"""Exceptions that a damaged manifest may raise."""
 
 
 class Recording(RecordedRun):
@@ -85,6 +85,7 @@ class Recording(RecordedRun):
         if self.manifest.get("format", 1) != 1 and self.outcome is None:
             self._report(f"{self.files[-1].name}: the end is missing, the recording was cut off")
         self._bearing = self._read_bearing() if self.configured else None
+        self._digests: SampleDigests | None = None
 
     def __repr__(self) -> str:
         rate, samples = self.manifest.get("sampling_rate", 0), (self.outcome or {}).get("samples", 0)
@@ -222,20 +223,39 @@ class Recording(RecordedRun):
     def ranged_vibrations(self) -> Iterator[tuple[Vibration, float]]:
         """Yield the blocks of the waveform, each with the sensor's range at that time [m/s^2]; 0 if it is unknown.
 
+        After the last block, a warning `AlteredSamples` says if the samples do not match the digest that the recording states.
+
         Raises
         ------
         Refusal
             The recording has no waveform.
         """
-        recorded, sensor_range = False, self._first_range()
+        outcome, sensor_range = Outcome(self.sampling_rate), self._first_range()
         for message in self.messages((SENSOR, VIBRATION)):
             if message.topic == SENSOR:
                 sensor_range = decode_range(message.data)
                 continue
-            recorded = True
-            yield decode_vibration(message.data), sensor_range
-        if not recorded:
+            block = decode_vibration(message.data)
+            outcome.add_block(block)
+            yield block, sensor_range
+        if not outcome.samples:
             raise Refusal(f"{self.path} contains no messages on {VIBRATION.resolved(self.namespace)}: give a recording of the bench")
+        if mismatch := self._compared(outcome).mismatch:
+            warnings.warn(f"{self.path}: {mismatch}", AlteredSamples, stacklevel=2)
+
+    def digests(self) -> SampleDigests:
+        """Return the samples that the recording states and those that it contains, which are read unless the waveform was."""
+        if self._digests is not None:
+            return self._digests
+        outcome = Outcome(self.sampling_rate)
+        for message in self.messages((VIBRATION,)):
+            outcome.add(message)
+        return self._compared(outcome)
+
+    def _compared(self, outcome: Outcome) -> SampleDigests:
+        """Keep and return the comparison of the samples that were read with those that the recording states."""
+        self._digests = SampleDigests(stated_samples(self), samples_in(outcome), damaged=not self.complete)
+        return self._digests
 
     def pieces(self) -> Iterator[Piece]:
         """Yield the blocks of the waveform with their first samples, as `dcrb_ros.detect` takes them."""

@@ -13,7 +13,7 @@ from typing import Any
 from dcrb_ros.messages.points import MOST_SAMPLES as LONGEST_BLOCK
 from dcrb_ros.messages.points import SAMPLE, index_at, packed
 from dcrb_ros.messages.topics import SIMULATED
-from dcrb_ros.recordings.digest import SHOWN, RecordedSamples, SampleDigests, sample_digests, stated_samples
+from dcrb_ros.recordings.digest import SHOWN, RecordedSamples, SampleDigests, stated_samples
 from dcrb_ros.recordings.manifest import model_fingerprint, software
 from dcrb_ros.recordings.mathematics import FUNCTIONS
 from dcrb_ros.recordings.mcap_reader import MAX_RECORD
@@ -93,7 +93,7 @@ class Reproduction:
         self.samples = recorded_samples(recording)
         if self.samples.count == 0:
             raise Refusal(f"{recording.path} contains no samples to reproduce")
-        self.digests: SampleDigests = sample_digests(recording)
+        self.digests: SampleDigests = recording.digests()
         if self.digests.read.count and not self.digests.comparable:
             self.samples = self.digests.read
         self._digest = hashlib.sha256()

@@ -16,8 +16,8 @@ from dcrb_ros.messages.vehicle import box_path, decode_description
 from dcrb_ros.messages.vehicle_encoder import BESIDE
 from dcrb_ros.recordings.digest import digest_mismatch
 from dcrb_ros.recordings.foreign_files import refuse_foreign
-from dcrb_ros.recordings.manifest import vehicle_fingerprint, well_formed
-from dcrb_ros.recordings.reader import DAMAGE, Recording
+from dcrb_ros.recordings.manifest import DAMAGE, vehicle_fingerprint, well_formed
+from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.reproduction import ALIKE, NotReproduced, origin_difference, recorded_samples
 from dcrb_ros.recordings.storage import valid_files
 from dcrb_ros.recordings.vehicle_folder import VEHICLE, VEHICLE_OUTCOME, boxes_in, boxes_of

@@ -6,6 +6,7 @@ import contextlib
 import multiprocessing
 import os
 import signal
+import warnings
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from multiprocessing import resource_tracker
@@ -16,6 +17,7 @@ from dcrb_ros.runtime.children import signals_blocked
 from dcrb_ros.runtime.memory import keep_freed_memory
 from dcrb_ros.runtime.signals import accept_termination
 from dcrb_ros.runtime.threads import NamedThread
+from dcrb_ros.schema.refusal import AlteredSamples
 
 ORPHANED = 75
 """Exit status of a worker whose parent process has ended."""
@@ -75,7 +77,8 @@ def worker_signals_blocked() -> Iterator[None]:
 
 
 def _prepare_worker() -> None:
-    """Ignore SIGINT, exit with the parent, and keep freed memory."""
+    """Ignore SIGINT, exit with the parent, and keep freed memory. The parent warns of altered samples."""
+    warnings.simplefilter("ignore", AlteredSamples)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     accept_termination()
     keep_freed_memory()

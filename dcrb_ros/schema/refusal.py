@@ -1,4 +1,4 @@
-"""The exception for invalid input."""
+"""The exception for invalid input, and the warning about input that was altered."""
 
 from __future__ import annotations
 
@@ -30,6 +30,10 @@ class Refusal(ValueError):
     def __init__(self, sentence: str) -> None:
         shown = printable(sentence)
         super().__init__(shown if len(shown) <= LONGEST else f"{shown[: LONGEST // 2]} ... {shown[-LONGEST // 2 :]}")
+
+
+class AlteredSamples(UserWarning):
+    """The samples of a recording do not match the digest that it states."""
 
 
 def nearest(word: str, known: Iterable[str], likeness: float = LEAST_LIKENESS) -> str:

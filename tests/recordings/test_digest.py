@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import re
+import warnings
+from collections.abc import Callable
 from html import unescape
 from pathlib import Path
 
@@ -10,13 +13,15 @@ import pytest
 from made_up_blocks import recorded
 from separate_process import dcrb
 
+import dcrb_ros
 from dcrb_ros.messages.topics import MANIFEST, VIBRATION
-from dcrb_ros.recordings.digest import digest_mismatch, sample_digests, unsigned
+from dcrb_ros.recordings.digest import digest_mismatch, unsigned
 from dcrb_ros.recordings.manifest import DIGEST, OUTCOME
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recovery import described_channel
 from dcrb_ros.recordings.reproduction import NotReproduced, Reproduction
 from dcrb_ros.recordings.splitting import Bag
+from dcrb_ros.schema.refusal import AlteredSamples
 
 SENTENCE = "the recording's samples do not match its own digest"
 
@@ -48,8 +53,8 @@ def flipped(intact: Path) -> Path:
 
 def test_a_flipped_bit_in_each_block_is_a_mismatch(intact: Path, flipped: Path) -> None:
     assert digest_mismatch(Recording(intact)) == ""
-    assert sample_digests(Recording(intact)).match is True
-    digests = sample_digests(Recording(flipped))
+    assert Recording(intact).digests().match is True
+    digests = Recording(flipped).digests()
     assert Recording(flipped).complete
     assert digests.match is False
     assert digests.read.count == 60 * 1024
@@ -59,12 +64,12 @@ def test_a_flipped_bit_in_each_block_is_a_mismatch(intact: Path, flipped: Path) 
 def test_later_files_of_a_split_recording_are_not_compared(tmp_path: Path) -> None:
     files = Recording(recorded(tmp_path / "bag", 60, split_duration=0.5)).files
     assert len(files) > 1
-    assert sample_digests(Recording(tmp_path / "bag")).match is True
-    assert [sample_digests(Recording(file)).match for file in files] == [True, *[None] * (len(files) - 1)]
+    assert Recording(tmp_path / "bag").digests().match is True
+    assert [Recording(file).digests().match for file in files] == [True, *[None] * (len(files) - 1)]
 
 
 def test_a_recording_without_the_waveform_is_not_compared(tmp_path: Path) -> None:
-    digests = sample_digests(Recording(recorded(tmp_path / "bag", 3, topics="outer_ring/features")))
+    digests = Recording(recorded(tmp_path / "bag", 3, topics="outer_ring/features")).digests()
     assert (digests.match, digests.mismatch) == (None, "")
 
 
@@ -95,6 +100,36 @@ def test_commands_warn_of_samples_that_do_not_match(command: str, intact: Path, 
         }
         done = dcrb(command, str(bag), *output.get(command, []))
         assert done.stderr.count(SENTENCE) == (bag == flipped), done.stderr
+
+
+READS: dict[str, Callable[[Recording], object]] = {
+    "detect": dcrb_ros.detect,
+    "waveform": Recording.waveform,
+    "a part of the waveform": lambda recording: recording.waveform(0.2, 0.3),
+    "acceleration": lambda recording: recording.acceleration,
+    "envelope_spectrum": dcrb_ros.envelope_spectrum,
+    "features": dcrb_ros.extract_features,
+    "vibrations": lambda recording: list(recording.vibrations()),
+}
+"""Ways to a result from a recording in Python."""
+
+
+@pytest.mark.parametrize("way", READS)
+def test_reading_samples_that_do_not_match_warns_once(way: str, intact: Path, flipped: Path) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        READS[way](Recording(intact))
+    with pytest.warns(AlteredSamples, match=f"^{re.escape(str(flipped))}: {SENTENCE}") as caught:
+        READS[way](Recording(flipped))
+    assert len([warning for warning in caught if warning.category is AlteredSamples]) == 1
+
+
+def test_digests_are_those_that_were_computed_with_the_waveform(flipped: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    recording = Recording(flipped)
+    with pytest.warns(AlteredSamples):
+        recording.waveform()
+    monkeypatch.setattr(Recording, "messages", None)
+    assert recording.digests().match is False
 
 
 def test_a_reproduction_says_that_the_recording_was_changed(flipped: Path) -> None:

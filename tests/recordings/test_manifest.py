@@ -69,9 +69,7 @@ def test_an_outcome_without_samples_is_zero() -> None:
     assert [about[name] for name in ("first_index", "samples", "end_index", "command_count")] == [0, 0, 0, 0]
 
 
-@pytest.mark.parametrize("batch", [0, 1 << 30])
-def test_range_and_hash_do_not_depend_on_how_many_blocks_are_hashed_together(batch: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(manifest, "HASH_BATCH", batch)
+def test_range_and_hash_are_those_of_the_samples() -> None:
     outcome = outcome_of(encoded(5, 9))
     samples = np.concatenate([np.column_stack([block.acceleration, block.shaft_angle]) for block in list(blocks(9))[5:]])
     assert (outcome.first_index, outcome.samples, outcome.end_index) == (5 * 1024, 4 * 1024, 9 * 1024)
