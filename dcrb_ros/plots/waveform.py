@@ -16,7 +16,7 @@ from dcrb_ros.schema.refusal import Refusal
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-MOST_BUNDLES = 20_000
+MOST_BUNDLES = 4_000
 """Bundles of samples into which a long waveform is drawn: a few for each pixel."""
 
 

@@ -7,6 +7,7 @@ from collections import deque
 import numpy as np
 
 from dcrb_ros.diagnosis.evidence import SampleEvidence
+from dcrb_ros.diagnosis.order_spectrum import medians
 from dcrb_ros.diagnosis.rule import SampleRule
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import Group, quantity
@@ -77,8 +78,8 @@ def asymmetry(samples: Floats) -> Floats:
 
     It is Kelly's measure of skewness for a share of 0.1, and Bowley's for 0.25; 0 without a spread.
     """
-    beyond = np.array(SHARES)
-    low, high = np.quantile(samples, beyond, axis=0), np.quantile(samples, 1.0 - beyond, axis=0)
+    beyond, columns = np.array(SHARES), np.ascontiguousarray(samples.T)
+    low, high = np.quantile(columns, [beyond, 1.0 - beyond], axis=-1)
     spread = high - low
-    skewness = np.divide(high + low - 2.0 * np.median(samples, axis=0), spread, out=np.zeros_like(spread), where=spread > 0.0)
+    skewness = np.divide(high + low - 2.0 * medians(columns), spread, out=np.zeros_like(spread), where=spread > 0.0)
     return np.asarray(skewness, np.float64)
