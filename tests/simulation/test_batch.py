@@ -8,7 +8,7 @@ import pytest
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.parameters import Housing
 from dcrb_ros.simulation.batch import simulate_batch, waveform
-from dcrb_ros.simulation.loop import ModelFailure
+from dcrb_ros.simulation.failure import ModelFailure
 
 
 @pytest.mark.parametrize("workers", [1, 2])
