@@ -20,13 +20,6 @@ from dcrb_ros.messages.topics.vehicle import VEHICLE
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.documentation import parameter_table
 
-PARAMETERS = "<!-- parameters -->"
-DETECTOR_PARAMETERS = "<!-- detector parameters -->"
-VEHICLE_DETECTOR_PARAMETERS = "<!-- vehicle detector parameters -->"
-COMMANDS = "<!-- commands -->"
-PRIORS = "<!-- priors -->"
-TOPICS = "<!-- topics -->"
-VEHICLE_TOPICS = "<!-- vehicle topics -->"
 BLOCK_OR_CODE = re.compile("<pre.*?</pre>|<code>[^<]*</code>", re.DOTALL)
 PICTURE = re.compile(r'<img alt="[^"]*" src="([^":]+)" />')
 EXAMPLE = re.compile(r": (dcrb .+?)(\.?)$", re.MULTILINE)
@@ -36,20 +29,19 @@ WARNINGS = re.compile('<div[^>]*data-mime-type="application/vnd.jupyter.stderr"'
 
 def on_page_markdown(markdown: str, **_: Any) -> str:
     """Replace the markers of a page by what is generated for them."""
-    if PARAMETERS in markdown:
-        markdown = markdown.replace(PARAMETERS, parameter_table(Configuration))
-    if DETECTOR_PARAMETERS in markdown:
-        markdown = markdown.replace(DETECTOR_PARAMETERS, parameter_table(DetectorParameters))
-    if VEHICLE_DETECTOR_PARAMETERS in markdown:
-        markdown = markdown.replace(VEHICLE_DETECTOR_PARAMETERS, parameter_table(VehicleDetectorParameters))
-    if TOPICS in markdown:
-        markdown = markdown.replace(TOPICS, topic_table())
-    if VEHICLE_TOPICS in markdown:
-        markdown = markdown.replace(VEHICLE_TOPICS, table_of(VEHICLE))
-    if PRIORS in markdown:
-        markdown = markdown.replace(PRIORS, prior_table())
-    if COMMANDS in markdown:
-        markdown = markdown.replace(COMMANDS, command_reference())
+    generated = {
+        "parameters": lambda: parameter_table(Configuration),
+        "detector parameters": lambda: parameter_table(DetectorParameters),
+        "vehicle detector parameters": lambda: parameter_table(VehicleDetectorParameters),
+        "topics": topic_table,
+        "vehicle topics": lambda: table_of(VEHICLE),
+        "priors": prior_table,
+        "commands": command_reference,
+    }
+    for name, generate in generated.items():
+        marker = f"<!-- {name} -->"
+        if marker in markdown:
+            markdown = markdown.replace(marker, generate())
     return markdown
 
 
