@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
+from impact_priors import AXLE_BOX, LABORATORY, draw_impacts
 
-from dcrb_ros.faults.impact_priors import AXLE_BOX, LABORATORY, draw_impacts
 from dcrb_ros.measurement.housing_priors import FLOORS, PRIORS
 from dcrb_ros.simulation.healthy_level import healthy_level
 

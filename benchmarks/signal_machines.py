@@ -8,8 +8,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from line_ratio import kurtogram_ratio, line_ratio
 from scipy import signal
 from signal_draws import DRAWS
+from signal_statistics import SignalStatistics, signal_statistics
 
 from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.detection import detect
@@ -17,9 +19,7 @@ from dcrb_ros.exam.measured import read_measured
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.simulation.run import SimulationResult, simulate
 from dcrb_ros.text.writing import write_whole
-from dcrb_ros.validation.line_ratio import kurtogram_ratio, line_ratio
 from dcrb_ros.validation.realism import lines_of, squared_envelope
-from dcrb_ros.validation.signal_statistics import SignalStatistics, signal_statistics
 
 RIGS = {"CWRU": ("cwru12", 9), "HIT": ("hitself", 9), "MFPT": ("mfpt", 8)}
 """Rig of the recordings and rolling elements, by name."""

@@ -1,4 +1,4 @@
-"""Reference pages that are generated from the code, and tables that fit a narrow screen, when the site is built."""
+"""Reference pages that are generated from the code, and names and pictures that fit a narrow screen, when the site is built."""
 
 from __future__ import annotations
 
@@ -20,45 +20,41 @@ from dcrb_ros.messages.topics.vehicle import VEHICLE
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.documentation import parameter_table
 
-PARAMETERS = "<!-- parameters -->"
-DETECTOR_PARAMETERS = "<!-- detector parameters -->"
-VEHICLE_DETECTOR_PARAMETERS = "<!-- vehicle detector parameters -->"
-COMMANDS = "<!-- commands -->"
-PRIORS = "<!-- priors -->"
-TOPICS = "<!-- topics -->"
-VEHICLE_TOPICS = "<!-- vehicle topics -->"
-TABLE = re.compile("<table>.*?</table>", re.DOTALL)
-CODE = re.compile("<code>[^<]*</code>")
+BLOCK_OR_CODE = re.compile("<pre.*?</pre>|<code>[^<]*</code>", re.DOTALL)
+PICTURE = re.compile(r'<img alt="[^"]*" src="([^":]+)" />')
+EXAMPLE = re.compile(r": (dcrb .+?)(\.?)$", re.MULTILINE)
 FIGURE = "data:image/png;base64"
 WARNINGS = re.compile('<div[^>]*data-mime-type="application/vnd.jupyter.stderr"')
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:
     """Replace the markers of a page by what is generated for them."""
-    if PARAMETERS in markdown:
-        markdown = markdown.replace(PARAMETERS, parameter_table(Configuration))
-    if DETECTOR_PARAMETERS in markdown:
-        markdown = markdown.replace(DETECTOR_PARAMETERS, parameter_table(DetectorParameters))
-    if VEHICLE_DETECTOR_PARAMETERS in markdown:
-        markdown = markdown.replace(VEHICLE_DETECTOR_PARAMETERS, parameter_table(VehicleDetectorParameters))
-    if TOPICS in markdown:
-        markdown = markdown.replace(TOPICS, topic_table())
-    if VEHICLE_TOPICS in markdown:
-        markdown = markdown.replace(VEHICLE_TOPICS, table_of(VEHICLE))
-    if PRIORS in markdown:
-        markdown = markdown.replace(PRIORS, prior_table())
-    if COMMANDS in markdown:
-        markdown = markdown.replace(COMMANDS, command_reference())
+    generated = {
+        "parameters": lambda: parameter_table(Configuration),
+        "detector parameters": lambda: parameter_table(DetectorParameters),
+        "vehicle detector parameters": lambda: parameter_table(VehicleDetectorParameters),
+        "topics": topic_table,
+        "vehicle topics": lambda: table_of(VEHICLE),
+        "priors": prior_table,
+        "commands": command_reference,
+    }
+    for name, generate in generated.items():
+        marker = f"<!-- {name} -->"
+        if marker in markdown:
+            markdown = markdown.replace(marker, generate())
     return markdown
 
 
 def on_page_content(content: str, **_: Any) -> str:
-    """Let long names in tables break after a dot, an underscore or a slash."""
+    """Let long names break after a dot, an underscore or a slash, but options nowhere, and link every picture to its file."""
 
     def broken(code: re.Match[str]) -> str:
-        return re.sub(r"(?<=\w)([._/])(?=\w)", r"\1<wbr>", code[0])
+        if code[0].startswith("<pre"):
+            return code[0]
+        named = re.sub(r"(?<=\w)([._/])(?=\w)", r"\1<wbr>", code[0])
+        return re.sub(r"(?<![\w-])--?[A-Za-z][a-z-]*", r'<span class="option">\g<0></span>', named)
 
-    return TABLE.sub(lambda table: CODE.sub(broken, table[0]), content)
+    return PICTURE.sub(r'<a href="\1">\g<0></a>', BLOCK_OR_CODE.sub(broken, content))
 
 
 def on_post_page(output: str, page: Any, **_: Any) -> str:
@@ -87,7 +83,7 @@ def _described(command: Any, name: str) -> Iterator[str]:
     usage = [name]
     usage += [names[p][0] if p.required else f"[{names[p][0]}]" for p in parameters if p.param_type_name == "argument"]
     usage += ["[OPTIONS]"] if any(p.param_type_name == "option" for p in parameters) else []
-    text = "\n\n".join(filter(None, (inspect.cleandoc(command.help or ""), command.epilog)))
+    text = EXAMPLE.sub(r": `\1`\2", "\n\n".join(filter(None, (inspect.cleandoc(command.help or ""), command.epilog))))
     yield from (f"## {name}", "", text, "", f"```sh\n{' '.join(usage)}\n```", "")
     if parameters:
         yield from ("| argument or option | default | meaning |", "|---|---|---|")

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import gcd, isclose
-from typing import Generic, Protocol, TypeVar
+from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -23,41 +24,25 @@ SAME_BEARING = 1e-3
 """Largest relative difference between the orders of one bearing in two rows of the table [-]."""
 
 
-class JudgedRecording(Protocol):
-    """A recording of one axis with known truth at a constant speed, measured or simulated."""
+@dataclass(frozen=True, kw_only=True)
+class JudgedRecording(ABC):
+    """A recording of one axis with known truth at a constant speed, measured or simulated, as a table describes it."""
 
-    @property
-    def name(self) -> str:
-        """Name in the table."""
+    name: str
+    rig: str
+    machine: str
+    """Physical rig: a rig that is recorded in two ways is one machine."""
+    truth: str
+    """Correct verdict."""
+    rate: int
+    """[Hz]"""
+    speed: float
+    """Speed of the shaft [Hz]."""
+    orders: Orders
+    gain_known: bool = False
+    """Whether all bearings of the machine are known to have been recorded with one gain, so that their levels can be compared."""
 
-    @property
-    def rig(self) -> str:
-        """Rig in the table."""
-
-    @property
-    def machine(self) -> str:
-        """Physical rig: a rig that is recorded in two ways is one machine."""
-
-    @property
-    def truth(self) -> str:
-        """Correct verdict."""
-
-    @property
-    def rate(self) -> int:
-        """[Hz]"""
-
-    @property
-    def speed(self) -> float:
-        """Speed of the shaft [Hz]."""
-
-    @property
-    def orders(self) -> Orders:
-        """Characteristic orders of the bearing."""
-
-    @property
-    def gain_known(self) -> bool:
-        """Whether its level can be compared with that of another bearing of the machine."""
-
+    @abstractmethod
     def longest_part(self, seconds: float) -> Floats:
         """Return the acceleration of the first ``seconds`` [m/s^2], shape (samples,)."""
 

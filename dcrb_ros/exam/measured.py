@@ -20,7 +20,7 @@ from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exam.criteria import Criteria, DelayLimits
 from dcrb_ros.exam.evaluation import Outcome, Scenario, ScenarioSet, Signal, named
 from dcrb_ros.exam.expectation import Expectation
-from dcrb_ros.exam.led_signal import LedSignal, expectation, healthy_lead
+from dcrb_ros.exam.led_signal import JudgedRecording, LedSignal, expectation, healthy_lead
 from dcrb_ros.messages.received_diagnosis import decode_diagnosis
 from dcrb_ros.messages.topics.diagnosis import encode_diagnosis
 from dcrb_ros.schema.arrays import Floats
@@ -51,26 +51,14 @@ FOUND = 0.9
 """Share of the outer and inner-ring faults that must be named."""
 
 
-@dataclass(frozen=True)
-class MeasuredRecording:
+@dataclass(frozen=True, kw_only=True)
+class MeasuredRecording(JudgedRecording):
     """A row of the table."""
 
-    name: str
-    rig: str
-    truth: str
-    rate: int
-    """[Hz]"""
     unit: str
-    speed: float
-    """Speed of the shaft [Hz]."""
-    orders: Orders
     file: Path
-    machine: str
-    """Physical rig: a rig that is recorded in two ways is one machine."""
     bearing: str
     """Bearing on the machine; recordings of one bearing are not independent."""
-    gain_known: bool = False
-    """Whether all bearings of the machine are known to have been recorded with one gain, so that their levels can be compared."""
 
     def samples(self) -> Floats:
         """Return the acceleration, shape (samples,) [m/s^2].
@@ -151,17 +139,17 @@ def _row(table: Path, line: int, row: dict[str, str], speed: str) -> MeasuredRec
     bearing = row.get("bearing") or f"{row['truth']} {name.rpartition('_')[0] or name}"
     file = table.parent / "recordings" / f"{name}.npz"
     return MeasuredRecording(
-        name,
-        row["rig"],
-        row["truth"],
-        rate,
-        row["unit"],
-        frequency,
-        orders,
-        file,
-        machine,
-        f"{machine} {bearing}",
+        name=name,
+        rig=row["rig"],
+        machine=machine,
+        truth=row["truth"],
+        rate=rate,
+        speed=frequency,
+        orders=orders,
         gain_known=gain == KNOWN,
+        unit=row["unit"],
+        file=file,
+        bearing=f"{machine} {bearing}",
     )
 
 

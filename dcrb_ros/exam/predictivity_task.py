@@ -6,16 +6,15 @@ import hashlib
 import json
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import partial
 from pathlib import Path
 from typing import Generic
 
-from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.exam.case import Case
 from dcrb_ros.exam.evaluation import OnDone
 from dcrb_ros.exam.exam_file import Exam
-from dcrb_ros.exam.led_signal import Judged, LedSignal, healthy_lead
+from dcrb_ros.exam.led_signal import Judged, JudgedRecording, LedSignal, healthy_lead
 from dcrb_ros.exam.measured import MeasuredRecording
 from dcrb_ros.exam.recording_cache import cached_recording, case_hash, is_recorded
 from dcrb_ros.recordings.reader import Recording
@@ -29,49 +28,13 @@ VERTICAL = 1
 """Axis of the bench that a recording of one axis has: Y, along the load."""
 
 
-@dataclass(frozen=True)
-class SimulatedRecording:
+@dataclass(frozen=True, kw_only=True)
+class SimulatedRecording(JudgedRecording):
     """A scenario of a replica as a recording of one axis, as the table describes the measured one."""
 
     original: MeasuredRecording
     case: Case
     folder: Path
-    machine: str
-
-    @property
-    def name(self) -> str:
-        """Name of the scenario."""
-        return self.case.expectation.name
-
-    @property
-    def rig(self) -> str:
-        """Rig in the table."""
-        return self.original.rig
-
-    @property
-    def truth(self) -> str:
-        """Correct verdict."""
-        return self.original.truth
-
-    @property
-    def rate(self) -> int:
-        """[Hz]"""
-        return self.original.rate
-
-    @property
-    def speed(self) -> float:
-        """Speed of the shaft [Hz]."""
-        return self.original.speed
-
-    @property
-    def orders(self) -> Orders:
-        """Characteristic orders in the table."""
-        return self.original.orders
-
-    @property
-    def gain_known(self) -> bool:
-        """Whether levels of different bearings can be compared, according to the table."""
-        return self.original.gain_known
 
     def longest_part(self, seconds: float) -> Floats:
         """Return the vertical acceleration of the first ``seconds`` [m/s^2], shape (samples,); it is simulated if it is missing."""
@@ -118,7 +81,9 @@ def simulated_tasks(exam: Exam, recordings: Sequence[MeasuredRecording], longest
                 f"scenario '{case.expectation.name}' of {exam.name} is no counterpart of a recording of the table: make the replica "
                 "with dcrb exam replica"
             )
-        simulated.append(SimulatedRecording(original, case, folder, str(machine)))
+        described = {field.name: getattr(original, field.name) for field in fields(JudgedRecording)}
+        described |= {"name": case.expectation.name, "machine": str(machine)}
+        simulated.append(SimulatedRecording(**described, original=original, case=case, folder=folder))
     hashes = {one.name: case_hash(one.case) for one in simulated}
     return [_task(one, one.original, simulated, longest, hashes) for one in simulated if one.truth in COMPARED]
 

@@ -6,10 +6,8 @@ import dataclasses
 import hashlib
 import itertools
 import json
-import shutil
 from collections import deque
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +30,7 @@ from dcrb_ros.messages.topics.sensor import repeats_with
 from dcrb_ros.recordings.arrays import READINGS
 from dcrb_ros.recordings.manifest import FORMAT, MEASURED_UNITS, Outcome, now, record_text
 from dcrb_ros.recordings.recorder import channel_of
-from dcrb_ros.recordings.splitting import Bag, RecordingFailed
+from dcrb_ros.recordings.splitting import Bag
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
@@ -327,7 +325,7 @@ class WaveformImport:
         bag = Bag(path, opening=about, closing=outcome.records)
         topics: list[Topic] = [SENSOR, VIBRATION, FEATURES, TACHO, *READINGS.values()]
         channels = {topic: channel_of(topic, NAMESPACE) for topic in topics}
-        try:
+        with bag.removed_on_failure():
             description, read = encode_text(json.dumps(self.sensor(), sort_keys=True)), deque(self._temperatures())
             bag.write([(channels[SENSOR], 0, description)])
             for block in self.blocks():
@@ -341,10 +339,4 @@ class WaveformImport:
                 messages.sort(key=lambda message: message.time_ns)
                 bag.write([(channels[message.topic], message.time_ns, message.data) for message in messages])
             bag.write([(channels[message.topic], message.time_ns, message.data) for message in read])
-            bag.close()
-        except BaseException:
-            with suppress(RecordingFailed):
-                bag.close()
-            shutil.rmtree(bag.path, ignore_errors=True)
-            raise
         return outcome.samples

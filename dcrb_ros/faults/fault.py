@@ -80,12 +80,12 @@ class Fault(Group):
     def present(self) -> bool:
         """Whether the bearing has the fault; the default values describe none."""
 
-    @abstractmethod
     def damage(self, bearing: Dimensions, edge_radius: float) -> Iterator[Damage]:
-        """Yield the geometry for the kernels, of a fault that is present and without `problems`.
+        """Yield the geometry for the kernels, of a fault that is present and without `problems`; nothing where the surfaces are sound.
 
         ``edge_radius`` is the radius of rounded edges [m], 0 where the contact law has sharp ones.
         """
+        return iter(())
 
     def problems(self, key: str, bearing: Dimensions) -> Iterator[str]:
         """Yield a sentence for each value that is impossible in this bearing: the value, the range and the remedy."""

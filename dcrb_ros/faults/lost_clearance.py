@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping
 
 from dcrb_ros.faults.condition import Condition
 from dcrb_ros.faults.fault import Dimensions, Fault
-from dcrb_ros.faults.geometry import Damage
 from dcrb_ros.schema.fields import LENGTH_REMEDY, length
 
 MOST_PRELOAD = 3e-5
@@ -36,10 +35,6 @@ class LostClearance(Fault):
                 f"faults.{key}.lost = {self.lost:g} m is above {gap + MOST_PRELOAD:.4g} m, the radial gap and an interference of "
                 f"{MOST_PRELOAD:g} m: {LENGTH_REMEDY}"
             )
-
-    def damage(self, bearing: Dimensions, edge_radius: float) -> Iterator[Damage]:
-        """Yield nothing: the surfaces are sound."""
-        return iter(())
 
     def condition(self) -> Condition:
         """Return the clearance."""

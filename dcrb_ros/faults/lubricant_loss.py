@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
 from dcrb_ros.faults.condition import Condition
-from dcrb_ros.faults.fault import Dimensions, Fault
-from dcrb_ros.faults.geometry import Damage
+from dcrb_ros.faults.fault import Fault
 from dcrb_ros.schema.fields import quantity
 
 
@@ -30,10 +29,6 @@ class LubricantLoss(Fault):
     def present(self) -> bool:
         """Whether lubricant is lost."""
         return self.loss > 0.0
-
-    def damage(self, bearing: Dimensions, edge_radius: float) -> Iterator[Damage]:
-        """Yield nothing: the surfaces are sound."""
-        return iter(())
 
     def condition(self) -> Condition:
         """Return the loss."""

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
 from dcrb_ros.faults.condition import Condition
-from dcrb_ros.faults.fault import Dimensions, Fault
-from dcrb_ros.faults.geometry import Damage
+from dcrb_ros.faults.fault import Fault
 from dcrb_ros.schema.fields import quantity
 
 
@@ -24,10 +23,6 @@ class OverfilledGrease(Fault):
     def present(self) -> bool:
         """Whether there is too much grease."""
         return self.share > 0.0
-
-    def damage(self, bearing: Dimensions, edge_radius: float) -> Iterator[Damage]:
-        """Yield nothing: the surfaces are sound."""
-        return iter(())
 
     def condition(self) -> Condition:
         """Return the share."""

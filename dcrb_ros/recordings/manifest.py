@@ -74,6 +74,13 @@ def well_formed(content: Any) -> bool:
     return content.get(DIGEST) in (None, digest_of(content, DIGEST))
 
 
+def stated_range(manifest: Mapping[str, Any]) -> float:
+    """Return the sensor's range at the start of a recording [m/s^2]; 0 if it is unknown."""
+    about = manifest.get("sensor") or manifest.get("configuration", {}).get("sensor")
+    sensor_range = about.get("range") if isinstance(about, Mapping) else None
+    return float(sensor_range) if isinstance(sensor_range, int | float) and sensor_range > 0.0 else 0.0
+
+
 def record_text(entries: Mapping[str, Any]) -> str:
     """Return the text of a record with its digest."""
     about = json.loads(json.dumps(entries, default=str))

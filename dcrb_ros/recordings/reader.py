@@ -34,7 +34,7 @@ from dcrb_ros.recordings.arrays import RecordedVerdict, joined_waveform, verdict
 from dcrb_ros.recordings.digest import SampleDigests, samples_in, stated_samples
 from dcrb_ros.recordings.foreign_files import refuse_foreign
 from dcrb_ros.recordings.latched import described_manifest, in_order, of_one_bench
-from dcrb_ros.recordings.manifest import DAMAGE, OUTCOME, Outcome, well_formed
+from dcrb_ros.recordings.manifest import DAMAGE, OUTCOME, Outcome, stated_range, well_formed
 from dcrb_ros.recordings.recorded_run import RecordedRun
 from dcrb_ros.recordings.storage import StoredMessage, valid_files
 from dcrb_ros.recordings.vehicle_folder import box_of, boxes_in, record_name
@@ -230,7 +230,7 @@ class Recording(RecordedRun):
         Refusal
             The recording has no waveform.
         """
-        outcome, sensor_range = Outcome(self.sampling_rate), self._first_range()
+        outcome, sensor_range = Outcome(self.sampling_rate), stated_range(self.manifest)
         for message in self.messages((SENSOR, VIBRATION)):
             if message.topic == SENSOR:
                 sensor_range = decode_range(message.data)
@@ -343,12 +343,6 @@ class Recording(RecordedRun):
             f"the configuration in {writer} is damaged or not understood by dcrb_ros {__version__} ({reason}): "
             "read it with the version that wrote it"
         )
-
-    def _first_range(self) -> float:
-        """Return the sensor's range in the manifest [m/s^2]; 0 if it is unknown."""
-        about = self.manifest.get("sensor") or self.manifest.get("configuration", {}).get("sensor")
-        sensor_range = about.get("range") if isinstance(about, Mapping) else None
-        return float(sensor_range) if isinstance(sensor_range, int | float) and sensor_range > 0.0 else 0.0
 
     def _json(self, record: Metadata, key: str, file: str) -> dict[str, Any] | None:
         """Return the JSON object in a metadata record; None if it is damaged."""

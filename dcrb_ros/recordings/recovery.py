@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
@@ -21,7 +20,7 @@ from dcrb_ros.recordings.foreign_files import refuse_foreign, sound
 from dcrb_ros.recordings.manifest import OUTCOME, Outcome, now
 from dcrb_ros.recordings.mcap_writer import Channel, McapFile, described_channel
 from dcrb_ros.recordings.reader import Recording
-from dcrb_ros.recordings.splitting import SECOND, Bag, RecordingFailed, Splitting
+from dcrb_ros.recordings.splitting import SECOND, Bag, Splitting
 from dcrb_ros.recordings.storage import StoredMessage, valid_files
 from dcrb_ros.recordings.vehicle_folder import VEHICLE_OUTCOME, box_of, record_name, vehicle_boxes
 from dcrb_ros.schema.printable import printable
@@ -91,19 +90,13 @@ class Recovery:
             raise Refusal(f"nothing can be recovered from {self._source}, because no message can be read{reason}")
         records = self._opening()
         bag = Bag(target, opening=records, closing=self._closing, splitting=self._splitting(), compression=self._compression())
-        try:
+        with bag.removed_on_failure():
             bag.write([first])
             for message in messages:
                 bag.write([message])
             self._note(self._mismatch())
             unsound = [name for name, entries in records.items() if not sound(name, entries)]
             self._note(f"the record {name} is damaged or was changed; it is kept, and not used by any command" for name in unsound)
-            bag.close()
-        except BaseException:
-            with suppress(RecordingFailed):
-                bag.close()
-            shutil.rmtree(bag.path, ignore_errors=True)
-            raise
         self._recovered.damage = tuple(map(printable, self._damage))
         return self._recovered
 

@@ -6,7 +6,7 @@ import os
 import shutil
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -139,6 +139,18 @@ class Bag:
             self._abandon()
             raise RecordingFailed(f"the recording {self.path} could not be finished: {error.strerror}") from None
         self.open = False
+
+    @contextmanager
+    def removed_on_failure(self) -> Iterator[None]:
+        """Finish the bag at the end of the context; if the context fails, nothing is left behind."""
+        try:
+            yield
+            self.close()
+        except BaseException:
+            with suppress(RecordingFailed):
+                self.close()
+            shutil.rmtree(self.path, ignore_errors=True)
+            raise
 
     @contextmanager
     def _end_on_failure(self) -> Iterator[None]:

@@ -13,6 +13,12 @@ def nanoseconds(count: int, rate: int) -> int:
     return count * 1_000_000_000 // rate
 
 
+def next_tick(step: int, rate: int, step_rate: int) -> int:
+    """Return the first step after ``step``, of ``step_rate`` per second, at which a clock of ``rate`` [Hz] ticks."""
+    tick = step * rate // step_rate + 1
+    return -(-tick * step_rate // rate)
+
+
 def checked_duration(duration: float) -> float:
     """Return a duration [s] given with --duration.
 

@@ -22,7 +22,7 @@ Item = TypeVar("Item")
 
 
 class BlockQueue:
-    """Takes samples, states and truths as the model advances, and cuts them into consecutive blocks."""
+    """Keeps what the model appends as it advances, and cuts it into consecutive blocks."""
 
     def __init__(self, rate: int, preview_rate: int, *, preview: bool) -> None:
         """Begin with sample 0 at the sampling ``rate`` [Hz]; without ``preview`` the blocks have no preview."""
@@ -30,30 +30,18 @@ class BlockQueue:
         """Samples in the blocks so far."""
         self._rate, self._preview_rate = rate, preview_rate
         self._preview = Cascade(rate // preview_rate) if preview else None
-        self._measured: deque[Measurement] = deque()
-        self._states: deque[States] = deque()
-        self._truths: deque[Truth] = deque()
-        self._temperatures: deque[TemperatureReading] = deque()
+        self.measured: deque[Measurement] = deque()
+        """Samples; like the following, in the order of time."""
+        self.states: deque[States] = deque()
+        """States of the bodies."""
+        self.truths: deque[Truth] = deque()
+        """Ground truth."""
+        self.temperatures: deque[TemperatureReading] = deque()
+        """Readings of the temperature sensors."""
         self._pulses = np.zeros(0, np.int64)
         self._first_pulse = 0
         self._previews: deque[tuple[int, npt.NDArray[np.float64]]] = deque()
         self._preview_count = 0
-
-    def add_samples(self, measured: Measurement) -> None:
-        """Append samples."""
-        self._measured.append(measured)
-
-    def add_states(self, states: States) -> None:
-        """Append the states at one instant."""
-        self._states.append(states)
-
-    def add_truth(self, truth: Truth) -> None:
-        """Append the ground truth at one instant."""
-        self._truths.append(truth)
-
-    def add_temperatures(self, reading: TemperatureReading) -> None:
-        """Append what the temperature sensors read at one instant."""
-        self._temperatures.append(reading)
 
     def add_pulses(self, time_ns: Integers) -> None:
         """Append pulses of the tacho at some times [ns]."""
@@ -81,9 +69,9 @@ class BlockQueue:
             lost=lost,
             preview=np.array([sample for _, sample in previews], np.float32).reshape(-1, 2),
             preview_ns=tuple(time for time, _ in previews),
-            states=tuple(_before(self._states, end_ns, lambda states: states.time_ns)),
-            truths=tuple(_before(self._truths, end_ns, lambda truth: truth.time_ns)),
-            temperatures=tuple(_before(self._temperatures, end_ns, lambda reading: reading.time_ns)),
+            states=tuple(_before(self.states, end_ns, lambda states: states.time_ns)),
+            truths=tuple(_before(self.truths, end_ns, lambda truth: truth.time_ns)),
+            temperatures=tuple(_before(self.temperatures, end_ns, lambda reading: reading.time_ns)),
             pulse_ns=pulses,
             pulse_number=first_pulse + np.arange(len(pulses), dtype=np.int64),
         )
@@ -97,8 +85,8 @@ class BlockQueue:
 
     def _take(self, size: int) -> Measurement:
         """Remove the next ``size`` samples and return them."""
-        joined = [np.concatenate([getattr(part, field.name) for part in self._measured]) for field in dataclasses.fields(Measurement)]
-        self._measured = deque([Measurement(*(samples[size:] for samples in joined))])
+        joined = [np.concatenate([getattr(part, field.name) for part in self.measured]) for field in dataclasses.fields(Measurement)]
+        self.measured = deque([Measurement(*(samples[size:] for samples in joined))])
         return Measurement(*(samples[:size] for samples in joined))
 
     def _feed_preview(self, clean: npt.NDArray[np.float64]) -> None:

@@ -18,8 +18,10 @@ from dcrb_ros.core.laws.lubricants import lubricant_of
 from dcrb_ros.core.layout.state import CAGE, SHAFT_SPEED, State
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.simulated_time import nanoseconds
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.loaded_contacts import material_of
+from dcrb_ros.simulation.failure import failure_at
 from dcrb_ros.simulation.opposite_box import OppositeBox
 from dcrb_ros.simulation.temperature_sensors import TemperatureSensors
 from dcrb_ros.stream.states import HEAT_SOURCES, TemperatureReading, ThermalState
@@ -39,10 +41,6 @@ HOTTEST = 600.0
 HOUR = 3600.0
 BURNING = 0.01
 """Share of the lubricant that burns per kelvin above the limit and hour [1/(K h)] (a choice)."""
-
-
-class Burnt(RuntimeError):
-    """The bearing is hotter than steel that carries a load can be."""
 
 
 class Heating:
@@ -127,13 +125,14 @@ class Heating:
         """Return the payload from a step on, and the work that changed radii did on the contacts [J].
 
         Raises:
-            Burnt: a temperature is above `HOTTEST`.
+            ModelFailure: a temperature is above `HOTTEST`.
         """
         c, self._present = configuration, None
         if steps % self.interval == 0:
             self._lose(c)
             if self.network_on:
                 self._warm(c, payload, state)
+                self._check_hottest(nanoseconds(steps, c.step_rate))
             self._aim = self._wanted(c)
         before = self._growth
         self._growth = Growth(
@@ -228,10 +227,12 @@ class Heating:
         if self._opposite is not None and self.surroundings.opposite is None:
             self._opposite.follow(c, speed, self._tick)
         self._count_clamped(c)
+
+    def _check_hottest(self, time_ns: int) -> None:
         hottest = max(self.temperatures)
         if not hottest <= HOTTEST:
             name = self._network.names[self.temperatures.index(hottest)]
-            raise Burnt(f"{name} is hotter than {HOTTEST:g} deg C: the bearing has burnt off")
+            raise failure_at(time_ns, f"{name} is hotter than {HOTTEST:g} deg C: the bearing has burnt off")
 
     def _flow(self, c: Configuration, speed: float) -> Conductances:
         raceways = [(inner, outer) for inner, outer in self._conductance]

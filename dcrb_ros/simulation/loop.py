@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 import dataclasses
 import math
-import threading
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
@@ -27,24 +26,19 @@ from dcrb_ros.schema.arguments import of_type, optional
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.numbers import finite_number
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.schema.simulated_time import nanoseconds
+from dcrb_ros.schema.simulated_time import nanoseconds, next_tick
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.block_queue import BlockQueue
 from dcrb_ros.simulation.drive import Drive, commanded
-from dcrb_ros.simulation.heating import Burnt, Heating
+from dcrb_ros.simulation.failure import check_domain
+from dcrb_ros.simulation.heating import Heating
+from dcrb_ros.simulation.pending import PendingCommands
 from dcrb_ros.simulation.scenario import ScheduledChange
 from dcrb_ros.simulation.toothed_wheel import toothed_wheel_of
 from dcrb_ros.simulation.transmission import Transmission
 from dcrb_ros.stream.block import Block, Truth
 from dcrb_ros.stream.events import BlockLost, Command, Event, LoadCommand, ParameterChange, Refused, ScenarioEvent, SpeedCommand, Start
 from dcrb_ros.stream.states import Account, BodyNames, States
-
-MAX_PENDING = 1000
-"""Commands that may wait for the next block."""
-
-
-class ModelFailure(RuntimeError):
-    """The model left its domain: a result is not a number, or the outer ring left its seat. The run cannot continue."""
 
 
 class Simulation:
@@ -107,8 +101,6 @@ class Simulation:
         self.configuration = configuration
         """The present configuration, with the changes that have taken effect."""
         self._scheduled = deque(changes)
-        self._requested: dict[str, Any] = {}
-        """Values in the pending changes."""
         self._onsets = onsets({}, configuration, 0.0)
         self.bodies: BodyNames = body_names(configuration)
         self._heating = Heating(configuration, surroundings)
@@ -124,8 +116,7 @@ class Simulation:
         self._orders = characteristic_orders(configuration.bearing)
         self._steps = 0
         self._observed: States | None = None
-        self._pending: deque[Command] = deque()
-        self._lock = threading.Lock()
+        self._pending = PendingCommands()
         self._queue = BlockQueue(configuration.sensor.sampling_rate, configuration.publishing.preview_rate, preview=not waveform_only)
         self._read_temperatures()
         self._note(Start())
@@ -155,8 +146,7 @@ class Simulation:
         """
         value = commanded("command/speed", "speed", speed, "rad/s")
         altered(self.configuration, {"operating.speed": value}, "command/speed")
-        with self._lock:
-            self._enqueue(SpeedCommand(value))
+        self._pending.add(SpeedCommand(value))
 
     def command_load(self, x: float, y: float) -> None:
         """Set the target force on the inner ring in X and Y [N], approached with the configured ramp from the next block on.
@@ -168,8 +158,7 @@ class Simulation:
         """
         force = commanded("command/load force.x", "lateral_load", x, "N"), commanded("command/load force.y", "load", y, "N")
         altered(self.configuration, {"operating.lateral_load": force[0], "operating.load": -force[1]}, "command/load")
-        with self._lock:
-            self._enqueue(LoadCommand(*force))
+        self._pending.add(LoadCommand(*force))
 
     def change(self, changes: Mapping[str, Any]) -> None:
         """Change parameters from the next block on: dotted keys and values, such as ``{"faults.outer_1.width": 0.002}``.
@@ -181,12 +170,8 @@ class Simulation:
         """
         # The ground truth contains the values as Python prints them.
         changes = {key: value.item() if isinstance(value, np.generic) else value for key, value in changes.items()}
-        if not changes:
-            return
-        with self._lock:
-            self._check_change(changes)
-            self._pending.append(ParameterChange(changes))
-            self._requested.update(changes)
+        if changes:
+            self._pending.add_change(changes, self._altered)
 
     def check_change(self, changes: Mapping[str, Any]) -> None:
         """Check a change as `change` does, and change nothing.
@@ -196,12 +181,11 @@ class Simulation:
         Refusal
             `change` would refuse it.
         """
-        with self._lock:
-            self._check_change(changes)
+        self._pending.check_change(changes, self._altered)
 
-    def _check_change(self, changes: Mapping[str, Any]) -> None:
-        altered(self.configuration, {**self._requested, **changes})
-        self._check_room()
+    def _altered(self, changes: Mapping[str, Any]) -> Configuration:
+        """Return the present configuration with some changes, or refuse them."""
+        return altered(self.configuration, changes)
 
     def fork(self) -> Simulation:
         """Return an independent copy that continues from the present state; without further commands both yield the same samples.
@@ -211,31 +195,19 @@ class Simulation:
         ValueError
             Commands or changes are pending.
         """
-        with self._lock:
-            if self._pending:
-                raise ValueError(f"{len(self._pending)} commands wait for the next block; fork after it")
+        with self._pending.lock:
+            if self._pending.commands:
+                raise ValueError(f"{len(self._pending.commands)} commands wait for the next block; fork after it")
             # Constants are shared; the views in the state and the lock cannot be copied like the rest.
-            copies = (self._state, copy_of(self._state)), (self._work, workspace(self._payload)), (self._lock, threading.Lock())
+            copies = (self._state, copy_of(self._state)), (self._work, workspace(self._payload)), (self._pending, PendingCommands())
             shared = (self._payload, self._payload), (self.configuration, self.configuration)
             return copy.deepcopy(self, {id(part): other for part, other in (*copies, *shared)})
 
     @property
     def has_pending(self) -> bool:
         """Whether commands or changes are pending; while they are being applied, the call waits."""
-        with self._lock:
-            return bool(self._pending)
-
-    def _enqueue(self, command: Command) -> None:
-        """Keep a command for the next block, which may be far away while the bench is paused."""
-        self._check_room()
-        self._pending.append(command)
-
-    def _check_room(self) -> None:
-        """Refuse commands while too many are waiting."""
-        if len(self._pending) >= MAX_PENDING:
-            raise Refusal(
-                f"{MAX_PENDING} commands are already waiting for the next block; this one is refused, send it again once the bench runs"
-            )
+        with self._pending.lock:
+            return bool(self._pending.commands)
 
     def blocks(self, duration: float | None = None) -> Iterator[Block]:
         """Yield blocks until ``duration`` [s] of samples is reached, endlessly without one.
@@ -255,12 +227,10 @@ class Simulation:
         rate, size = self.configuration.sensor.sampling_rate, self.configuration.publishing.block_size
         last = None if duration is None else self._queue.samples + round(duration * rate)
         while last is None or self._queue.samples < last:
-            yield self._block(size if last is None else min(size, last - self._queue.samples))
-
-    def _block(self, size: int) -> Block:
-        self.prepare(size)
-        self.sense(*self.step_to(self.steps_of(size)))
-        return self.cut(size)
+            samples = size if last is None else min(size, last - self._queue.samples)
+            self.prepare(samples)
+            self.sense(*self.step_to(self.steps_of(samples)))
+            yield self.cut(samples)
 
     def surround(self, surroundings: Surroundings) -> None:
         """Heat and cool the box as a vehicle does, from the next step of the thermal network on; not while `step_to` runs."""
@@ -271,7 +241,7 @@ class Simulation:
         first = self._queue.samples
         if first == 0:
             compile_ahead(self._payload, self._state, self._work)
-        self._apply_commands()
+        self._pending.apply(self._apply)
         self._lost = self._transmission.next_is_lost()
         if self._lost:
             self._note(BlockLost(first, first + size - 1))
@@ -286,28 +256,23 @@ class Simulation:
         block = self._queue.cut(size, lost=unpublished, sensor_range=self.configuration.sensor.range)
         return dataclasses.replace(block, energy=self.energy) if block.truths and not self._waveform_only else block
 
-    def _apply_commands(self) -> None:
-        with self._lock:
-            while self._pending:
-                self._note(self._apply(self._pending.popleft()))
-            self._requested.clear()
-
-    def _apply(self, command: Command) -> Event | None:
-        """Apply a command and return the event to report."""
+    def _apply(self, command: Command) -> None:
+        """Apply a command and note it."""
+        event: Event = command
         match command:
             case SpeedCommand(speed):
                 self._drive.command_speed(self._state, speed)
             case LoadCommand(x, y):
                 self._drive.command_load(self._state, x, y)
             case ParameterChange(changes):
-                return self._alter(changes, command)
-        return command
+                event = self._alter(changes, command)
+        self._note(event)
 
     def _apply_scheduled(self) -> None:
         """Apply the scenario's changes of this step."""
         while self._scheduled and self._scheduled[0].step <= self._steps:
             scheduled = self._scheduled.popleft()
-            with self._lock:
+            with self._pending.lock:
                 event = self._alter(scheduled.changes, scheduled.event or ScenarioEvent(scheduled.changes))
             if scheduled.event is not None or isinstance(event, Refused):
                 self._note(event)
@@ -315,7 +280,7 @@ class Simulation:
     def _alter(self, changes: Mapping[str, Any], request: ParameterChange | ScenarioEvent) -> Event:
         """Apply changes of parameters from this step on; return the request, or its refusal."""
         try:
-            after = altered(self.configuration, changes)
+            after = self._altered(changes)
         except Refusal as refusal:  # it conflicts with a change that came in between
             return Refused(request, str(refusal))
         before, self.configuration, present = self.configuration, after, self._payload.speed_ramp
@@ -342,8 +307,8 @@ class Simulation:
         while self._steps < end:
             self._apply_scheduled()
             publishing, rate = self.configuration.publishing, self.configuration.step_rate
-            state_due = end if self._waveform_only else _next_tick(self._steps, publishing.state_rate, rate)
-            truth_due = _next_tick(self._steps, publishing.truth_rate, rate)
+            state_due = end if self._waveform_only else next_tick(self._steps, publishing.state_rate, rate)
+            truth_due = next_tick(self._steps, publishing.truth_rate, rate)
             change_due = self._scheduled[0].step if self._scheduled else end
             value_due = end
             if self._drive.fluctuates:
@@ -353,13 +318,13 @@ class Simulation:
             acceleration, angles = np.empty((count, 2)), np.empty(count)
             advance(self._payload, self._state, self._work, acceleration, angles)
             self._steps += count
-            self._check_domain(acceleration)
+            check_domain(self.time_ns, acceleration, self._state, self._payload.roller_radius)
             motion.append((acceleration, angles))
             if self._steps == heat_due:
                 self._heat()
             if self._steps == state_due and not self._waveform_only:
                 self._observed = observe(self._payload, self._state, self.time_ns, self._observed, self._heating.present)
-                self._queue.add_states(self._observed)
+                self._queue.states.append(self._observed)
             if self._steps == truth_due:
                 self._note(None)
         accelerations, shaft = zip(*motion, strict=True)
@@ -369,16 +334,13 @@ class Simulation:
         """Measure the acceleration at the sensor's place over the steps that `step_to` returned, and the angle of the shaft."""
         if not len(angle):
             return
-        self._queue.add_samples(self._sensor.measure(acceleration, angle))
+        self._queue.measured.append(self._sensor.measure(acceleration, angle))
         if self._tacho is not None:
             self._queue.add_pulses(self._tacho.pulses(angle))
 
     def _heat(self) -> None:
         """Step heat and lubricant, and fit the bearing to them."""
-        try:
-            self._payload, work = self._heating.update(self.configuration, self._payload, self._state, self._steps)
-        except Burnt as burnt:
-            raise ModelFailure(f"the model failed at {self.time_ns / 1e9:.6f} s: {burnt}") from None
+        self._payload, work = self._heating.update(self.configuration, self._payload, self._state, self._steps)
         self._stored += work
         self._read_temperatures()
 
@@ -386,15 +348,7 @@ class Simulation:
         """Append a reading of the temperature sensors where one is due."""
         reading = self._heating.reading(self.configuration, self._steps, self.time_ns)
         if reading is not None:
-            self._queue.add_temperatures(reading)
-
-    def _check_domain(self, acceleration: Floats) -> None:
-        off_seat = max(map(abs, self._state.outer_position.tolist()))
-        if not (math.isfinite(float(acceleration.sum())) and off_seat < self._payload.roller_radius):
-            raise ModelFailure(
-                f"the model failed at {self.time_ns / 1e9:.6f} s: the outer ring is {off_seat:.3g} m off its seat; "
-                "a shorter simulation.step or a smaller load keeps it in its domain"
-            )
+            self._queue.temperatures.append(reading)
 
     def _note(self, event: Event | None) -> None:
         """Append the ground truth of this instant."""
@@ -403,10 +357,5 @@ class Simulation:
         frequencies = self._orders.frequencies(speed / (2.0 * math.pi))
         background = self.configuration.background.described()
         thermal = self._heating.truth(self.configuration)
-        self._queue.add_truth(Truth(self.time_ns, speed, (float(load[0]), float(load[1])), frequencies, faults, event, background, thermal))
-
-
-def _next_tick(step: int, rate: int, step_rate: int) -> int:
-    """Return the first step after ``step`` at which a clock of ``rate`` [Hz] ticks."""
-    tick = step * rate // step_rate + 1
-    return -(-tick * step_rate // rate)
+        truth = Truth(self.time_ns, speed, (float(load[0]), float(load[1])), frequencies, faults, event, background, thermal)
+        self._queue.truths.append(truth)

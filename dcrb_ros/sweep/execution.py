@@ -20,8 +20,9 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.simulated_time import nanoseconds
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten, overlaid, validated
+from dcrb_ros.simulation.failure import ModelFailure
 from dcrb_ros.simulation.ground_truth import commands_in
-from dcrb_ros.simulation.loop import ModelFailure, Simulation
+from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.scenario import ScheduledChange, scheduled_changes, starting_configuration
 from dcrb_ros.stream.block import Block, Truth
 from dcrb_ros.sweep.design import Value

@@ -8,7 +8,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.simulation.loop import MAX_PENDING, Simulation
+from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.simulation.pending import MAX_PENDING
 from dcrb_ros.vehicle.changes import RANGES, checked_command, sorted_changes
 from dcrb_ros.vehicle.description import Vehicle
 from dcrb_ros.vehicle.model import VehicleModel

@@ -14,7 +14,8 @@ import numpy as np
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.numbers import finite_number
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.simulation.loop import ModelFailure, Simulation
+from dcrb_ros.simulation.failure import ModelFailure
+from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.stream.block import Block
 from dcrb_ros.vehicle.block import VehicleBlock, VehicleTruth
 from dcrb_ros.vehicle.description import Vehicle

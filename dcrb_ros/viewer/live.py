@@ -27,7 +27,7 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.text.json import parsed_json
 from dcrb_ros.viewer.content import BenchInfo, DetectorOutput
-from dcrb_ros.viewer.live_run import LiveRun, completed
+from dcrb_ros.viewer.live_run import LiveRun, ReceivedMessages, completed
 from dcrb_ros.viewer.reader import content_of, series_of, verdicts_in
 from dcrb_ros.viewer.spectrum import spectra_in
 
@@ -43,34 +43,26 @@ SHOWN = (
     LUBRICATION_STATE,
     TACHO,
 )
-MOST_QUEUED = 2000
-"""Messages of a topic kept until they are logged, at most [-]."""
 
 
-class LiveView:
-    """Logs the messages of a running bench to Rerun; after a reset of the bench a new Rerun recording is started."""
+class LiveView(ReceivedMessages):
+    """Logs the messages of a running bench to Rerun; see `ReceivedMessages`."""
 
     def __init__(self, begin: Callable[[int], rr.RecordingStream], title: str, log: Callable[[str], object]) -> None:
-        """Log to the stream that ``begin`` returns for a run number; ``log`` is called with warnings about invalid messages."""
-        self._begin, self._title, self._log = begin, title, log
-        self._received: dict[Topic, list[bytes]] = defaultdict(list)
+        """Log to the streams that ``begin`` returns; see `ReceivedMessages`."""
+        super().__init__(begin, title, log)
         self._bench: BenchInfo | None = None
         self._run: LiveRun | None = None
-        self._runs = self._newest_ns = 0
-        self.refused = 0
-        """Number of batches with an invalid message."""
+        self._newest_ns = 0
 
     def take(self, topic: Topic, data: bytes) -> None:
-        """Keep a message until the next `flush`; if there are more than `MOST_QUEUED`, the oldest are dropped."""
+        """Keep a message until the next `flush`."""
         if topic is not SENSOR and len(data) < STAMP_END:
             self._refuse(Refusal(f"a message on {topic.name} has {len(data)} bytes, too few for a stamp"))
             return
         if topic is VIBRATION:
             self._check_time(int(stamps([data])[0]))
-        queue = self._received[topic]
-        queue.append(data)
-        if len(queue) > MOST_QUEUED:
-            del queue[0]
+        self._keep(topic, data)
 
     def flush(self) -> None:
         """Log the received messages, once the sensor has been described."""
@@ -94,8 +86,7 @@ class LiveView:
 
     def _current(self, bench: BenchInfo) -> LiveRun:
         if self._run is None:
-            self._runs += 1
-            self._run = LiveRun(self._begin(self._runs), bench)
+            self._run = LiveRun(self._next_stream(), bench)
         return self._run
 
     def _check_time(self, stamp_ns: int) -> None:
@@ -106,11 +97,6 @@ class LiveView:
                 self._run.close()
             self._run = None
         self._newest_ns = stamp_ns
-
-    def _refuse(self, refusal: Refusal) -> None:
-        self.refused += 1
-        if self.refused & (self.refused - 1) == 0:
-            self._log(f"not shown: {refusal} ({self.refused} so far)")
 
 
 def bench_info(data: bytes, title: str) -> BenchInfo:

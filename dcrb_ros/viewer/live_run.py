@@ -1,9 +1,10 @@
-"""One run of a bench in a growing Rerun recording: fixed shapes are logged once, moving ones are added."""
+"""Messages that wait to be shown, and a run of a bench in a growing Rerun recording: fixed shapes come once, moving ones are added."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections import defaultdict
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from contextlib import contextmanager
 from dataclasses import replace
@@ -12,6 +13,8 @@ import numpy as np
 import rerun as rr
 
 from dcrb_ros.bearing.fault_lines import fault_combs
+from dcrb_ros.messages.topics import Topic
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.viewer import bearing_picture, load_zone, order_map, series, spectrum_picture, summary
 from dcrb_ros.viewer.blueprint import compose_live
 from dcrb_ros.viewer.content import BenchInfo, Content, DetectorOutput, Motion, TimedWaveform
@@ -19,12 +22,43 @@ from dcrb_ros.viewer.drawing import Drawing, rounded_up
 from dcrb_ros.viewer.row_faults import RowFaults
 from dcrb_ros.viewer.spectrum import Spectra, envelope_spectra
 
+MOST_QUEUED = 2000
+"""Messages of a topic kept until they are logged, at most [-]."""
 RECENT = 1000
 """Number of latest states from which the mean forces in the load zone are computed [-]."""
 MOST_SPECTRA = 300
 """Spectra in the order map at most [-]; it has about as many rows of pixels."""
 HEADROOM = 1.25
 """Largest force over the end of the force scale before a new scale is drawn [-]."""
+
+
+class ReceivedMessages:
+    """Keeps messages until they are logged; after a reset a new Rerun recording is started."""
+
+    def __init__(self, begin: Callable[[int], rr.RecordingStream], title: str, log: Callable[[str], object]) -> None:
+        """Log to the stream that ``begin`` returns for a run number; ``log`` is called with warnings about invalid messages."""
+        self._begin, self._title, self._log = begin, title, log
+        self._received: dict[Topic, list[bytes]] = defaultdict(list)
+        self._runs = 0
+        self.refused = 0
+        """Number of batches with an invalid message."""
+
+    def _keep(self, topic: Topic, data: bytes) -> None:
+        """Keep a message; if there are more than `MOST_QUEUED` on its topic, the oldest is dropped."""
+        queue = self._received[topic]
+        queue.append(data)
+        if len(queue) > MOST_QUEUED:
+            del queue[0]
+
+    def _next_stream(self) -> rr.RecordingStream:
+        self._runs += 1
+        return self._begin(self._runs)
+
+    def _refuse(self, refusal: Refusal) -> None:
+        """Warn of the first invalid message, the second, the fourth and so on."""
+        self.refused += 1
+        if self.refused & (self.refused - 1) == 0:
+            self._log(f"not shown: {refusal} ({self.refused} so far)")
 
 
 class LiveRun:

@@ -16,30 +16,26 @@ from dcrb_ros.messages.vehicle import decode_description
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.vehicle_description import VehicleDescription
 from dcrb_ros.viewer.content import TimedWaveform
-from dcrb_ros.viewer.live_run import as_current
+from dcrb_ros.viewer.live_run import ReceivedMessages, as_current
 from dcrb_ros.viewer.spectrum import envelope_spectra
 from dcrb_ros.viewer.spectrum_picture import GrowingSpectra
 from dcrb_ros.viewer.vehicle_content import VehicleContent, content_of, joined
 from dcrb_ros.viewer.vehicle_document import SPECTRA, compose, largest_level, log_vehicle
 
-MOST_QUEUED = 2000
-"""Messages of a topic kept until they are logged, at most [-]."""
 KEPT = 3.0
 """Signal that is kept to align the next blocks [s]; a wheelbase of 2.6 m takes 1.9 s at 5 km/h."""
 
 
-class VehicleLiveView:
-    """Logs the messages of a running vehicle to Rerun; after a reset a new Rerun recording is started."""
+class VehicleLiveView(ReceivedMessages):
+    """Logs the messages of a running vehicle to Rerun; see `ReceivedMessages`."""
 
     def __init__(self, begin: Callable[[int], rr.RecordingStream], title: str, log: Callable[[str], object]) -> None:
-        """Log to the stream that ``begin`` returns for a run number; ``log`` is called with warnings about invalid messages."""
-        self._begin, self._title, self._log = begin, title, log
-        self._received: dict[Topic, list[bytes]] = defaultdict(list)
+        """Log to the streams that ``begin`` returns; see `ReceivedMessages`."""
+        super().__init__(begin, title, log)
         self._description: VehicleDescription | None = None
         self._stream: rr.RecordingStream | None = None
         self._recent: dict[str, TimedWaveform] = {}
         self._spectra: dict[str, GrowingSpectra] = {}
-        self._runs = self._refused = 0
         self._largest = 0.0
 
     @property
@@ -48,14 +44,11 @@ class VehicleLiveView:
         return self._description
 
     def take(self, topic: Topic, data: bytes) -> None:
-        """Keep a message until the next `flush`; if there are more than `MOST_QUEUED`, the oldest are dropped."""
+        """Keep a message until the next `flush`."""
         if topic == VEHICLE_DESCRIPTION:
             self._describe(data)
-            return
-        queue = self._received[topic]
-        queue.append(data)
-        if len(queue) > MOST_QUEUED:
-            del queue[0]
+        else:
+            self._keep(topic, data)
 
     def _describe(self, data: bytes) -> None:
         try:
@@ -88,8 +81,7 @@ class VehicleLiveView:
     def _show(self, content: VehicleContent) -> None:
         begins = self._stream is None
         if self._stream is None:
-            self._runs += 1
-            self._stream = self._begin(self._runs)
+            self._stream = self._next_stream()
             self._stream.send_blueprint(compose(content, live=True))
         self._largest = max(self._largest, largest_level(content))
         with as_current(self._stream):
@@ -117,11 +109,6 @@ class VehicleLiveView:
         """Log the remaining messages and close the recording."""
         self.flush()
         self._end()
-
-    def _refuse(self, refusal: Refusal) -> None:
-        self._refused += 1
-        if self._refused & (self._refused - 1) == 0:
-            self._log(f"not shown: {refusal} ({self._refused} so far)")
 
 
 def recent(before: TimedWaveform | None, waveform: TimedWaveform) -> TimedWaveform:

@@ -144,7 +144,18 @@ def test_no_gain_changes_a_verdict_on_a_measured_recording(gain: float) -> None:
 
 
 def recording(name: str, truth: str, rate: int, speed: float, orders: Orders, machine: str = "rig") -> MeasuredRecording:
-    return MeasuredRecording(name, "rig", truth, rate, "g", speed, orders, Path(f"{name}.npz"), machine, name)
+    return MeasuredRecording(
+        name=name,
+        rig="rig",
+        machine=machine,
+        truth=truth,
+        rate=rate,
+        speed=speed,
+        orders=orders,
+        unit="g",
+        file=Path(f"{name}.npz"),
+        bearing=name,
+    )
 
 
 def test_a_recording_follows_a_healthy_one_of_the_same_bearing() -> None:

@@ -251,7 +251,8 @@ def test_a_replay_publishes_all_boxes_with_equal_stamps(vehicle: Path, client: V
 FAILING = """
 import sys
 from dcrb_ros.nodes.programs import main
-from dcrb_ros.simulation.loop import ModelFailure, Simulation
+from dcrb_ros.simulation.failure import ModelFailure
+from dcrb_ros.simulation.loop import Simulation
 original = Simulation.step_to
 def step_to(self, end):
     if self.configuration.publishing.frame == "axle_2/left/outer_ring" and end > 20000:

@@ -12,8 +12,9 @@ import dcrb_ros
 from dcrb_ros.bearing.thermal_fit import oil_state
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.simulation.failure import ModelFailure
 from dcrb_ros.simulation.heating import AVERAGED
-from dcrb_ros.simulation.loop import ModelFailure, Simulation
+from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.scenario import scheduled_changes
 
 pytestmark = pytest.mark.slow

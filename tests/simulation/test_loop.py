@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.loop import ModelFailure, Simulation
+from dcrb_ros.simulation.failure import ModelFailure
+from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.stream.block import Block
 from dcrb_ros.stream.events import SpeedCommand
 

@@ -36,7 +36,8 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten, load_configuration
 from dcrb_ros.simulation.batch import waveform
-from dcrb_ros.simulation.loop import ModelFailure, Simulation
+from dcrb_ros.simulation.failure import ModelFailure
+from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.sweep import execution
 from dcrb_ros.sweep.cluster import TASKS_PER_WORKER, ClusterWorkers, cluster_workers
 from dcrb_ros.sweep.data_set import open_data_set

@@ -13,9 +13,9 @@ sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
 import signal_draws
 import signal_machines
 import signal_page
+from signal_statistics import SignalStatistics
 
 from dcrb_ros.settings.files import load_configuration
-from dcrb_ros.validation.signal_statistics import SignalStatistics
 
 
 @pytest.mark.parametrize("bearing", list(signal_machines.BENCHES))

@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import csv
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
+
+from impact_trains import Scatter, delays, scatter_of, shared_jitter, train_of
+from line_ratio import HARMONICS, WINDOW, kurtogram_bands, kurtogram_ratio, line_ratio
+from signal_statistics import SignalStatistics, signal_statistics
+from spectrum_shares import band_level, cut_off, octave_kurtosis
+
 from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.validation.impact_trains import Scatter, delays, scatter_of, shared_jitter, train_of
-from dcrb_ros.validation.line_ratio import HARMONICS, WINDOW, kurtogram_bands, kurtogram_ratio, line_ratio
 from dcrb_ros.validation.realism import lines_of, squared_envelope
-from dcrb_ros.validation.signal_statistics import SignalStatistics, signal_statistics
-from dcrb_ros.validation.spectrum_shares import band_level, cut_off, octave_kurtosis
 
 RATE, SHAFT, ELEMENTS = 51200, 30.0, 9
 ORDERS = Orders(0.398, 3.585, 5.415, 2.357)

@@ -29,7 +29,9 @@ from dcrb_ros.recordings.vehicle_recorder import VehicleRecorder
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.settings.shipped import shipped
-from dcrb_ros.simulation.loop import MAX_PENDING, ModelFailure, Simulation
+from dcrb_ros.simulation.failure import ModelFailure
+from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.simulation.pending import MAX_PENDING
 from dcrb_ros.stream.events import ParameterChange
 from dcrb_ros.stream.vehicle_description import VehicleDescription
 from dcrb_ros.vehicle.block import VehicleBlock

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from pkgutil import resolve_name
 from typing import Any
 
-from dcrb_ros.messages.topic import MANIFEST, NAMESPACE, DetectedTopic, Message, SimulatedTopic, Topic
+from dcrb_ros.messages.topic import MANIFEST, NAMESPACE, Message, SimulatedTopic, Topic
 from dcrb_ros.messages.topics.acceleration import ACCELERATION
 from dcrb_ros.messages.topics.bench_diagnostics import BENCH_DIAGNOSTICS
 from dcrb_ros.messages.topics.clock import CLOCK
@@ -92,37 +92,19 @@ SIMULATED: tuple[SimulatedTopic, ...] = _topics(
 )
 """Topics that the simulator publishes and records; messages of one time are sent in this order."""
 
-TEMPERATURES: tuple[SimulatedTopic, ...] = _topics(
-    "temperatures:OUTER_RING_TEMPERATURE",
-    "temperatures:BOX_TEMPERATURE",
-    "temperatures:AMBIENT_TEMPERATURE",
-)
+TEMPERATURES = OUTER_RING_TEMPERATURE, BOX_TEMPERATURE, AMBIENT_TEMPERATURE
 """Those of them with readings of thermometers."""
 
-DETECTED: tuple[DetectedTopic, ...] = _topics(
-    "diagnosis:DIAGNOSIS",
-    "fault_indicators:FAULT_INDICATORS",
-    "envelope_spectrum:ENVELOPE_SPECTRUM",
-)
+DETECTED = DIAGNOSIS, FAULT_INDICATORS, ENVELOPE_SPECTRUM
 """Topics that the fault detector publishes, in the order of its messages."""
 
-WAYSIDE: tuple[Topic, ...] = _topics(
-    "wayside:WAYSIDE_TEMPERATURE",
-    "wayside:WAYSIDE_ALARM",
-)
+WAYSIDE = WAYSIDE_TEMPERATURE, WAYSIDE_ALARM
 """Topics that the wayside hot-box detector publishes."""
 
-BENCH: tuple[Topic, ...] = _topics(
-    "bench_diagnostics:BENCH_DIAGNOSTICS",
-    "clock:CLOCK",
-    "transforms:TRANSFORMS",
-)
+BENCH = BENCH_DIAGNOSTICS, CLOCK, TRANSFORMS
 """Topics that the nodes publish about themselves."""
 
-COMMANDS: tuple[Topic, ...] = _topics(
-    "commands:SPEED_COMMAND",
-    "commands:LOAD_COMMAND",
-)
+COMMANDS = SPEED_COMMAND, LOAD_COMMAND
 """Topics to which the simulator subscribes."""
 
 

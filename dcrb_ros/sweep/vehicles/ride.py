@@ -9,7 +9,7 @@ from typing import Any
 from dcrb_ros.faults.ground_truth import class_of
 from dcrb_ros.schema.verdicts import BEARING_FAULTS
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.loop import ModelFailure
+from dcrb_ros.simulation.failure import ModelFailure
 from dcrb_ros.stream.block import Block, Truth
 from dcrb_ros.vehicle.file import vehicle_of
 from dcrb_ros.vehicle.simulation import VehicleSimulation

@@ -6,13 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from impact_trains import delays, scatter_of, shared_jitter, train_of
+from line_ratio import kurtogram_ratio, line_ratio
+from spectrum_shares import band_level, cut_off, octave_kurtosis
 
 from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.demodulation import Band
-from dcrb_ros.validation.impact_trains import delays, scatter_of, shared_jitter, train_of
-from dcrb_ros.validation.line_ratio import kurtogram_ratio, line_ratio
 from dcrb_ros.validation.realism import lines_of, squared_envelope, statistics, wide_band
-from dcrb_ros.validation.spectrum_shares import band_level, cut_off, octave_kurtosis
 
 JITTER_HIGH, JITTER_SPLIT = 1.2e4, 0.4
 """Upper edge of the two bands in which the times of impacts are compared [Hz], and share of their width below their common edge [-]."""

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 
-from dcrb_ros.faults.impact_priors import AXLE_BOX, LABORATORY, ImpactPriors, draw_impacts, remaining
+sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
+
+from impact_priors import AXLE_BOX, LABORATORY, ImpactPriors, draw_impacts, remaining
+
 from dcrb_ros.settings.files import load_configuration
 
 

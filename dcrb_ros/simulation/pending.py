@@ -1,0 +1,72 @@
+"""Commands and changes of parameters that wait for the next block."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.stream.events import Command, ParameterChange
+
+MAX_PENDING = 1000
+"""Commands that may wait for the next block."""
+
+
+class PendingCommands:
+    """Keeps commands from any thread until the next block, which may be far away while the bench is paused."""
+
+    def __init__(self) -> None:
+        self.lock = threading.Lock()
+        """Held while the configuration changes, so that a change is checked against the present one."""
+        self.commands: deque[Command] = deque()
+        self._requested: dict[str, Any] = {}
+        """Values in the pending changes."""
+
+    def add(self, command: Command) -> None:
+        """Keep a command.
+
+        Raises
+        ------
+        Refusal
+            Too many commands are pending.
+        """
+        with self.lock:
+            self._check_room()
+            self.commands.append(command)
+
+    def add_change(self, changes: Mapping[str, Any], check: Callable[[Mapping[str, Any]], object]) -> None:
+        """Keep a change of parameters; see `check_change`."""
+        with self.lock:
+            self._check_change(changes, check)
+            self.commands.append(ParameterChange(changes))
+            self._requested.update(changes)
+
+    def check_change(self, changes: Mapping[str, Any], check: Callable[[Mapping[str, Any]], object]) -> None:
+        """Check a change of parameters together with those that are pending.
+
+        Raises
+        ------
+        Refusal
+            ``check`` refuses the values, or too many commands are pending.
+        """
+        with self.lock:
+            self._check_change(changes, check)
+
+    def _check_change(self, changes: Mapping[str, Any], check: Callable[[Mapping[str, Any]], object]) -> None:
+        check({**self._requested, **changes})
+        self._check_room()
+
+    def _check_room(self) -> None:
+        if len(self.commands) >= MAX_PENDING:
+            raise Refusal(
+                f"{MAX_PENDING} commands are already waiting for the next block; this one is refused, send it again once the bench runs"
+            )
+
+    def apply(self, apply: Callable[[Command], None]) -> None:
+        """Remove the commands in order and apply them."""
+        with self.lock:
+            while self.commands:
+                apply(self.commands.popleft())
+            self._requested.clear()
