@@ -86,8 +86,8 @@ class HousingPrior(NamedTuple):
 LABORATORY = HousingPrior(
     density=Lognormal(8e-3, 1.5),
     growth=0.3,
-    loss=Lognormal(0.035, 1.4),
-    fall=0.25,
+    loss=Lognormal(0.1, 1.4),
+    fall=0.7,
     first=Lognormal(800.0, 1.4),
     participation=Lognormal(0.12, 1.5),
     rise=Uniform(0.3, 1.1),
