@@ -46,7 +46,7 @@ def dense_modes(housing: HousingName, stream: str, seed: int, lowest: float = 0.
 
     One frequency is drawn uniformly in each unit of the integral of the modal density, so that levels repel:
 
-    .. math:: n(f) = n_1 (f/f_1)^a, \quad \eta(f) = \eta_1 (f/f_1)^{-1/4}, \quad
+    .. math:: n(f) = n_1 (f/f_1)^a, \quad \eta(f) = \eta_1 (f/f_1)^{-b}, \quad
               \gamma_k = \frac{g (f_k/f_1)^\rho}{\sqrt{1 + f_k/f_1}} \xi_k, \quad \xi_k \sim N(0, 1), \quad f_1 = 1 \text{ kHz} .
 
     Another step rate changes none of them.
