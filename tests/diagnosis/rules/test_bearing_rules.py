@@ -10,6 +10,7 @@ import pytest
 
 from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.cage_lines import PERIODIC, beyond_load_zone, cage_comb, spin_of_clusters
+from dcrb_ros.diagnosis.combination import Combination
 from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence, SharedSearch
 from dcrb_ros.diagnosis.line_search import Comb, LineFamily
@@ -188,6 +189,13 @@ def test_lines_of_the_cage_that_end_with_the_load_zone_are_those_of_a_roller(hal
     finding = Cage(P).finding(evidence((WHOLE, weighted_by_the_load_zone(half))))
     assert finding is not None
     assert (finding.component, finding.excess > 0.0) == (component, True)
+
+
+def test_the_level_at_ftf_remains_that_of_ftf_if_the_lines_are_those_of_a_roller() -> None:
+    combination = Combination([Roller(P), Cage(P)], 1.0)
+    findings = combination.findings(evidence((WHOLE, weighted_by_the_load_zone(60.0))))
+    assert findings["roller"].excess > 0.0 > findings["cage"].excess
+    assert combination.levels["cage"] > 20.0 > combination.levels["roller"]
 
 
 def test_one_band_in_which_the_lines_end_with_the_load_zone_suffices_for_a_roller() -> None:
