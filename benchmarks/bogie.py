@@ -9,7 +9,7 @@ only vehicles are diagnosed that are in the folder already.
 from __future__ import annotations
 
 import argparse
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -76,6 +76,12 @@ def outcome(found: Mapping[str, str], case: VehicleCase) -> tuple[bool, bool]:
     return set(found) == damaged, bool(set(found) - damaged)
 
 
+def named_components(found: Mapping[str, str], case: VehicleCase) -> list[tuple[str, str]]:
+    """Return the damaged component of each damaged box, and the one that was named."""
+    damaged = {name.replace(".", "/"): verdict for name, verdict in case.damaged.items() if verdict in BEARING_FAULTS}
+    return [(verdict, found.get(name, "none")) for name, verdict in damaged.items()]
+
+
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -85,13 +91,19 @@ def main() -> None:
     exam = read_vehicle_exam("bogie")
     rows: dict[str, list[dict[str, tuple[bool, bool]]]] = defaultdict(list)
     causes: dict[str, list[set[str]]] = defaultdict(list)
+    names: Counter[tuple[str, str]] = Counter()
     for case in exam.cases:
         if given.kept and not signal_path(case.parameters, case.duration, given.recordings).is_file():
             continue
         found, named = alarms(kept_signal(case.parameters, case.duration, given.recordings))
         rows[row_of(case)].append({name: outcome(found[name], case) for name in DETECTORS})
         causes[row_of(case)].append(named)
+        names.update(named_components(found["comparing"], case))
     print_tables(rows, causes)
+    print("\nNumber of damaged boxes by the last component that the comparing detector named:\n")
+    print("| damaged | named | boxes |\n|---|---|---|")
+    for (damaged, verdict), count in sorted(names.items()):
+        print(f"| {damaged} | {verdict} | {count} |")
 
 
 def print_tables(rows: Mapping[str, list[dict[str, tuple[bool, bool]]]], causes: Mapping[str, list[set[str]]]) -> None:

@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -21,8 +22,21 @@ from dcrb_ros.bearing.contact_path import contact_weight, half_width, reduced_ra
 from dcrb_ros.bearing.damage_tables import COLUMNS, RACEWAY_NODES, ROLLER_NODES, add_damage, rounded
 from dcrb_ros.bearing.individual import individual_of, surface_seed
 from dcrb_ros.bearing.unequal_impacts import axial_interference, impacts_of, start_strength, unequal_damage
-from dcrb_ros.core.contacts.heights import HEIGHT, PART_HEIGHT, PART_SLOPE, SHARE, SLOPE, Profile, Smooth, interpolated, packed, unpacked
+from dcrb_ros.core.contacts.heights import (
+    HEIGHT,
+    PART_HEIGHT,
+    PART_SLOPE,
+    SHARE,
+    SLOPE,
+    TURN,
+    Profile,
+    Smooth,
+    interpolated,
+    packed,
+    unpacked,
+)
 from dcrb_ros.core.contacts.impacts import DEFECT, Impacts
+from dcrb_ros.core.layout.records import Integers
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.faults.geometry import Damage
 from dcrb_ros.measurement.random_streams import random_stream
@@ -188,25 +202,42 @@ def heights_at_contacts(payload: Payload, from_ring: Floats, inner: bool) -> Flo
     surfaces = payload.surfaces
     if isinstance(surfaces, Smooth):
         return np.zeros(payload.free.shape)
-    azimuth = np.arctan2(from_ring[..., 0], -from_ring[..., 1])
-    ring = 0 if inner else 1
-    heights = np.zeros(azimuth.shape)
+    azimuth, ring = np.arctan2(from_ring[..., 0], -from_ring[..., 1]), 0 if inner else 1
+    heights = _between_packed(surfaces.raceways[ring], azimuth)
     for row, angles in enumerate(azimuth):
-        heights[row] = between_nodes(*unpacked(surfaces.raceways[ring, row]), angles)
-        nodes = np.floor(np.mod(angles / (2.0 * math.pi), 1.0) * RACEWAY_NODES).astype(np.int64) % RACEWAY_NODES
-        part = np.concatenate([surfaces.parts[ring, row], surfaces.parts[ring, row, :1]]).astype(np.float64)
+        part, nodes = surfaces.parts[ring, row], np.floor(np.mod(angles / TURN, 1.0) * RACEWAY_NODES).astype(np.int64) % RACEWAY_NODES
         strength = start_strength(surfaces, ring, row, angles, nodes) if isinstance(surfaces, Impacts) else 1.0
-        heights[row] += strength * part[nodes, 2] * between_nodes(part[:, 0], part[:, 1], angles)
-        for i, angle in enumerate(angles + math.pi if inner else angles):
-            roller = surfaces.rollers[ring, row * azimuth.shape[1] + i]
-            heights[row, i] += between_nodes(*unpacked(roller), np.array([angle]))[0]
+        at, way = _places(angles, RACEWAY_NODES)
+        before, after = (part[i].astype(np.float64) for i in (at, (at + 1) % RACEWAY_NODES))
+        over_part = _curve(before[:, 0], after[:, 0], before[:, 1], after[:, 1], RACEWAY_NODES, way)
+        heights[row] += strength * part[nodes, 2].astype(np.float64) * over_part
+    on_roller = (azimuth + math.pi if inner else azimuth).reshape(-1, 1)
+    heights += _between_packed(surfaces.rollers[ring, : azimuth.size], on_roller).reshape(azimuth.shape)
     return heights
+
+
+def _places(angles: Floats, nodes: int) -> tuple[Integers, Floats]:
+    """Return the nodes of a turn before some angles [rad], and the ways from there [nodes]."""
+    position = np.mod(angles / TURN, 1.0) * nodes
+    at = np.minimum(np.floor(position), nodes - 1.0).astype(np.int64)
+    return at, position - at
+
+
+def _curve(before: Floats, after: Floats, rise: Floats, rise_after: Floats, nodes: int, way: Floats) -> Floats:
+    """Return the heights [m] between nodes of a turn, from heights [m] and slopes [m/rad] at both."""
+    curve: Any = getattr(interpolated, "py_func", interpolated)
+    return np.asarray(curve(before, after, rise, rise_after, TURN / nodes, way)[0])
+
+
+def _between_packed(tables: Integers, angles: Floats) -> Floats:
+    """Return heights [m] of tables, shape (tables, nodes + 1), at angles of each, shape (tables, angles) [rad], from their nodes alone."""
+    nodes = tables.shape[-1] - 1
+    at, way = _places(angles, nodes)
+    before, after = (unpacked(np.take_along_axis(tables, i, axis=-1)) for i in (at, at + 1))
+    return _curve(before[0], after[0], before[1], after[1], nodes, way)
 
 
 def between_nodes(heights: Floats, slopes: Floats, angles: Floats) -> Floats:
     """Return heights [m] at angles [rad] of heights [m] and slopes [m/rad] over a turn, its first node again at the end."""
-    nodes = len(heights) - 1
-    position = np.mod(angles / (2.0 * math.pi), 1.0) * nodes
-    i = np.minimum(np.floor(position), nodes - 1.0).astype(np.int64)
-    curve = getattr(interpolated, "py_func", interpolated)
-    return np.asarray(curve(heights[i], heights[i + 1], slopes[i], slopes[i + 1], 2.0 * math.pi / nodes, position - i)[0])
+    at, way = _places(angles, len(heights) - 1)
+    return _curve(heights[at], heights[at + 1], slopes[at], slopes[at + 1], len(heights) - 1, way)

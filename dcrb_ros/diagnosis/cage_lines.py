@@ -24,6 +24,12 @@ SPINS = np.linspace(0.9, 1.02, 25)
 """Spin of a roller relative to the kinematic one that is tried [-]: unloaded rollers lose spin, which friction returns under load only."""
 FEWEST_TURNS, MOST_SPINS = 4, 3.25
 """Lowest harmonic of FTF in which clusters are looked for, whose lower ones follow the load zone, and the highest over 2 BSF [-]."""
+LOAD_ZONE = 5
+"""Highest harmonic of FTF that the load zone makes [-]: a weight cos^1.5 within 60 degrees on either side has its first zero below the
+sixth."""
+LEAST_REACH = 0.3
+"""Harmonics of FTF beyond those of the load zone over those, in the band with the least [-]: 32 simulated broken bars have 0.33 or more, 32
+damaged rollers 0.18 or less."""
 HIGHEST_CONTRAST = 60.0
 """Contrast to which it is limited [dB]."""
 
@@ -54,6 +60,22 @@ def cage_comb(orders: Orders) -> Comb:
     """Return the harmonics of FTF below BPFO."""
     last = min(MOST_HARMONICS, max(3, rollers(orders) - BELOW_BPFO))
     return Comb(orders.ftf, harmonics=tuple(range(1, last + 1)), leading=2)
+
+
+def beyond_load_zone(band: BandEvidence, cage: LineFamily) -> float:
+    """Return the harmonics of FTF beyond those of the load zone over those, less `LEAST_REACH` [dB]; 0 where noise would hide them.
+
+    A broken bar disturbs the rollers beside it for two pitches at most, so that its lines reach half the number of rollers. The lines of
+    something that the load zone weights once per turn of the cage, such as a damaged roller, end with the load zone.
+    """
+    zone = cage.order * np.arange(1, LOAD_ZONE + 1)
+    beyond = cage.order * np.arange(LOAD_ZONE + 1, rollers(band.orders) // 2 + 1)
+    if not len(beyond):
+        return 0.0
+    least = LEAST_REACH * float(np.sqrt(band.at(zone)).mean())
+    if math.sqrt(float(band.noise(beyond).mean())) >= least:
+        return 0.0
+    return decibels(ratio(math.sqrt(float(band.at(beyond).mean())), least))
 
 
 def spin_of_clusters(band: BandEvidence, cage: LineFamily) -> tuple[float, float]:

@@ -37,13 +37,19 @@ class Combination:
     def __init__(self, rules: Sequence[BearingRule[Any]], release_margin: float) -> None:
         """Lower findings that are explained by more than ``release_margin`` [dB] below their thresholds."""
         self._rules, self._margin = rules, release_margin
+        self.levels = dict.fromkeys(COMPONENTS, 0.0)
+        """Level of the lines that the rules of each component searched last, even if they are evidence for another one [dB]."""
 
     def findings(self, evidence: Evidence) -> dict[Component, Finding]:
         """Return the strongest finding for each component, shape as in `COMPONENTS`."""
         findings = {component: Finding(component, LEAST_EXCESS, "no rule applies") for component in COMPONENTS}
+        self.levels = dict.fromkeys(COMPONENTS, 0.0)
         for rule in self._rules:
             finding = rule.finding(evidence)
-            if finding is not None and finding.excess >= findings[finding.component].excess:
+            if finding is None:
+                continue
+            self.levels[rule.component] = max(self.levels[rule.component], finding.lines.level)
+            if finding.excess >= findings[finding.component].excess:
                 findings[finding.component] = finding
         for component in self._explained(findings, evidence):
             excess = findings[component].excess

@@ -264,7 +264,7 @@ class FaultDetector:
         return dataclasses.replace(
             self._without_verdict(last, verdict, self._reason(verdict, findings)),
             confidence=confidence(verdict, confirmed, excess),
-            levels={CHARACTERISTIC[component]: finding.lines.level for component, finding in findings.items()},
+            levels={CHARACTERISTIC[component]: level for component, level in self._combination.levels.items()},
             shaft_frequency=evidence.shaft_frequency,
             spectrum=self._published(selected.spectrum, evidence.shaft_frequency),
             scores={str(component): value for component, value in excess.items()},

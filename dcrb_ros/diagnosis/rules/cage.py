@@ -3,6 +3,9 @@
 Healthy rollers that differ make the same lines. If the energies of Z rollers per pass scatter by c around their mean, independently, each
 line at k FTF that is no multiple of Z has the root mean square 2 c / sqrt(Z), and the mean sqrt(pi) c / sqrt(Z) (the amplitude has a
 Rayleigh distribution). Lines of a fault must be deeper.
+
+Something that the load zone weights once per turn of the cage, such as a damaged roller, makes the first five lines only. A missing bar,
+which frees rollers for two pitches at most, makes lines up to half of the number of rollers.
 """
 
 from __future__ import annotations
@@ -13,12 +16,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from dcrb_ros.bearing.frequencies import Orders
-from dcrb_ros.diagnosis.cage_lines import CLUSTERED, PERIODIC, cage_comb, clusters_at_spin, rollers, spin_of_clusters
+from dcrb_ros.diagnosis.cage_lines import CLUSTERED, PERIODIC, beyond_load_zone, cage_comb, clusters_at_spin, rollers, spin_of_clusters
 from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence
 from dcrb_ros.diagnosis.line_search import Comb, LineFamily
 from dcrb_ros.diagnosis.order_spectrum import decibels, ratio
-from dcrb_ros.diagnosis.rule import LineParameters, LineRule
+from dcrb_ros.diagnosis.rule import Finding, LineParameters, LineRule
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import quantity
 
@@ -58,6 +61,18 @@ class Cage(LineRule[CageParameters]):
     def bands(self, evidence: Evidence) -> Sequence[BandEvidence]:
         """Return all bands that are loud enough: below the detector's band, the varying compliance carries the rhythm of the cage."""
         return evidence.loud
+
+    def finding(self, evidence: Evidence) -> Finding | None:
+        """Return the evidence of the band in which it is strongest; for a roller, if the lines end with those of the load zone."""
+        finding = super().finding(evidence)
+        if finding is None or finding.excess < 0.0:
+            return finding
+        families = [(band, band.family(cage_comb(evidence.orders))) for band in self.bands(evidence)]
+        deep = [(band, lines) for band, lines in families if super(Cage, self).excess(lines, band.band, evidence) >= 0.0]
+        if min((beyond_load_zone(band, lines) for band, lines in deep), default=0.0) >= 0.0:
+            return finding
+        unequal = self.healthy_evidence(evidence.orders)
+        return finding._replace(component="roller", excess=finding.excess - (unequal if finding.excess < unequal else 0.0))
 
     def excess(self, lines: LineFamily, band: Band, evidence: Evidence) -> float:
         """Return the excess of depth and significance; none if the lines cluster at 2 BSF, where a roller defect puts them [dB]."""

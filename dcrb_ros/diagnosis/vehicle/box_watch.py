@@ -11,7 +11,6 @@ import numpy.typing as npt
 from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.demodulation import NYQUIST_SHARE, Band
 from dcrb_ros.diagnosis.parameters import DetectorParameters
-from dcrb_ros.diagnosis.rule import found_lines
 from dcrb_ros.diagnosis.vehicle.box_detector import BoxDetector, OwnWindow
 from dcrb_ros.diagnosis.vehicle.comparison import Judgement
 from dcrb_ros.diagnosis.vehicle.contact import Contact, ContactMonitor
@@ -79,9 +78,7 @@ class BoxWatch:
     def judged(self, window: OwnWindow, kinks: Floats) -> Judgement:
         """Return the evidence on the bearing without wheels and ``kinks`` of the rail [s]."""
         evidence, findings, envelopes = self.detector.own_evidence(window, self._share, kinks)
-        scores = {component: finding.excess for component, finding in findings.items()}
-        lines = {component: found for component, finding in findings.items() if (found := found_lines(finding)) is not None}
-        return Judgement(evidence, scores, lines, self.detector.rules, envelopes)
+        return Judgement(evidence, findings, envelopes)
 
     def _latest(self, index: int) -> Contact | None:
         """Return what was measured up to a sample, at most a hop earlier; later samples may have arrived or not."""

@@ -13,20 +13,19 @@ distinguishes them. Where the contrast to the other box of the wheelset is small
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence
 from dcrb_ros.diagnosis.line_search import GUARD
-from dcrb_ros.diagnosis.rule import BearingRule, LineRule, modulation_excess
+from dcrb_ros.diagnosis.rule import Finding, modulation_excess
 from dcrb_ros.diagnosis.vehicle.arrival import LEAST, TurnEnvelopes, lead
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.verdicts import COMPONENTS, Component
-from dcrb_ros.stream.diagnosis import FoundLines
 
 FAINTEST = 0.02
 """Modulation depth of lines from which a band is compared [-]: a fifth of the least that a rule requires."""
@@ -44,6 +43,8 @@ BESIDE = np.array([-2.0, -1.0, 1.0, 2.0])
 """Harmonics of a wheel's rotation that are compared with the one on which a line lies [-]."""
 LEAST_BESIDE = 0.1
 """Power of those harmonics over that of the line from which it is one of them [-]."""
+HUMP = np.linspace(-0.25, 0.25, 9)
+"""Distances from the middle of a hump that are compared [FTF]."""
 NOT_OWN = -60.0
 """Excess of lines that belong to another box or to a wheel [dB]."""
 
@@ -53,12 +54,14 @@ class Judgement:
     """The evidence on the bearing of one box at a hop, by itself."""
 
     evidence: Evidence
-    scores: Mapping[Component, float]
-    """Evidence for a fault of each component relative to its threshold [dB]."""
-    lines: Mapping[Component, FoundLines]
-    """Lines found for each component."""
-    rules: Sequence[BearingRule[Any]]
+    findings: Mapping[Component, Finding]
+    """Evidence for a fault of each component."""
     envelopes: TurnEnvelopes
+
+    @property
+    def scores(self) -> Mapping[Component, float]:
+        """Evidence for a fault of each component relative to its threshold [dB]."""
+        return {component: finding.excess for component, finding in self.findings.items()}
 
     @property
     def shaft_frequency(self) -> float:
@@ -84,44 +87,60 @@ class Compared(NamedTuple):
 def compare(judgements: Mapping[str, Judgement], parameters: VehicleDetectorParameters) -> dict[str, dict[Component, Compared]]:
     """Return the evidence for every component of every box that was judged."""
     return {
-        name: {component: _compared(name, component, judgements, parameters) for component in COMPONENTS if component in judgement.scores}
+        name: {component: _compared(name, component, judgements, parameters) for component in COMPONENTS if component in judgement.findings}
         for name, judgement in judgements.items()
     }
 
 
 def _compared(name: str, component: Component, judged: Mapping[str, Judgement], parameters: VehicleDetectorParameters) -> Compared:
     own = judged[name]
-    lines, excess = own.lines.get(component), own.scores[component]
-    if lines is None or excess < -LIMIT:
+    finding = own.findings[component]
+    excess, orders = finding.excess, _orders(finding, own)
+    if finding.lines.order <= 0.0 or excess < -LIMIT:
         return Compared(excess, NOT_OWN, 0.0, "")
-    if _of_wheel(lines, own, judged):
+    if _of_wheel(finding, own, judged):
         return Compared(NOT_OWN, NOT_OWN, 0.0, "")
-    contrasts = {other: contrast(lines, own, judged[other]) for other in judged if other != name}
+    contrasts = {other: contrast(orders, own, judged[other]) for other in judged if other != name}
     if not contrasts:
         return Compared(excess, NOT_OWN, LIMIT, "")
     rival = min(contrasts, key=lambda other: contrasts[other])
     least = contrasts[rival]
     if least >= parameters.contrast:
-        return Compared(max(excess, _relieved(lines, component, own, parameters.relief)), NOT_OWN, least, rival)
+        return Compared(max(excess, _relieved(finding, own, parameters.relief)), NOT_OWN, least, rival)
     if least <= -parameters.contrast:
         return Compared(NOT_OWN, NOT_OWN, least, rival)
-    earlier = _lead(name, rival, lines, judged) if sum(value < parameters.contrast for value in contrasts.values()) == 1 else 0.0
+    alike = sum(value < parameters.contrast for value in contrasts.values())
+    earlier = _lead(name, rival, orders, judged) if alike == 1 else 0.0
     if abs(earlier) < LEAST:
         return Compared(NOT_OWN, excess, least, rival)
     return Compared(excess if earlier > 0.0 else NOT_OWN, NOT_OWN, least, rival, earlier)
 
 
-def _lead(name: str, rival: str, lines: FoundLines, judged: Mapping[str, Judgement]) -> float:
+def _orders(finding: Finding, own: Judgement) -> Floats:
+    """Return the orders that are compared: the harmonics found, with their sidebands if the first lies on a whole order [-].
+
+    The search leaves out whole orders, which are those of the wheels. There, only sidebands are evidence. A hump has no harmonics, and is
+    compared over its width.
+    """
+    lines, comb, band = finding.lines, finding.comb, own.evidence.of_band(finding.band)
+    if not lines.lines:
+        return np.asarray(lines.order + own.evidence.orders.ftf * HUMP, np.float64)
+    harmonics = np.array(lines.lines)
+    if comb is None or band is None:
+        return harmonics
+    hidden = abs(harmonics[0] - round(harmonics[0])) <= GUARD * band.step
+    return np.asarray(np.add.outer(harmonics, comb.sidebands).ravel(), np.float64) if hidden else harmonics
+
+
+def _lead(name: str, rival: str, orders: Floats, judged: Mapping[str, Judgement]) -> float:
     """Return by how much earlier the impacts are in a box than in the other one of its wheelset [s]; 0 in one of another wheelset."""
     if name.rpartition("/")[0] != rival.rpartition("/")[0]:
         return 0.0
-    orders = np.asarray(lines.orders or (lines.order,), np.float64)
     return lead(judged[name].envelopes, judged[rival].envelopes, orders, judged[name].shaft_frequency)
 
 
-def contrast(lines: FoundLines, own: Judgement, other: Judgement) -> float:
-    """Return by how much lines found in one box are larger there than in another one, in the median of bands [dB]."""
-    orders = np.asarray(lines.orders or (lines.order,), np.float64)
+def contrast(orders: Floats, own: Judgement, other: Judgement) -> float:
+    """Return by how much lines at ``orders`` of one box are larger there than in another one, in the median of bands [dB]."""
     # The other wheelset may turn faster or more slowly; its spectrum is over its own orders.
     elsewhere = orders * own.shaft_frequency / max(other.shaft_frequency, 1e-9)
     ratios = []
@@ -151,15 +170,15 @@ def _decibels(first: float, second: float) -> float:
     return float(np.clip(10.0 * np.log10((first + tiny) / (second + tiny)), -LIMIT, LIMIT))
 
 
-def _of_wheel(lines: FoundLines, own: Judgement, judged: Mapping[str, Judgement]) -> bool:
+def _of_wheel(finding: Finding, own: Judgement, judged: Mapping[str, Judgement]) -> bool:
     """Return whether the lines found for a bearing are harmonics of the rotation of a wheel.
 
-    A flat makes a line at every order of its wheelset. Lines of a bearing that lie on such orders have none of that size beside them.
+    A flat makes a line at every order of its wheelset. Lines of a bearing that lie on such orders have none of that size beside them, or
+    sidebands elsewhere.
     """
-    band = next((band for band in own.evidence.bands if (band.band.low, band.band.high) == lines.band), None)
+    band, orders = own.evidence.of_band(finding.band), _orders(finding, own)
     if band is None:
         return False
-    orders = np.asarray(lines.orders or (lines.order,), np.float64)
     for turn in {judgement.shaft_frequency / max(own.shaft_frequency, 1e-9) for judgement in judged.values()}:
         harmonics = np.rint(orders / max(turn, 1e-9))
         if np.abs(orders - harmonics * turn).max() > GUARD * band.step:
@@ -170,19 +189,15 @@ def _of_wheel(lines: FoundLines, own: Judgement, judged: Mapping[str, Judgement]
     return False
 
 
-def _relieved(lines: FoundLines, component: Component, own: Judgement, relief: float) -> float:
+def _relieved(finding: Finding, own: Judgement, relief: float) -> float:
     """Return the evidence of the deepest component with a lower threshold of its depth [dB]; `NOT_OWN` for another component.
 
     The other boxes of the vehicle do not have the lines, as a healthy bearing of this kind would.
     """
-    scores = own.scores
-    rule = next((rule for rule in own.rules if isinstance(rule, LineRule) and rule.component == component), None)
-    if rule is None or scores[component] < max(scores.values()):
-        return NOT_OWN
-    found = next((band for band in own.evidence.bands if (band.band.low, band.band.high) == lines.band), None)
-    if found is None:
+    rule, comb, band = finding.rule, finding.comb, own.evidence.of_band(finding.band)
+    if rule is None or comb is None or band is None or finding.excess < max(own.scores.values()):
         return NOT_OWN
     price = float(np.log10(max(1, len(rule.bands(own.evidence)) * rule.families(own.evidence.orders))))
-    families = [rule.family(found, comb) for comb in rule.combs(own.evidence.orders)]
-    lowered = rule.depth * 10.0 ** (-relief / 10.0)
-    return max(modulation_excess(family, lowered, rule.p.false_alarm, price) for family in families)
+    relieved = modulation_excess(rule.family(band, comb), rule.depth * 10.0 ** (-relief / 10.0), rule.p.false_alarm, price)
+    # What other criteria refuse is no evidence at a lower threshold of the depth, either.
+    return min(relieved, finding.excess + relief)

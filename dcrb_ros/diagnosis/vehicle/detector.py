@@ -290,8 +290,8 @@ class VehicleDetector:
 
 def _reason(component: Component, compared: Mapping[Component, Compared], judgement: Judgement) -> str:
     """Return the evidence for a fault of a component in words."""
-    item, lines = compared[component], judgement.lines.get(component)
-    depth = f"at {lines.order:.3f} orders, depth {lines.depth:.2f}" if lines is not None else "found"
+    item, lines = compared[component], judgement.findings[component].lines
+    depth = f"at {lines.order:.3f} orders, depth {lines.depth:.2f}" if lines.order > 0.0 else "found"
     larger = f", {item.contrast:.1f} dB more than in {item.rival}" if item.rival else ""
     later = f", which measures the impacts {item.lead * 1e3:.1f} ms later" if item.lead else ""
     return f"lines of the {component} {depth}{larger}{later}"

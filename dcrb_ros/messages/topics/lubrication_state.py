@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,6 +24,7 @@ BY_SOURCE = ("friction_power", "friction_torque")
 """Numbers of each row and source."""
 
 
+@functools.cache
 def names_of(rows: int) -> tuple[str, ...]:
     """Return the names of the numbers in a message, such as ``row1/inner/least_film`` and ``row2/friction_power/rolling``."""
     return tuple(

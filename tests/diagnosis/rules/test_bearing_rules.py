@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from dcrb_ros.bearing.frequencies import Orders
-from dcrb_ros.diagnosis.cage_lines import PERIODIC, cage_comb, spin_of_clusters
+from dcrb_ros.diagnosis.cage_lines import PERIODIC, beyond_load_zone, cage_comb, spin_of_clusters
+from dcrb_ros.diagnosis.combination import Combination
 from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence, SharedSearch
 from dcrb_ros.diagnosis.line_search import Comb, LineFamily
@@ -172,6 +173,54 @@ def test_rollers_that_differ_are_no_cage_fault(rolling: int, expected: float) ->
     lines = 2.0 * np.abs(np.fft.rfft(energies, axis=1)[:, 1 : rolling // 2]) / energies.sum(axis=1)[:, None]
     assert lines.mean() == pytest.approx(expected, rel=0.1)
     assert Cage(DetectorParameters(cage_scatter=0.0)).healthy_evidence(orders) == 0.0
+
+
+def weighted_by_the_load_zone(half: float, depth: float = 0.4) -> dict[float, float]:
+    """Return lines at k FTF of a mean depth over 13, of the weight cos^1.5 within an angle on either side of the load [degrees]."""
+    angle = np.linspace(-180.0, 180.0, 4096, endpoint=False)
+    weight = np.where(np.abs(angle) < half, np.maximum(np.cos(0.5 * math.pi * angle / half), 0.0) ** 1.5, 0.0)
+    harmonics = np.abs(np.fft.rfft(weight))[1:40]
+    return {0.42 * k: float(value * depth / harmonics[:13].mean()) for k, value in enumerate(harmonics, 1)}
+
+
+@pytest.mark.parametrize(("half", "component"), [(90.0, "roller"), (75.0, "roller"), (60.0, "roller"), (22.5, "cage")])
+def test_lines_of_the_cage_that_end_with_the_load_zone_are_those_of_a_roller(half: float, component: str) -> None:
+    """A damaged roller is as loud as the load zone is deep; a broken bar lets rollers go for two pitches, a pitch of 22.5 degrees each."""
+    finding = Cage(P).finding(evidence((WHOLE, weighted_by_the_load_zone(half))))
+    assert finding is not None
+    assert (finding.component, finding.excess > 0.0) == (component, True)
+
+
+def test_the_level_at_ftf_remains_that_of_ftf_if_the_lines_are_those_of_a_roller() -> None:
+    combination = Combination([Roller(P), Cage(P)], 1.0)
+    findings = combination.findings(evidence((WHOLE, weighted_by_the_load_zone(60.0))))
+    assert findings["roller"].excess > 0.0 > findings["cage"].excess
+    assert combination.levels["cage"] > 20.0 > combination.levels["roller"]
+
+
+def test_one_band_in_which_the_lines_end_with_the_load_zone_suffices_for_a_roller() -> None:
+    wide = comb(0.42, 0.5, 9)
+    finding = Cage(P).finding(evidence((WHOLE, wide), (BELOW, weighted_by_the_load_zone(60.0))))
+    assert finding is not None
+    assert finding.component == "roller"
+
+
+@pytest.mark.parametrize("rolling", [9, 11])
+def test_lines_of_few_rolling_elements_do_not_reach_beyond_the_load_zone(rolling: int) -> None:
+    """Half of their number is less than the five harmonics of the load zone."""
+    orders = Orders(ftf=0.42, bpfo=0.42 * rolling, bpfi=0.58 * rolling, bsf=3.05)
+    (there,) = evidence((WHOLE, weighted_by_the_load_zone(60.0))).bands
+    search = SharedSearch([there.spectrum], orders, 0.004)
+    band = BandEvidence(WHOLE, search)
+    assert beyond_load_zone(band, band.family(cage_comb(orders))) == 0.0
+
+
+def test_a_roller_needs_more_than_the_scatter_of_unequal_rollers() -> None:
+    """2.6 dB with 16 rollers, a mean depth of 0.31."""
+    for depth, suspected in ((0.28, False), (0.34, True)):
+        finding = Cage(P).finding(evidence((WHOLE, weighted_by_the_load_zone(60.0, depth))))
+        assert finding is not None
+        assert (finding.component, finding.excess > 0.0) == ("roller", suspected)
 
 
 def test_even_or_falling_harmonics_of_the_cage_do_not_cluster() -> None:

@@ -1,0 +1,85 @@
+"""The same lines compared in several boxes: which of them are evidence where the lines of a wheel lie."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from dcrb_ros.bearing.frequencies import Orders
+from dcrb_ros.diagnosis.demodulation import Band
+from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence, SharedSearch
+from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum
+from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.diagnosis.rule import LEAST_EXCESS, Finding
+from dcrb_ros.diagnosis.rules.cage import Cage
+from dcrb_ros.diagnosis.rules.outer_ring import OuterRing
+from dcrb_ros.diagnosis.rules.roller import Roller
+from dcrb_ros.diagnosis.vehicle.arrival import TurnEnvelopes
+from dcrb_ros.diagnosis.vehicle.comparison import Compared, Judgement, compare
+from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
+from dcrb_ros.schema.verdicts import COMPONENTS, Component
+
+ORDERS = Orders(ftf=0.42, bpfo=6.72, bpfi=9.28, bsf=3.05)
+WHOLE, HIGH = Band(2000.0, 20000.0), Band(11247.0, 20000.0)
+P, Q = DetectorParameters(), VehicleDetectorParameters()
+FTF = {0.42: 0.5, 0.84: 0.4}
+"""Modulation by the cage."""
+OTHERS = ("axle_1/right", "axle_2/left", "axle_2/right")
+Lines = dict[float, float]
+
+
+def judged(lines: Lines, component: Component) -> Judgement:
+    """Return what a box finds in lines of given depths at some orders over a background of 0.01."""
+    amplitude = np.full(7000, 0.01, np.float32)
+    for order, depth in lines.items():
+        amplitude[round(100.0 * order)] = depth
+    search = SharedSearch([OrderSpectrum(np.arange(0.0, 70.0, 0.01), amplitude, 1.0)], ORDERS, 0.02)
+    evidence = Evidence([BandEvidence(WHOLE, search)], WHOLE, HIGH, 20.0, 0.5)
+    findings = {name: Finding(name, LEAST_EXCESS, "") for name in COMPONENTS}
+    rules = {"outer_ring": OuterRing(P), "roller": Roller(P), "cage": Cage(P)}
+    findings[component] = rules[component].finding(evidence) or findings[component]
+    return Judgement(evidence, findings, TurnEnvelopes(np.zeros((1, 64), np.float32), 64))
+
+
+def compared(lines: Lines, others: Lines, component: Component = "roller") -> Compared:
+    """Return what becomes of the evidence of the box ``axle_1/left`` if the other boxes have other lines."""
+    return compare({"axle_1/left": judged(lines, component)} | {name: judged(others, component) for name in OTHERS}, Q)["axle_1/left"][
+        component
+    ]
+
+
+def sidebands(depth: float) -> Lines:
+    return FTF | {h * 6.0 + side: depth for h in (1, 2, 3) for side in (-0.42, 0.42)}
+
+
+def hump(depth: float) -> Lines:
+    return {round(order, 2): depth for order in np.arange(5.88, 6.08, 0.01)}
+
+
+@pytest.mark.parametrize("of", [sidebands, hump])
+def test_lines_of_a_roller_around_whole_orders_are_its_own(of: Callable[[float], Lines]) -> None:
+    """A roller that lost 1.6 % of its spin: its lines are at 6, 12 and 18 orders, where the search leaves out those of the wheel."""
+    found = compared(of(0.3), {})
+    assert (found.excess > 0.0, found.contrast > Q.contrast) == (True, True)
+    assert compared(of(0.1), of(0.3)).excess < 0.0
+
+
+def test_harmonics_of_a_roller_count_alone_if_they_are_the_largest() -> None:
+    """A line of the other box beside the harmonics is of another fault."""
+    own = FTF | {h * 6.1: 0.5 for h in (1, 2, 3)}
+    beside = {h * 6.1 + side: 0.5 for h in (1, 2, 3) for side in (-0.42, 0.42)}
+    assert compared(own, beside).excess > 0.0
+
+
+@pytest.mark.parametrize(("depth", "relieved"), [(0.12, True), (0.06, False)])
+def test_faint_lines_that_no_other_box_has_are_relieved(depth: float, relieved: bool) -> None:
+    found = compared({k * 6.72: depth for k in range(1, 7)}, {}, "outer_ring")
+    assert (found.excess > 0.0) is relieved
+
+
+def test_lines_that_another_criterion_refuses_are_not_relieved() -> None:
+    """Deep lines with twice as deep ones at 2 BPFO: the rhythm of rollers that excite twice per pass."""
+    found = compared({k * 6.72: 0.6 if k == 2 else 0.17 for k in range(1, 7)}, {}, "outer_ring")
+    assert found.excess < 0.0
