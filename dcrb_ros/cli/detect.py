@@ -116,7 +116,7 @@ def _check_vehicles(
 
 def _as_object(recording: Recording, result: DetectionResult) -> dict[str, Any]:
     """Return the last diagnosis and the history for JSON."""
-    from dcrb_ros.recordings.digest import unsigned
+    from dcrb_ros.recordings.verification import unsigned
 
     last = result.last
     return {

@@ -32,10 +32,10 @@ def info(
 
     Example: dcrb info bags/healthy
     """
-    from dcrb_ros.recordings.digest import unsigned
     from dcrb_ros.recordings.metadata import metadata_flaw
     from dcrb_ros.recordings.reader import Recording
     from dcrb_ros.recordings.vehicle_folder import vehicle_boxes
+    from dcrb_ros.recordings.verification import unsigned
     from dcrb_ros.stream.event_text import encode_command
 
     if vehicle_boxes(bag):

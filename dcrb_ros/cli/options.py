@@ -119,7 +119,7 @@ def warn_of_digest(recording: Recording, name: str) -> None:
 
     The samples are read unless the waveform was. A mismatch that was found while it was read is not printed a second time.
     """
-    from dcrb_ros.recordings.digest import digest_mismatch, unsigned
+    from dcrb_ros.recordings.verification import digest_mismatch, unsigned
 
     if sentence := digest_mismatch(recording):
         warnings.warn(f"{name}: {sentence}", AlteredSamples, stacklevel=2)

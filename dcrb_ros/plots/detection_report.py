@@ -23,8 +23,8 @@ from dcrb_ros.plots.envelope_spectrum import plot_envelope_spectrum
 from dcrb_ros.plots.style import FAULT_LINES, labelled, legend_above
 from dcrb_ros.plots.waveform import plot_waveform
 from dcrb_ros.recordings.arrays import joined_waveform
-from dcrb_ros.recordings.digest import unsigned
 from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.recordings.verification import unsigned
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.printable import decimal, printable
 from dcrb_ros.schema.refusal import Refusal

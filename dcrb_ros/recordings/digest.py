@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Any
 
-from dcrb_ros.recordings.manifest import DAMAGE, DIGEST, Outcome
-
-if TYPE_CHECKING:
-    from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.recordings.manifest import DAMAGE, Outcome
 
 SHOWN = 12
 """Digits of a digest in a message."""
@@ -62,9 +60,8 @@ class SampleDigests:
         )
 
 
-def stated_samples(recording: Recording) -> RecordedSamples | None:
-    """Return the samples that the outcome record states; None if it is damaged or missing."""
-    outcome = recording.outcome
+def stated_samples(outcome: Mapping[str, Any] | None) -> RecordedSamples | None:
+    """Return the samples that an outcome record states; None if it is damaged or missing."""
     if outcome is None:
         return None
     try:
@@ -77,24 +74,3 @@ def stated_samples(recording: Recording) -> RecordedSamples | None:
 def samples_in(outcome: Outcome) -> RecordedSamples:
     """Return the samples that were added to an outcome."""
     return RecordedSamples(outcome.first_index or 0, outcome.samples, outcome.sha256, outcome.end_index)
-
-
-def digest_mismatch(recording: Recording) -> str:
-    """Return a sentence if the samples of a recording do not match the digest that it states, else the empty string."""
-    return "" if stated_samples(recording) is None else recording.digests().mismatch
-
-
-def unsigned(recording: Recording) -> str:
-    """Return a sentence if manifest or outcome of a recording have no digest, so that they cannot be verified, else the empty string.
-
-    Recordings of earlier versions have none. One without a manifest has nothing to verify.
-    """
-    records = {"manifest": None if recording.described else recording.manifest, "outcome record": recording.outcome}
-    names = " and ".join(name for name, content in records.items() if content is not None and DIGEST not in content)
-    if not names:
-        return ""
-    version = recording.manifest.get("dcrb_ros", "unknown")
-    return (
-        f"unverified: no digest in {names} (dcrb_ros {version}), so that a changed bearing, speed or fault is not found; recordings of "
-        "earlier versions have none"
-    )

@@ -254,7 +254,7 @@ class Recording(RecordedRun):
 
     def _compared(self, outcome: Outcome) -> SampleDigests:
         """Keep and return the comparison of the samples that were read with those that the recording states."""
-        self._digests = SampleDigests(stated_samples(self), samples_in(outcome), damaged=not self.complete)
+        self._digests = SampleDigests(stated_samples(self.outcome), samples_in(outcome), damaged=not self.complete)
         return self._digests
 
     def pieces(self) -> Iterator[Piece]:

@@ -115,7 +115,7 @@ class Recovery:
         if self._damage:
             return []
         read = zip(self._recordings, self._outcomes, strict=True)
-        sentences = [SampleDigests(stated_samples(recording), samples_in(outcome)).mismatch for recording, outcome in read]
+        sentences = [SampleDigests(stated_samples(recording.outcome), samples_in(outcome)).mismatch for recording, outcome in read]
         return [sentence for sentence in sentences if sentence]
 
     def _channel(self, stored: StoredMessage) -> Channel | None:

@@ -43,7 +43,7 @@ def recorded_samples(recording: Recording) -> RecordedSamples:
     Raises:
         Refusal: there is no outcome record, and the waveform has a gap.
     """
-    stated = stated_samples(recording)
+    stated = stated_samples(recording.outcome)
     if stated is not None:
         _check_stated(stated, recording)
         return stated

@@ -14,7 +14,6 @@ from dcrb_ros.messages.topics import DETECTED, NAMESPACE, SIMULATED, Message, To
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DETECTED, VEHICLE_TRUTH
 from dcrb_ros.messages.vehicle import box_path, decode_description
 from dcrb_ros.messages.vehicle_encoder import BESIDE
-from dcrb_ros.recordings.digest import digest_mismatch
 from dcrb_ros.recordings.foreign_files import refuse_foreign
 from dcrb_ros.recordings.manifest import DAMAGE, vehicle_fingerprint, well_formed
 from dcrb_ros.recordings.reader import Recording
@@ -22,6 +21,7 @@ from dcrb_ros.recordings.reproduction import ALIKE, NotReproduced, origin_differ
 from dcrb_ros.recordings.storage import valid_files
 from dcrb_ros.recordings.vehicle_folder import VEHICLE, VEHICLE_OUTCOME, boxes_in, boxes_of
 from dcrb_ros.recordings.vehicle_recorder import FORMAT, VehicleCommand, commands_in
+from dcrb_ros.recordings.verification import digest_mismatch
 from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.events import CommandSchedule

@@ -15,12 +15,12 @@ from separate_process import dcrb
 
 import dcrb_ros
 from dcrb_ros.messages.topics import MANIFEST, VIBRATION
-from dcrb_ros.recordings.digest import digest_mismatch, unsigned
 from dcrb_ros.recordings.manifest import DIGEST, OUTCOME
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recovery import described_channel
 from dcrb_ros.recordings.reproduction import NotReproduced, Reproduction
 from dcrb_ros.recordings.splitting import Bag
+from dcrb_ros.recordings.verification import digest_mismatch, unsigned
 from dcrb_ros.schema.refusal import AlteredSamples
 
 SENTENCE = "the recording's samples do not match its own digest"

@@ -17,7 +17,6 @@ from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.messages.plain import decode_text
 from dcrb_ros.messages.topics import VIBRATION
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DIAGNOSIS, VEHICLE_TRUTH
-from dcrb_ros.recordings.digest import digest_mismatch
 from dcrb_ros.recordings.mcap_reader import McapRecords
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
@@ -26,6 +25,7 @@ from dcrb_ros.recordings.reproduction import NotReproduced
 from dcrb_ros.recordings.splitting import Bag
 from dcrb_ros.recordings.vehicle import VehicleRecording, VehicleReproduction
 from dcrb_ros.recordings.vehicle_recorder import VehicleRecorder
+from dcrb_ros.recordings.verification import digest_mismatch
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.settings.shipped import shipped
