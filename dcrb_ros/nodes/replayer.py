@@ -44,6 +44,7 @@ class ReplayerNode(BenchNode):
         super().__init__("replayer")
         self._settings = self.declare(ReplayParameters, run_time=RUN_TIME, adjust=lambda given: parameters or given)
         self._replay = Replay(self._settings)
+        self._alone = parameters is None  # otherwise the command warns, also if it is stopped before the end
         clock = [CLOCK] if self._settings.clock else []
         self._publisher = Publisher(self, [*self._replay.topics, BENCH_DIAGNOSTICS, *clock])
         self._progress = Progress()
@@ -81,9 +82,11 @@ class ReplayerNode(BenchNode):
         return self._engine.failure
 
     def close(self) -> None:
-        """Stop, and wait until the published messages have been delivered."""
+        """Stop, and wait until the published messages have been delivered; warn of altered samples."""
         self._engine.close()
         self._publisher.flush(DELIVERY_TIMEOUT)
+        if self._replay.mismatch and self._alone:
+            self.get_logger().warning(f"{self._replay.recording.path}: {self._replay.mismatch}")
 
     def on_parameters(self, changes: dict[str, Any]) -> None:
         """Continue at another rate; refuse a change of anything else."""

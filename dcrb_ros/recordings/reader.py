@@ -240,7 +240,7 @@ class Recording(RecordedRun):
             yield block, sensor_range
         if not outcome.samples:
             raise Refusal(f"{self.path} contains no messages on {VIBRATION.resolved(self.namespace)}: give a recording of the bench")
-        if mismatch := self._compared(outcome).mismatch:
+        if mismatch := self.compared(outcome).mismatch:
             warnings.warn(f"{self.path}: {mismatch}", AlteredSamples, stacklevel=2)
 
     def digests(self) -> SampleDigests:
@@ -250,10 +250,10 @@ class Recording(RecordedRun):
         outcome = Outcome(self.sampling_rate)
         for message in self.messages((VIBRATION,)):
             outcome.add(message)
-        return self._compared(outcome)
+        return self.compared(outcome)
 
-    def _compared(self, outcome: Outcome) -> SampleDigests:
-        """Keep and return the comparison of the samples that were read with those that the recording states."""
+    def compared(self, outcome: Outcome) -> SampleDigests:
+        """Keep and return the comparison of all samples, which were added to ``outcome``, with those that the recording states."""
         self._digests = SampleDigests(stated_samples(self.outcome), samples_in(outcome), damaged=not self.complete)
         return self._digests
 

@@ -15,6 +15,7 @@ from dcrb_ros.messages.topics import DETECTED, SENSOR, SIMULATED, TRANSFORMS, VI
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DETECTED
 from dcrb_ros.messages.vehicle import box_path
 from dcrb_ros.messages.vehicle_encoder import BESIDE
+from dcrb_ros.recordings.manifest import Outcome
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import chosen_topics
 from dcrb_ros.recordings.vehicle import VehicleRecording
@@ -63,8 +64,11 @@ class Replay:
         else:
             below = [(topic, topic, self.recording) for topic in chosen]
             self.topics = tuple(chosen)
-        self.waveforms = tuple(topic for plain, topic, _ in below if plain == VIBRATION)
+        self._boxes = {topic: box for plain, topic, box in below if plain == VIBRATION}
+        self.waveforms = tuple(self._boxes)
         """The topics of the waveforms, which say when a bundle is due."""
+        self.mismatch = ""
+        """After all bundles, a sentence if the samples do not match the digest that the recording states."""
         self._descriptions = {topic: _described(box, topic) for plain, topic, box in below if plain == SENSOR}
         """The description of the sensor that was sent last, by topic."""
         self.frame = decode_frame(next(iter(self._descriptions.values())).data)
@@ -88,7 +92,10 @@ class Replay:
         begin = end = start = None
         waiting: dict[Topic, tuple[Message, bool]] = {}
         collected = list[Message]()
+        outcomes = {topic: Outcome(self.recording.sampling_rate) for topic in self._boxes}
         for message in self.recording.messages({*self._descriptions, *self.topics}):
+            if message.topic in outcomes:
+                outcomes[message.topic].add_block(decode_vibration(message.data))
             if message.topic in self._descriptions:
                 waiting[message.topic] = message, begin is not None
                 continue
@@ -109,6 +116,8 @@ class Replay:
         if begin is None or end is None:
             raise Refusal(f"{self.recording.path} has no message later than {self._offset_ns * 1e-9:g} s after its start: lower the offset")
         yield Bundle(begin, end, tuple(collected))
+        mismatches = (self._boxes[topic].compared(outcome).mismatch for topic, outcome in outcomes.items())
+        self.mismatch = next(filter(None, mismatches), "")
 
     def _unsent(self, description: Message, repeated: bool) -> list[Message]:
         """Return a description if it was recorded again or differs from the last one sent."""

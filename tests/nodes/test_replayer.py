@@ -12,6 +12,7 @@ import pytest
 
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
+from altered_recording import altered
 from made_up_blocks import recorded
 from node_arguments import parameters
 from ros_bench import PATIENCE, domain, environment, graph_client, node
@@ -62,6 +63,18 @@ def test_the_command_says_once_that_a_recording_is_unverified() -> None:
     options = ["--rate", "0", "--wait", "0"]
     done = subprocess.run([*command, *options], env=environment(domain()), capture_output=True, text=True, timeout=PATIENCE, check=True)
     assert done.stderr.count("unverified: no digest in manifest and outcome record") == 1
+
+
+def test_node_and_command_warn_once_of_samples_that_do_not_match(tmp_path: Path) -> None:
+    sentence = "the recording's samples do not match its own digest"
+    bag = recorded(tmp_path / "bag", 20)
+    for path, warnings in ((bag, 0), (altered(bag, tmp_path / "altered"), 1)):
+        with node("replayer", parameters(bag=str(path), rate=0.0, wait=0.0), environment(domain()), tmp_path / "log") as replayer:
+            assert replayer.process.wait(PATIENCE) == 0
+            assert replayer.output.count(sentence) == warnings
+        command = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()", "replay", str(path), "--rate", "0", "--wait", "0"]
+        done = subprocess.run(command, env=environment(domain()), capture_output=True, text=True, timeout=PATIENCE, check=True)
+        assert done.stderr.count(sentence) == warnings
 
 
 def test_a_replay_waits_until_its_subscriber_knows_it(tmp_path: Path) -> None:

@@ -10,11 +10,12 @@ from html import unescape
 from pathlib import Path
 
 import pytest
+from altered_recording import altered
 from made_up_blocks import recorded
 from separate_process import dcrb
 
 import dcrb_ros
-from dcrb_ros.messages.topics import MANIFEST, VIBRATION
+from dcrb_ros.messages.topics import MANIFEST
 from dcrb_ros.recordings.manifest import DIGEST, OUTCOME
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recovery import described_channel
@@ -24,21 +25,6 @@ from dcrb_ros.recordings.verification import digest_mismatch, unsigned
 from dcrb_ros.schema.refusal import AlteredSamples
 
 SENTENCE = "the recording's samples do not match its own digest"
-
-
-def altered(source: Path, target: Path) -> Path:
-    """Copy a recording with one bit of each block of samples flipped; checksums and records of the file are right."""
-    recording = Recording(source)
-    records = {r.name: dict(r.metadata) for file in recording.stored for r in file.metadata() if r.name != "rosbag2"}
-    bag = Bag(target, opening={}, closing=lambda: records)
-    for stored in recording.stored[0].messages([]):
-        assert stored.schema is not None
-        data = bytearray(stored.message.data)
-        if stored.channel.topic.endswith(f"/{VIBRATION.name}"):
-            data[len(data) // 2] ^= 0x01
-        bag.write([(described_channel(stored.channel, stored.schema), stored.message.log_time, bytes(data))])
-    bag.close()
-    return target
 
 
 @pytest.fixture(scope="module")
