@@ -82,6 +82,7 @@ CALLS: dict[str, Mapping[str, Any]] = {
 }
 """Arguments of each public name that takes input, most of them valid."""
 OUTPUTS = {
+    "AlteredSamples",
     *("Block", "Calibration", "DetectionResult", "Diagnosis", "EnvelopeSpectrum", "FeatureTable", "GroundTruth", "RecordingComparison"),
     *("Refusal", "RemainingLife", "Report", "SimulationResult", "SpectralCoherence", "StateHistory", "TachoPulses"),
     *("TemperatureReadings", "VehicleDetectionResult", "__version__"),

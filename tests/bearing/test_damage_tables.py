@@ -101,7 +101,7 @@ def test_a_spall_that_grows_under_a_roller_relieves_it_by_the_stiffness_of_its_c
     at = np.unravel_index(np.abs(azimuths(simulation)).argmin(), azimuths(simulation).shape)
     grown, same = simulation.fork(), simulation.fork()
     grown.change({"faults.outer_1.width": 1.02e-3})
-    grown._apply_commands()
+    grown._pending.apply(grown._apply)
     heights = []
     for each in (grown, same):
         # The first step: the roller gives way within the next ones.

@@ -19,7 +19,8 @@ from dcrb_ros.runtime.processes import available_memory, resident_memory
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import validated
-from dcrb_ros.simulation.run import simulate
+from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.simulation.run import waveform_of
 from dcrb_ros.sweep.data_set import open_data_set
 from dcrb_ros.sweep.loader import sweep_of
 from dcrb_ros.sweep.local_workers import LocalWorkers, local_workers, parsed_memory
@@ -102,7 +103,8 @@ def test_tasks_of_killed_workers_are_run_again(tmp_path: Path, workers: LocalWor
     assert table["run"].is_unique
     assert {f"runs/{path.name}" for path in (tmp_path / "set" / "runs").iterdir()} == set(table["file"])
     run = next(run for run in data_set.plan.runs() if run.name == table["run"][5])
-    alone = simulate(validated({**data_set.plan.sweep.base, **run.changes}, Configuration, "run"), 0.1)
+    configuration = validated({**data_set.plan.sweep.base, **run.changes}, Configuration, "run")
+    alone = waveform_of(list(Simulation(configuration, waveform_only=True).blocks(0.1)), configuration)
     assert np.array_equal(np.load(tmp_path / "set" / table["file"][5])["ax"], alone.acceleration[:, 0])
 
 

@@ -37,7 +37,7 @@ from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten, load_configuration
 from dcrb_ros.simulation.failure import ModelFailure
 from dcrb_ros.simulation.loop import Simulation
-from dcrb_ros.simulation.run import simulate
+from dcrb_ros.simulation.run import waveform_of
 from dcrb_ros.sweep import execution
 from dcrb_ros.sweep.cluster import TASKS_PER_WORKER, ClusterWorkers, cluster_workers
 from dcrb_ros.sweep.data_set import open_data_set
@@ -192,7 +192,8 @@ def test_the_first_task_of_a_long_plan_is_available_within_seconds() -> None:
 def test_samples_equal_those_of_a_single_simulation(tmp_path: Path) -> None:
     (run, label), *_ = run_alone({**QUICK, "cases": {"outer": {"faults.outer_1.width": 0.002}}, "seeds": [7]}, tmp_path)
     parameters = {"cage": {"joint": "revolute"}, "faults": {"outer_1": {"width": 0.002}}, "simulation": {"seed": 7}}
-    alone = simulate(Configuration.model_validate(parameters), 0.02)
+    configuration = Configuration.model_validate(parameters)
+    alone = waveform_of(list(Simulation(configuration, waveform_only=True).blocks(0.02)), configuration)
     held = np.load(tmp_path / label["file"])
     assert np.array_equal(held["ax"], alone.acceleration[:, 0])
     assert np.array_equal(held["ay"], alone.acceleration[:, 1])
