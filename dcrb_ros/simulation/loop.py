@@ -307,9 +307,7 @@ class Simulation:
         while self._steps < end:
             self._apply_scheduled()
             publishing, rate = self.configuration.publishing, self.configuration.step_rate
-            # Observing also places pinned rollers, from which the next step chooses the bound ones.
-            observed = not (self._waveform_only and self._payload.any_free)
-            state_due = next_tick(self._steps, publishing.state_rate, rate) if observed else end
+            state_due = end if self._waveform_only else next_tick(self._steps, publishing.state_rate, rate)
             truth_due = next_tick(self._steps, publishing.truth_rate, rate)
             change_due = self._scheduled[0].step if self._scheduled else end
             value_due = end
@@ -324,10 +322,9 @@ class Simulation:
             motion.append((acceleration, angles))
             if self._steps == heat_due:
                 self._heat()
-            if self._steps == state_due and observed:
+            if self._steps == state_due and not self._waveform_only:
                 self._observed = observe(self._payload, self._state, self.time_ns, self._observed, self._heating.present)
-                if not self._waveform_only:
-                    self._queue.states.append(self._observed)
+                self._queue.states.append(self._observed)
             if self._steps == truth_due:
                 self._note(None)
         accelerations, shaft = zip(*motion, strict=True)
