@@ -44,7 +44,7 @@ class ReplayerNode(BenchNode):
         super().__init__("replayer")
         self._settings = self.declare(ReplayParameters, run_time=RUN_TIME, adjust=lambda given: parameters or given)
         self._replay = Replay(self._settings)
-        self._alone = parameters is None  # otherwise the command warns, also if it is stopped before the end
+        self._warns = parameters is None  # otherwise the command does, also of a replay that is stopped before its end
         clock = [CLOCK] if self._settings.clock else []
         self._publisher = Publisher(self, [*self._replay.topics, BENCH_DIAGNOSTICS, *clock])
         self._progress = Progress()
@@ -85,7 +85,7 @@ class ReplayerNode(BenchNode):
         """Stop, and wait until the published messages have been delivered; warn of altered samples."""
         self._engine.close()
         self._publisher.flush(DELIVERY_TIMEOUT)
-        if self._replay.mismatch and self._alone:
+        if self._replay.mismatch and self._warns:
             self.get_logger().warning(f"{self._replay.recording.path}: {self._replay.mismatch}")
 
     def on_parameters(self, changes: dict[str, Any]) -> None:

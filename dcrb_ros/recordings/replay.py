@@ -10,7 +10,7 @@ from pathlib import Path
 from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.description import decode_frame, sensor_text
 from dcrb_ros.messages.plain import encode_text
-from dcrb_ros.messages.points import decode_vibration
+from dcrb_ros.messages.points import Vibration, decode_vibration
 from dcrb_ros.messages.topics import DETECTED, SENSOR, SIMULATED, TRANSFORMS, VIBRATION, Message, Topic
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DETECTED
 from dcrb_ros.messages.vehicle import box_path
@@ -94,8 +94,9 @@ class Replay:
         collected = list[Message]()
         outcomes = {topic: Outcome(self.recording.sampling_rate) for topic in self._boxes}
         for message in self.recording.messages({*self._descriptions, *self.topics}):
-            if message.topic in outcomes:
-                outcomes[message.topic].add_block(decode_vibration(message.data))
+            block = decode_vibration(message.data) if message.topic in outcomes else None
+            if block is not None:
+                outcomes[message.topic].add_block(block)
             if message.topic in self._descriptions:
                 waiting[message.topic] = message, begin is not None
                 continue
@@ -104,7 +105,7 @@ class Replay:
                 continue
             if begin is None or end is None:
                 begin = end = message.time_ns
-            due = max(end, self._due(message))
+            due = max(end, self._end_of(block) if block is not None else message.time_ns)
             if due > end and collected:
                 yield Bundle(begin, end, tuple(collected))
                 begin, collected = end, []
@@ -126,11 +127,9 @@ class Replay:
         self._descriptions[description.topic] = description
         return [description]
 
-    def _due(self, message: Message) -> int:
-        """Return the time at which a message is sent [ns]: a block at its end, any other message at its time."""
-        if message.topic not in self.waveforms:
-            return message.time_ns
-        block, rate = decode_vibration(message.data), self.recording.sampling_rate
+    def _end_of(self, block: Vibration) -> int:
+        """Return the time at which a block is sent [ns], that of its end."""
+        rate = self.recording.sampling_rate
         return nanoseconds(block.first_index(rate) + len(block.shaft_angle), rate)
 
 
