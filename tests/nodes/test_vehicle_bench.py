@@ -116,11 +116,13 @@ def test_all_boxes_have_the_topics_of_a_bench_with_equal_stamps(vehicle: Path, c
     with node("vehicle_simulator", arguments, environment(number_of(client)), tmp_path / "log") as simulator:
         client.until(lambda: all(len(client.boxes[VIBRATION, box]) == 20 for box in BOXES), "20 blocks of every box")
         client.until(lambda: len(client.received[VEHICLE_TRUTH]) == 20, "the ground truth of every block")
+        client.until(lambda: len(client.received[VEHICLE_STATE]) == 20, "the state after every block")
+        others = [client.boxes[topic, box] for topic in (FEATURES, GROUND_TRUTH, ROLLER_STATES) for box in BOXES]
+        client.until(lambda: all(others), "all topics of every box")
         assert simulator.process.wait(100) == 0
     stamps = {box: [VIBRATION.stamp(data) for data in client.boxes[VIBRATION, box]] for box in BOXES}
     assert all(times == [20_000_000 * k for k in range(20)] for times in stamps.values())
     assert [VEHICLE_TRUTH.stamp(data) for data in client.received[VEHICLE_TRUTH]] == stamps["axle_1/left"]
-    assert all(client.boxes[topic, box] for topic in (FEATURES, GROUND_TRUTH, ROLLER_STATES) for box in BOXES)
     (description, *_) = map(decode_description, client.received[VEHICLE_DESCRIPTION])
     assert [box.name for box in description.boxes] == list(BOXES)
     state = VEHICLE_STATE.decoded(client.received[VEHICLE_STATE][-1])
