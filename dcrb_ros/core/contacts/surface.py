@@ -38,6 +38,7 @@ from dcrb_ros.core.contacts.tilt import write_tilt
 from dcrb_ros.core.jit import YES, piece
 from dcrb_ros.core.laws.calls import load_memory
 from dcrb_ros.core.laws.registry import BY_CONSTANTS, Registered, by_law
+from dcrb_ros.core.layout.cages import of_cages, of_row
 from dcrb_ros.core.layout.contacts import RacewayContact
 from dcrb_ros.core.layout.state import OUTER, SHAFT_ANGLE, SHAFT_SPEED, State
 from dcrb_ros.core.layout.workspace import Workspace
@@ -48,10 +49,23 @@ INNER_RING, OUTER_RING = 0, 1
 
 
 @piece
+def write_pinned_velocities(payload: Payload, state: State, work: Workspace) -> None:
+    """Write the velocities of pinned rollers before the step, with which their cages carry them."""
+    rollers, step, cages, pitch = state.rollers[0], work.rollers[0], of_cages(state.velocity), payload.pitch_radius
+    for c in range(filled(payload.free.size)):
+        cage_x, cage_y, turn = of_row(cages, rollers.second_row[c])
+        free = rollers.free[c] > 0.0
+        rollers.vx[c] = rollers.vx[c] if free else cage_x + pitch * turn * step.tangent_x[c]
+        rollers.vy[c] = rollers.vy[c] if free else cage_y + pitch * turn * step.tangent_y[c]
+
+
+@piece
 def write_free_profile(profile: Profile | Impacts, payload: Payload, state: State, work: Workspace) -> None:
     """Write height, tilt and sink speed of all rollers at the outer raceway: first the nodes, then their values, then between them."""
     rollers, step, count = state.rollers[0], work.rollers[0], filled(payload.free.size)
     nodes = work.outer[0]
+    if not payload.all_free:
+        write_pinned_velocities(payload, state, work)
     ring_x, ring_y = state.position[OUTER, 0], state.position[OUTER, 1]
     raceway_nodes, roller_nodes = profile.raceways.shape[2] - 1, profile.rollers.shape[2] - 1
     for c in range(count):
