@@ -22,6 +22,7 @@ from dcrb_ros.exam.vehicle.exam_file import VehicleCase, read_vehicle_exam
 from dcrb_ros.exam.vehicle.signals import VehicleSignal, kept_signal, signal_path
 from dcrb_ros.schema.verdicts import BEARING_FAULTS
 from dcrb_ros.stream.vehicle_diagnosis import UNDECIDED, VEHICLE_VERDICTS, kind_of
+from dcrb_ros.text.markdown import table
 
 GROUPS = {
     "one damaged box, -10 dB": ("outer", "inner", "roller"),
@@ -101,33 +102,25 @@ def main() -> None:
         names.update(named_components(found["comparing"], case))
     print_tables(rows, causes)
     print("\nNumber of damaged boxes by the last component that the comparing detector named:\n")
-    print("| damaged | named | boxes |\n|---|---|---|")
-    for (damaged, verdict), count in sorted(names.items()):
-        print(f"| {damaged} | {verdict} | {count} |")
+    print(table(("damaged", "named", "boxes"), ((*pair, count) for pair, count in sorted(names.items()))))
 
 
 def print_tables(rows: Mapping[str, list[dict[str, tuple[bool, bool]]]], causes: Mapping[str, list[set[str]]]) -> None:
     """Print right boxes, wrong boxes, and the other causes that the comparing detector named."""
     for number, title in enumerate(("vehicles with alarms on the damaged boxes and no other", "vehicles with an alarm on a healthy box")):
         print(f"\nNumber of {title}, with its interval of 95 %:\n")
-        _print_table(rows, number)
+        print(table(("scenario", "vehicles", *DETECTORS), (_counted(row, results, number) for row, results in rows.items())))
     columns = sorted({cause for vehicles in causes.values() for named in vehicles for cause in named})
     print("\nNumber of vehicles in which the comparing detector named a cause at any time:\n")
-    print(f"| scenario | vehicles | {' | '.join(columns)} |")
-    print(f"|---|---|{'---|' * len(columns)}")
-    for row, vehicles in causes.items():
-        print(f"| {row} | {len(vehicles)} | {' | '.join(str(sum(cause in named for named in vehicles)) for cause in columns)} |")
+    cells = ((row, len(its), *(sum(cause in named for named in its) for cause in columns)) for row, its in causes.items())
+    print(table(("scenario", "vehicles", *columns), cells))
 
 
-def _print_table(rows: Mapping[str, list[dict[str, tuple[bool, bool]]]], number: int) -> None:
-    """Print the counts of one kind of outcome by row and detector."""
-    print(f"| scenario | vehicles | {' | '.join(DETECTORS)} |")
-    print(f"|---|---|{'---|' * len(DETECTORS)}")
-    for row, results in rows.items():
-        counts = [sum(result[name][number] for result in results) for name in DETECTORS]
-        intervals = [share(count, len(results)) for count in counts]
-        cells = [f"{count} ({interval[1]:.0%} to {interval[2]:.0%})" for count, interval in zip(counts, intervals, strict=True)]
-        print(f"| {row} | {len(results)} | {' | '.join(cells)} |")
+def _counted(row: str, results: list[dict[str, tuple[bool, bool]]], number: int) -> tuple[object, ...]:
+    """Return the cells of a row: the vehicles, and how many have one kind of outcome with each detector."""
+    counts = [sum(result[name][number] for result in results) for name in DETECTORS]
+    intervals = [share(count, len(results)) for count in counts]
+    return row, len(results), *(f"{count} ({at.low:.0%} to {at.high:.0%})" for count, at in zip(counts, intervals, strict=True))
 
 
 if __name__ == "__main__":

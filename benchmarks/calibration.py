@@ -1,10 +1,10 @@
 """Calibrate to benches whose path, gain, noise and modulation are known, and count how often the intervals contain the truth.
 
-    python benchmarks/calibration.py [PLANTS] [FIGURE]
+    python benchmarks/calibration.py [PLANTS]
 
 Each plant is simulated for 5 s with another individual of the bearing, random modes of an axle box, gain, noise, modulation and hum, and
 calibrated to from its recording alone. The calibrated bench with a known share of the bearing and once more another individual is a second
-plant, for that share. The figure goes to docs/images/calibration-plants.png.
+plant, for that share.
 """
 
 from __future__ import annotations
@@ -13,11 +13,9 @@ import sys
 import time
 from collections import defaultdict
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 from scipy.signal import sosfreqz
 
 from dcrb_ros.calibration.calibration import Calibration, calibrate
@@ -27,7 +25,6 @@ from dcrb_ros.measurement.stages.structure import StructureParameters, sections
 from dcrb_ros.simulation.run import SimulationResult, simulate
 
 SECONDS = 5.0
-FIGURE = Path(__file__).resolve().parents[1] / "docs" / "images" / "calibration-plants.png"
 
 
 def drawn(number: int) -> dict[str, Any]:
@@ -57,8 +54,8 @@ class Counts:
     """Relative errors [-]."""
     unknown: dict[str, list[bool]] = field(default_factory=lambda: defaultdict(list))
     """Whether a calibration says that the share is unknown."""
-    bands: list[tuple[float, float, float]] = field(default_factory=list)
-    """Middle of a third octave [Hz], estimated over true path and half of the interval [dB]."""
+    bands: list[tuple[float, float]] = field(default_factory=list)
+    """Estimated over true path in a third octave, and half of the interval [dB]."""
 
     def add(self, calibration: Calibration, run: SimulationResult, settings: dict[str, Any]) -> None:
         """Compare a calibration with the truth."""
@@ -76,7 +73,7 @@ class Counts:
             for level in (estimate for estimate in calibration.path if estimate.axis == axis and estimate.identified):
                 band = (middles >= level.frequency / EDGE) & (middles < level.frequency * EDGE)
                 known = 10.0 * np.log10(power[band, 1].sum() / power[band, 0].sum())
-                self.bands.append((level.frequency, level.level - known, 0.5 * (level.high - level.low)))
+                self.bands.append((level.level - known, 0.5 * (level.high - level.low)))
                 self.inside["path in third octaves"].append(level.low <= known <= level.high)
 
     def add_share(self, calibration: Calibration, truth: float) -> None:
@@ -95,9 +92,9 @@ class Counts:
             print(f"{key}: {np.mean(values):.0%} of {len(values)} within their intervals{spread}")
         for key, values in self.unknown.items():
             print(f"{key}: said to be unknown in {sum(values)} of {len(values)}")
-        apart = np.abs([band[1] for band in self.bands])
+        apart = np.abs([band[0] for band in self.bands])
         print(f"path: {np.sqrt(np.mean(apart**2)):.2f} dB, 99 % within {np.percentile(apart, 99):.2f} dB, at most {apart.max():.2f} dB")
-        print(f"half of an interval of the path: {np.median([band[2] for band in self.bands]):.2f} dB")
+        print(f"half of an interval of the path: {np.median([band[1] for band in self.bands]):.2f} dB")
 
 
 def mixed_plant(calibration: Calibration, number: int) -> tuple[SimulationResult, float]:
@@ -108,7 +105,7 @@ def mixed_plant(calibration: Calibration, number: int) -> tuple[SimulationResult
 
 
 def main() -> None:
-    """Run the plants and draw their figure."""
+    """Run the plants and print what was found."""
     plants = int(sys.argv[1]) if len(sys.argv) > 1 else 24
     counts, seconds = Counts(), []
     for number in range(1, plants + 1):
@@ -126,7 +123,6 @@ def main() -> None:
         print(number, f"{seconds[-1]:.1f} s", {key: round(values[-1], 3) for key, values in counts.errors.items()}, flush=True)
     counts.report()
     print(f"processor time of a calibration: {np.median(seconds):.1f} s, at most {max(seconds):.1f} s")
-    draw(counts.inside, np.array(counts.bands), Path(sys.argv[2]) if len(sys.argv) > 2 else FIGURE)
 
 
 def path_of(run: SimulationResult, settings: dict[str, Any], axis: str) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
@@ -139,23 +135,6 @@ def path_of(run: SimulationResult, settings: dict[str, Any], axis: str) -> tuple
     )
     before = spectrum.density[used]
     return np.column_stack([before, before * (settings[f"structure.gain_{axis}"] * response) ** 2]), frequency
-
-
-def draw(inside: dict[str, list[bool]], bands: np.ndarray[Any, Any], file: Path) -> None:
-    """Draw errors of the path over frequency, and the rates at which intervals contain the truth."""
-    figure = Figure(figsize=(11.0, 4.2), dpi=100, layout="constrained")
-    left, right = figure.subplots(1, 2)
-    left.semilogx(bands[:, 0] * np.random.default_rng(1).uniform(0.95, 1.05, len(bands)), bands[:, 1], ".", color="#0072B2", markersize=3.0)
-    for level in (-2.0, 2.0):
-        left.axhline(level, color="#D55E00", linewidth=0.8)
-    left.set(
-        xlabel="Third octave in Hz", ylabel="Estimated over true path in dB", ylim=(-4.0, 4.0), title="Paths where the bearing is heard"
-    )
-    names = list(inside)
-    right.barh(names, [float(np.mean(inside[name])) for name in names], color="#0072B2")
-    right.axvline(0.9, color="#D55E00", linewidth=0.8)
-    right.set(xlabel="Share of intervals that contain the truth (stated: 0.9)", xlim=(0.0, 1.0))
-    figure.savefig(file)
 
 
 if __name__ == "__main__":

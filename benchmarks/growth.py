@@ -16,6 +16,7 @@ import math
 from typing import Any
 
 import numpy as np
+from scipy.stats import linregress
 
 from dcrb_ros.diagnosis.detection import detect
 from dcrb_ros.simulation.run import simulate
@@ -53,11 +54,8 @@ def width(time: np.ndarray) -> np.ndarray:
 
 def slope(time: np.ndarray, level: np.ndarray) -> tuple[float, float]:
     """Return the slope of a line through levels [dB] and its standard error [dB/min], with half of the points independent."""
-    centred = time - time.mean()
-    spread = float(centred @ centred)
-    rate = float(centred @ level) / spread
-    rest = level - level.mean() - rate * centred
-    return 60.0 * rate, 60.0 * math.sqrt(float(rest @ rest) / max(len(time) / 2.0 - 2.0, 1.0) / (0.5 * spread))
+    line, count = linregress(time, level), len(time)
+    return 60.0 * line.slope, 60.0 * line.stderr * math.sqrt((count - 2.0) / max(count / 2.0 - 2.0, 1.0) / 0.5)
 
 
 def trial(ring: str, speed: float, growing: bool, seed: int) -> dict[str, Any]:

@@ -33,6 +33,7 @@ from dcrb_ros.exam.measured import LONGEST, read_measured
 from dcrb_ros.recordings.reader import Recording as FileRecording
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.simulation.run import simulate
+from dcrb_ros.text.markdown import table
 
 THRESHOLDS = {"outer_ring": "outer_depth", "inner_ring": "inner_depth", "roller": "roller_depth", "cage": "cage_scatter"}
 """Threshold of each rule that is chosen."""
@@ -204,12 +205,11 @@ def main() -> None:
         row[0] += 1
         for column, parameters in enumerate((shipped, everywhere, without[recording.rig]), 1):
             row[column] += verdict(recording, found, parameters) == recording.truth
-    print("| rig | truth | signals | shipped | chosen on all rigs | chosen on the other rigs |\n|---|---|---|---|---|---|")
-    for (rig, truth), row in counts.items():
-        print(f"| {rig} | {truth.replace('_', ' ')} | " + " | ".join(map(str, row)) + " |")
-    print("\n| chosen | " + " | ".join(THRESHOLDS.values()) + " |\n|---|" + "---|" * len(THRESHOLDS))
-    for name, parameters in (("shipped", shipped), ("on all rigs", everywhere), *((f"without {rig}", without[rig]) for rig in rigs)):
-        print(f"| {name} | " + " | ".join(f"{getattr(parameters, key):.2f}" for key in THRESHOLDS.values()) + " |")
+    heads = ("rig", "truth", "signals", "shipped", "chosen on all rigs", "chosen on the other rigs")
+    print(table(heads, ((rig, truth.replace("_", " "), *row) for (rig, truth), row in counts.items())))
+    sets = {"shipped": shipped, "on all rigs": everywhere, **{f"without {rig}": without[rig] for rig in rigs}}
+    values = ((name, *(f"{getattr(parameters, key):.2f}" for key in THRESHOLDS.values())) for name, parameters in sets.items())
+    print("", table(("chosen", *THRESHOLDS.values()), values), sep="\n")
 
 
 if __name__ == "__main__":

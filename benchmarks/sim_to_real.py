@@ -38,7 +38,7 @@ SPEED = "operating.speed"
 """Beginning of the keys that the calibration estimates from the angle of the shaft."""
 SHAPES = {"with band levels": (True, False), "without": (False, False), "that match": (True, True)}
 """Sets of features: with levels of bands, and only those that match the healthy machine."""
-UNCALIBRATED, RIGID, CALIBRATED = "simulated, uncalibrated", "simulated, rigid path", "simulated, calibrated"
+DRAWN, RIGID, CALIBRATED = "simulated, drawn laboratory", "simulated, rigid path", "simulated, calibrated"
 """Trainings: machines of a laboratory drawn from ranges, the bench at the ring, and machines like the calibrated one."""
 OWN = "its own other bearings"
 """The training that shows what these features allow at most."""
@@ -87,10 +87,10 @@ def rows_of(rig: Rig, trainings: Mapping[str, Windows], test: Windows, healthy: 
 
 
 def gains_of(rig: Rig, trainings: Mapping[str, Windows], test: Windows, healthy: Windows) -> list[tuple[str, str, Gain]]:
-    """Return how much better the calibrated training set is than the uncalibrated one, by set of features."""
+    """Return how much better the calibrated training set is than that of the drawn laboratory, by set of features."""
     found = []
     for shape, (levels, matching) in SHAPES.items():
-        sets = trainings[CALIBRATED], trainings[UNCALIBRATED]
+        sets = trainings[CALIBRATED], trainings[DRAWN]
         given = [chosen(one, test, levels, healthy if matching else None) for one in sets]
         found.append((rig.name, shape, gain(*sets, (given[0], given[1]), test)))
     return found
@@ -108,7 +108,7 @@ def markdown(rows: list[Row]) -> str:
 def markdown_of_gains(gains: list[tuple[str, str, Gain]]) -> str:
     """Return the differences as a table."""
     rows = ((rig, shape, f"{gain.mean:+.3f} ({gain.low:+.3f} to {gain.high:+.3f})") for rig, shape, gain in gains)
-    return table(("rig", "features", "calibrated over uncalibrated (90 % bounds)"), rows)
+    return table(("rig", "features", "calibrated minus drawn laboratory (90 % bounds)"), rows)
 
 
 def markdown_of_gaps(gaps: list[Gap]) -> str:
@@ -140,8 +140,8 @@ def main(arguments: list[str] | None = None) -> int:
     gaps: list[Gap] = []
     for rig in (rig for rig in RIGS if rig.name in given.rigs):
         size = given.output, given.machines, given.seconds, given.workers
-        drawn = drawn_windows(rig, BENCH, given.output / f"{rig.name}-uncalibrated", given.machines, given.seconds)
-        trainings = {UNCALIBRATED: drawn, RIGID: rigid(rig, *size)}
+        drawn = drawn_windows(rig, BENCH, given.output / f"{rig.name}-drawn", given.machines, given.seconds)
+        trainings = {DRAWN: drawn, RIGID: rigid(rig, *size)}
         healthy, _ = measured(given.measured, rig)
         if healthy:
             trainings[CALIBRATED] = calibrated(rig, healthy, *size)
@@ -151,7 +151,7 @@ def main(arguments: list[str] | None = None) -> int:
         rows += rows_of(rig, trainings, tests[rig.name], known)
         if known is not None:
             gains += gains_of(rig, trainings, tests[rig.name], known)
-            simulated = {name: trainings[name] for name in (UNCALIBRATED, RIGID, CALIBRATED)}
+            simulated = {name: trainings[name] for name in (DRAWN, RIGID, CALIBRATED)}
             gaps += gaps_of(rig.name, simulated, tests[rig.name], known)
     tables = "\n\n".join((markdown(rows), markdown_of_gains(gains), markdown_of_gaps(gaps)))
     (given.output / "table.md").write_text(tables)

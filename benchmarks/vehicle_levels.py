@@ -26,6 +26,7 @@ from dcrb_ros.recordings.splitting import Bag
 from dcrb_ros.recordings.vehicle_recorder import VehicleRecorder
 from dcrb_ros.simulation import loop
 from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.text.markdown import table
 from dcrb_ros.vehicle.description import described
 from dcrb_ros.vehicle.file import read_parameters, read_vehicle
 from dcrb_ros.vehicle.frame import FRAME
@@ -47,10 +48,9 @@ KERNELS, STEPS = "kernels of four boxes", "states and truths of four boxes"
 def levels(seconds: float) -> None:
     """Print the rms of the boxes below `CUTOFF` by track and wheels, and that of the dynamic loads."""
     lowpass = butter(4, CUTOFF, fs=102400.0, output="sos")
-    print("| spectrum | " + " | ".join(f"{speed:g} km/h" for speed in SPEEDS) + " |")
-    print("|---" * (len(SPEEDS) + 1) + "|")
+    rows = []
     for spectrum in SPECTRA:
-        cells = []
+        cells = [f"`{spectrum}`"]
         for speed in SPEEDS:
             model = VehicleModel(read_vehicle("healthy_bogie", {"track.spectrum": spectrum, "vehicle.speed_kmh": speed}))
             plans = [model.plan() for _ in range(round(seconds * model.rate / FRAME))]
@@ -58,7 +58,8 @@ def levels(seconds: float) -> None:
             load = np.array([plan.load[:, 1] for plan in plans]).std(axis=0).mean()
             rms = float(np.sqrt(np.mean(sosfiltfilt(lowpass, motion) ** 2)))
             cells.append(f"{rms:.1f}{' *' if rms > TESTED else ''} ({load / 1e3:.1f} kN)")
-        print(f"| `{spectrum}` | " + " | ".join(cells) + " |")
+        rows.append(cells)
+    print(table(("spectrum", *(f"{speed:g} km/h" for speed in SPEEDS)), rows))
     print(f"\n\\* above the {TESTED:g} m/s^2 of EN 61373")
 
 
@@ -103,10 +104,9 @@ def cost(seconds: float) -> None:
         whole = time.process_time() - began
     spent[STEPS] -= spent[KERNELS]
     spent["everything else"] = whole - sum(spent.values())
-    print("| part | ms per 20 ms | share |\n|---|---|---|")
-    for part, used in sorted(spent.items(), key=lambda item: -item[1]):
-        print(f"| {part} | {used / seconds * 20.0:.2f} | {used / whole:.0%} |")
-    print(f"| all | {whole / seconds * 20.0:.2f} | |")
+    parts = sorted(spent.items(), key=lambda item: -item[1])
+    rows = [(part, f"{used / seconds * 20.0:.2f}", f"{used / whole:.0%}") for part, used in parts]
+    print(table(("part", "ms per 20 ms", "share"), [*rows, ("all", f"{whole / seconds * 20.0:.2f}", "")]))
 
 
 def main(arguments: list[str]) -> int:

@@ -43,8 +43,3 @@ def refitted(configuration: Configuration, payload: Payload, state: State) -> Pa
     # Their last change of velocity was the cage's; one step does without this prediction.
     state.roller_change[freed, :2] = 0.0
     return after
-
-
-def onsets(known: Mapping[str, float], configuration: Configuration, now: float) -> dict[str, float]:
-    """Return the onset [s] of each fault of a configuration: the known one, or ``now`` for a new fault."""
-    return {name: known.get(name, now) for name in configuration.described_faults()}

@@ -20,9 +20,9 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.simulated_time import checked_duration
 
 if TYPE_CHECKING:
-    from dcrb_ros.settings.configuration import Configuration
-    from dcrb_ros.simulation.loop import Simulation
-    from dcrb_ros.stream.block import Block
+    from dcrb_ros.recordings.digest import RecordedSamples
+    from dcrb_ros.recordings.manifest import Outcome
+    from dcrb_ros.recordings.reproduction import RunReproduction
 
 
 class Timed(Protocol):
@@ -83,18 +83,7 @@ def simulate(
         if config or settings or scenario or vehicle:
             raise Refusal("--from reads configuration and scenario from the recording: leave out CONFIG, --vehicle, --set and --scenario")
         refuse_given(context, "does not apply to --from, which simulates all of the recording: leave it out", "duration")
-        from dcrb_ros.recordings.vehicle_folder import box_of, vehicle_boxes
-
-        if vehicle_boxes(source):
-            reproduce_vehicle(source, output, force=force, quiet=quiet, as_json=as_json)
-            return
-        whole, box = box_of(source)
-        if box:
-            raise Refusal(f"{source} is a box of the vehicle in {whole}, on which its samples depend: give --from {whole}")
-        with ExitStack() as stack:
-            if output is not None:
-                stack.enter_context(replacing("-o", output, force=force, source=source))
-            reproduce(source, output, quiet=quiet, as_json=as_json)
+        reproduce(source, output, force=force, quiet=quiet, as_json=as_json)
         return
     refuse_node_settings(settings)
     if vehicle is not None:
@@ -107,48 +96,57 @@ def simulate(
         raise Refusal("Missing argument 'CONFIG': give a YAML file or a shipped name, such as healthy, or --from BAG")
     seconds = checked_duration(duration)
     from dcrb_ros.settings.files import load_configuration
-    from dcrb_ros.simulation.scenario import read_scenario_file, starting_configuration
+    from dcrb_ros.simulation.scenario import read_scenario_file, scheduled_changes, starting_configuration
 
     tree = read_scenario_file(scenario) if scenario else None
     configuration = starting_configuration(tree, load_configuration(config, settings or ()), str(scenario))
     path = output or Path(Path(config).stem)
     with replacing("-o", path, force=force):
         from dcrb_ros.recordings.recorder import Recorder
+        from dcrb_ros.simulation.loop import Simulation
 
-        simulation = _simulation(configuration, tree, str(scenario))
+        simulation = Simulation(configuration, scheduled_changes(tree, configuration, str(scenario)) if tree else ())
         with Recorder(path, configuration, simulation.bodies, scenario=tree) as recorder:
             progress = _run(path.name, simulation.blocks(seconds), seconds, recorder.write, quiet=quiet, partial=True)
-    if as_json:
-        outcome = recorder.outcome
-        _print_object(path, progress, samples=outcome.samples, sha256=outcome.sha256)
-        return
-    print(f"{path}: {progress}")
-    if not quiet:
-        print(f"open it with: dcrb view {path}")
+    _print_written(path, progress, {"": recorder.outcome}, quiet=quiet, as_json=as_json)
 
 
-def reproduce(source: Path, output: Path | None, *, quiet: bool, as_json: bool) -> None:
+def reproduce(source: Path, output: Path | None, *, force: bool, quiet: bool, as_json: bool) -> None:
     """Simulate a recording again and compare the samples; write them to a new recording if ``output`` is given."""
-    from dcrb_ros.recordings.reader import Recording
-    from dcrb_ros.recordings.recorder import Recorder
-    from dcrb_ros.recordings.reproduction import Reproduction
-
-    recording = Recording(source)
-    reproduction = Reproduction(recording)
-    _warn_of_difference(source, reproduction.difference())
-    scenario = recording.manifest.get("scenario")
-    simulation = _simulation(reproduction.configuration, scenario, f"{source}: scenario")
     with ExitStack() as stack:
-        write: Callable[[Block], None] | None = None
         if output is not None:
-            write = stack.enter_context(Recorder(output, reproduction.configuration, simulation.bodies, scenario=scenario)).write
+            stack.enter_context(replacing("-o", output, force=force, source=source))
+        reproduction = _reproduction(source)
+        if difference := reproduction.difference():
+            typer.echo(f"dcrb: {source}: {difference}; the samples may differ", err=True)
+        simulation = reproduction.simulation()
+        write = None if output is None else stack.enter_context(reproduction.recorder(output, simulation)).write
         progress = _run(source.name, reproduction.blocks(simulation), reproduction.duration, write, quiet=quiet)
     reproduction.check()
-    samples = reproduction.samples
+    samples = {name: compared.recorded for name, compared in reproduction.compared.items()}
     if as_json:
-        _print_object(output, progress, samples=samples.count, sha256=samples.sha256)
+        _print_object(output, progress, samples)
+    elif "" in samples:
+        print(f"{source}: {progress}; the same {samples[''].count} samples, sha256 {samples[''].sha256[:16]}")
     else:
-        print(f"{source}: {progress}; the same {samples.count} samples, sha256 {samples.sha256[:16]}")
+        print(f"{source}: {progress}; the same samples in {len(samples)} boxes")
+
+
+def _reproduction(source: Path) -> RunReproduction[Any, Any]:
+    """Return the reproduction of a recording, or refuse that of a single box."""
+    from dcrb_ros.recordings.vehicle_folder import box_of, vehicle_boxes
+
+    if vehicle_boxes(source):
+        from dcrb_ros.recordings.vehicle import VehicleRecording, VehicleReproduction
+
+        return VehicleReproduction(VehicleRecording(source))
+    whole, box = box_of(source)
+    if box:
+        raise Refusal(f"{source} is a box of the vehicle in {whole}, on which its samples depend: give --from {whole}")
+    from dcrb_ros.recordings.reader import Recording
+    from dcrb_ros.recordings.reproduction import Reproduction
+
+    return Reproduction(Recording(source))
 
 
 def simulate_vehicle(
@@ -174,54 +172,26 @@ def simulate_vehicle(
     simulation = simulation_of(parameters, source, tree, str(scenario))
     with replacing("-o", path, force=force), VehicleRecorder(path, parameters, simulation) as recorder:
         progress = _run(path.name, simulation.blocks(seconds), seconds, recorder.write, quiet=quiet, partial=True)
+    _print_written(path, progress, recorder.outcome.boxes, quiet=quiet, as_json=as_json)
+
+
+def _print_written(path: Path, progress: Progress, outcomes: Mapping[str, Outcome], *, quiet: bool, as_json: bool) -> None:
+    """Print what was recorded of each box; a bench is the box named ""."""
     if as_json:
-        boxes = {name: {"samples": outcome.samples, "sha256": outcome.sha256} for name, outcome in recorder.outcome.boxes.items()}
-        _print_object(path, progress, boxes=boxes)
+        from dcrb_ros.recordings.digest import samples_in
+
+        _print_object(path, progress, {name: samples_in(outcome) for name, outcome in outcomes.items()})
         return
-    print(f"{path}: {progress}, {len(recorder.outcome.boxes)} boxes")
+    print(f"{path}: {progress}" + ("" if "" in outcomes else f", {len(outcomes)} boxes"))
     if not quiet:
         print(f"open it with: dcrb view {path}")
 
 
-def reproduce_vehicle(source: Path, output: Path | None, *, force: bool, quiet: bool, as_json: bool) -> None:
-    """Simulate a vehicle's recording again and compare the samples of every box; write them if ``output`` is given."""
-    from dcrb_ros.recordings.vehicle import VehicleRecording, VehicleReproduction
-    from dcrb_ros.recordings.vehicle_recorder import VehicleRecorder
-    from dcrb_ros.vehicle.simulation import simulation_of
-
-    recording = VehicleRecording(source)
-    reproduction = VehicleReproduction(recording)
-    _warn_of_difference(source, reproduction.difference())
-    simulation = simulation_of(recording.parameters, str(source), recording.scenario, f"{source}: scenario")
-    with ExitStack() as stack:
-        write = None
-        if output is not None:
-            stack.enter_context(replacing("-o", output, force=force, source=source))
-            write = stack.enter_context(VehicleRecorder(output, recording.parameters, simulation)).write
-        progress = _run(source.name, reproduction.blocks(simulation), recording.duration, write, quiet=quiet)
-    reproduction.check()
-    if as_json:
-        boxes = {name: {"samples": samples.count, "sha256": samples.sha256} for name, samples in reproduction.samples.items()}
-        _print_object(output, progress, boxes=boxes)
-    else:
-        print(f"{source}: {progress}; the same samples in {len(recording.boxes)} boxes")
-
-
-def _warn_of_difference(source: Path, difference: str) -> None:
-    if difference:
-        typer.echo(f"dcrb: {source}: {difference}; the samples may differ", err=True)
-
-
-def _print_object(path: Path | None, progress: Progress, **samples: Any) -> None:
+def _print_object(path: Path | None, progress: Progress, samples: Mapping[str, RecordedSamples]) -> None:
+    """Print what was simulated as JSON, with number and digest of the samples of each box; a bench is the box named ""."""
     about = {"recording": None if path is None else str(path), "simulated": progress.simulated, "real_time_factor": progress.factor}
-    print(json.dumps(about | samples, indent=2))
-
-
-def _simulation(configuration: Configuration, scenario: Mapping[str, Any] | None, source: str) -> Simulation:
-    from dcrb_ros.simulation.loop import Simulation
-    from dcrb_ros.simulation.scenario import scheduled_changes
-
-    return Simulation(configuration, scheduled_changes(scenario, configuration, source) if scenario else [])
+    boxes = {name: {"samples": recorded.count, "sha256": recorded.sha256} for name, recorded in samples.items()}
+    print(json.dumps({**about, **boxes.get("", {"boxes": boxes})}, indent=2))
 
 
 def _run(

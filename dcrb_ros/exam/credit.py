@@ -96,14 +96,7 @@ def _detection(
     if any(current.time < first <= current.time + period and current.until >= first and is_alarm(current.verdict) for current in verdicts):
         return 0.0
     alarms = BEARING_FAULTS if expectation.verdict in BEARING_FAULTS else (expectation.verdict,)
-    alarm, name = (
-        _weight(
-            expectation,
-            [current for current in _current_verdicts(expectation, diagnoses, period, counted) if current.verdict in counted],
-            profile,
-        )
-        for counted in (alarms, (expectation.verdict,))
-    )
+    alarm, name = (_weight(expectation, diagnoses, counted, profile, period) for counted in (alarms, (expectation.verdict,)))
     return (1.0 - profile.naming) * alarm + profile.naming * name
 
 
@@ -117,22 +110,19 @@ def vehicle_detection(
     """
     period = period_of(criteria)
     alarms = BEARING_FAULTS if expectation.verdict in BEARING_FAULTS else (expectation.verdict,)
-
-    def weight(diagnoses: Sequence[ReceivedDiagnosis], counted: Sequence[str], profile: Profile) -> float:
-        verdicts = _current_verdicts(expectation, diagnoses, period, counted)
-        return _weight(expectation, [current for current in verdicts if current.verdict in counted], profile)
-
     credits = {}
     for profile in PROFILES:
-        alarm = max((weight(box, alarms, profile) for box in boxes), default=0.0)
-        named = max((weight(box, (expectation.verdict,), profile) for box in boxes), default=0.0)
-        place = weight(own, alarms, profile)
+        alarm = max((_weight(expectation, box, alarms, profile, period) for box in boxes), default=0.0)
+        named = max((_weight(expectation, box, (expectation.verdict,), profile, period) for box in boxes), default=0.0)
+        place = _weight(expectation, own, alarms, profile, period)
         credits[profile.name] = (1.0 - profile.naming) * alarm + profile.naming * 0.5 * (place + named)
     return credits
 
 
-def _weight(expectation: Expectation, verdicts: Sequence[_CurrentVerdict], profile: Profile) -> float:
-    """Return the weight of the time during which verdicts are current; all the time after the onset weighs 1 [-]."""
+def _weight(
+    expectation: Expectation, diagnoses: Sequence[ReceivedDiagnosis], counted: Sequence[str], profile: Profile, period: float
+) -> float:
+    """Return the weight of the time during which one of the ``counted`` verdicts is current; all time after the onset weighs 1 [-]."""
     onset, end = expectation.onset, expectation.end
     final = end - FINAL * (end - onset)
 
@@ -141,7 +131,9 @@ def _weight(expectation: Expectation, verdicts: Sequence[_CurrentVerdict], profi
         return 1.0 if beyond <= 0.0 else 2.0 ** (-beyond / profile.half_life)
 
     weights = []
-    for current in verdicts:
+    for current in _current_verdicts(expectation, diagnoses, period, counted):
+        if current.verdict not in counted:
+            continue
         begin, until = max(current.issued, onset), current.until
         if begin < min(until, final):
             weights.append(worth(begin) - worth(min(until, final)))

@@ -35,7 +35,7 @@ TABLE = "recordings.csv"
 OPTIONAL_COLUMNS = ("speed_rpm_from_lines", "machine", "bearing")
 """Columns that the table may have: the measured speed, the physical rig and the bearing of each recording; see `read_measured`."""
 REPLICA_COLUMNS = ("seconds", "load", "pitch_diameter_mm", "gain")
-"""Columns that only a replica uses; see `replica_table`."""
+"""Columns that a replica takes instead of drawn values; see `MeasuredRecording`."""
 KNOWN, UNKNOWN = "known", "unknown"
 """Values of the column `gain`: whether all bearings of the machine are known to have been recorded with one gain."""
 COLUMNS = ("name", "rig", "truth", "sampling_rate", "unit", "speed_rpm_documented", *CHARACTERISTIC_FREQUENCIES)
@@ -59,6 +59,12 @@ class MeasuredRecording(JudgedRecording):
     file: Path
     bearing: str
     """Bearing on the machine; recordings of one bearing are not independent."""
+    seconds: float = math.inf
+    """Length according to the table [s]; infinite if it states none."""
+    load: float | None = None
+    """Radial load [N]; None if it is unknown."""
+    pitch_radius: float | None = None
+    """Radius of the pitch circle [m]; None if it is unknown."""
 
     def samples(self) -> Floats:
         """Return the acceleration, shape (samples,) [m/s^2].
@@ -137,7 +143,7 @@ def _row(table: Path, line: int, row: dict[str, str], speed: str) -> MeasuredRec
         )
     machine = row.get("machine") or _machine(row["rig"], rate)
     bearing = row.get("bearing") or f"{row['truth']} {name.rpartition('_')[0] or name}"
-    file = table.parent / "recordings" / f"{name}.npz"
+    pitch = _stated(row, "pitch_diameter_mm", "mm", f"{table}, line {line}")
     return MeasuredRecording(
         name=name,
         rig=row["rig"],
@@ -148,9 +154,26 @@ def _row(table: Path, line: int, row: dict[str, str], speed: str) -> MeasuredRec
         orders=orders,
         gain_known=gain == KNOWN,
         unit=row["unit"],
-        file=file,
+        file=table.parent / "recordings" / f"{name}.npz",
         bearing=f"{machine} {bearing}",
+        seconds=_stated(row, "seconds", "s", f"{table}, line {line}") or math.inf,
+        load=_stated(row, "load", "N", f"{table}, line {line}"),
+        pitch_radius=None if pitch is None else 5e-4 * pitch,
     )
+
+
+def _stated(row: dict[str, str], column: str, unit: str, where: str) -> float | None:
+    """Return the number in an optional column; None if it is empty."""
+    text = row.get(column)
+    if not text:
+        return None
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not (math.isfinite(value) and value > 0.0):
+        raise Refusal(f"{where}: {column} = {text} is not a number above 0: give it in {unit}, or leave it empty")
+    return value
 
 
 def _machine(rig: str, rate: int) -> str:

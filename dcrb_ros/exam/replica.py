@@ -32,7 +32,6 @@ from dcrb_ros.exam.replica_priors import (
     drawn,
     seed_of,
 )
-from dcrb_ros.exam.replica_table import ReplicaColumns, read_replica_columns
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
@@ -105,19 +104,14 @@ def replica_tree(table: Path, plan: ReplicaPlan, speed: str = "lines") -> dict[s
         Refusal: the table is invalid, a bearing has impossible orders, the bench cannot make a recording, or the plan is out of range.
     """
     plan.check()
-    recordings, columns = read_table(table, speed), read_replica_columns(table)
-    bench = load_configuration(plan.bench)
+    recordings, bench = read_table(table, speed), load_configuration(plan.bench)
     strange = next((recording for recording in recordings if recording.truth not in (*FAULTS, "healthy")), None)
     if strange is not None:
         raise Refusal(
             f"{table}: {strange.name} is {strange.truth}, which has no replica: leave it out (known: healthy, {', '.join(FAULTS)})"
         )
     levels = _HealthyLevels(bench)
-    scenarios = [
-        scenario
-        for recording in recordings
-        for scenario in _counterparts(table, recording, recordings, columns[recording.name], bench, plan, levels)
-    ]
+    scenarios = [scenario for recording in recordings for scenario in _counterparts(table, recording, recordings, bench, plan, levels)]
     shortest = min(scenario["duration"] for scenario in scenarios)
     tree = {
         "exam": f"replica of {table.parent.name}",
@@ -150,14 +144,13 @@ def _counterparts(
     table: Path,
     recording: MeasuredRecording,
     recordings: Sequence[MeasuredRecording],
-    columns: ReplicaColumns,
     bench: Configuration,
     plan: ReplicaPlan,
     levels: _HealthyLevels,
 ) -> Iterator[dict[str, Any]]:
     """Yield the scenarios of a recording."""
     try:
-        fixed = {**bearing_settings(geometry_of(recording.orders), bench, columns.pitch_radius), **_rate_settings(recording.rate, bench)}
+        fixed = {**bearing_settings(geometry_of(recording.orders), bench, recording.pitch_radius), **_rate_settings(recording.rate, bench)}
     except Refusal as refusal:
         raise Refusal(f"{table}, {recording.name}: {refusal}") from None
     if recording.truth == "healthy":
@@ -172,12 +165,12 @@ def _counterparts(
         yield {
             "name": f"{recording.name}/{number + 1}",
             "verdict": recording.truth,
-            "duration": min(plan.longest, columns.seconds),
+            "duration": min(plan.longest, recording.seconds),
             "seeds": [int(seed_of(plan.seed, machine, recording.name, "run").integers(1, SEEDS))],
             "twin": False,
             "required": recording.truth != "roller",
             "tags": {"rig": recording.rig, "recording": recording.name, "machine": machine},
-            "set": {**fixed, **_drawn_settings(recording, machine, columns, bench, plan, partial(levels.level, machine, fixed))},
+            "set": {**fixed, **_drawn_settings(recording, machine, bench, plan, partial(levels.level, machine, fixed))},
         }
 
 
@@ -196,7 +189,6 @@ def _rate_settings(rate: int, bench: Configuration) -> Mapping[str, Any]:
 def _drawn_settings(
     recording: MeasuredRecording,
     machine: str,
-    columns: ReplicaColumns,
     bench: Configuration,
     plan: ReplicaPlan,
     levels: Callable[[float, Mapping[str, Any]], float],
@@ -211,7 +203,7 @@ def _drawn_settings(
     speed = 2.0 * math.pi * recording.speed
     settings = {
         "operating.speed": speed,
-        "operating.load": load if columns.load is None else columns.load,
+        "operating.load": load if recording.load is None else recording.load,
         **({} if "path" in plan.left_out else {"structure.housing": HOUSINGS[kind]}),
         **of_machine,
         **of_bearing,

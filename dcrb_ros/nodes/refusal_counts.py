@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections import Counter
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 from dcrb_ros.schema import printable
 from dcrb_ros.schema.refusal import Refusal
@@ -51,7 +51,5 @@ class Refusals:
     @contextmanager
     def suppressed(self, kind: str) -> Iterator[None]:
         """Count a refusal raised in the context, and suppress it."""
-        try:
+        with suppress(Refusal), self.counted(kind):
             yield
-        except Refusal as refusal:
-            self.note(kind, str(refusal))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -96,22 +96,15 @@ def plot_envelope_spectrum(
         raise Refusal(f"x = {x!r} is not one of {', '.join(HORIZONTAL)}{nearest(str(x), HORIZONTAL)}")
     if highest is not None and finite_number("highest =", highest, "orders or Hz") <= 0.0:
         raise Refusal(f"highest = {highest:g} is not above 0: give the end of the horizontal axis")
+    options: dict[str, Any] = {"band": band, "shaft_angle": shaft_angle, "bearing": bearing, "order_tracking": order_tracking}
     if isinstance(signal, EnvelopeSpectrum):
-        options = {
-            "sampling_rate": sampling_rate,
-            "band": band,
-            "shaft_angle": shaft_angle,
-            "bearing": bearing,
-            "order_tracking": order_tracking,
-        }
+        options = {"sampling_rate": sampling_rate, **options}
         double = next((name for name, value in options.items() if value is not None), None)
         if double is not None:
             raise Refusal(f"{double} is given beside {signal!r}, which has its own: leave it out, or give the signal")
         spectrum = signal
     else:
-        spectrum = envelope_spectrum(
-            signal, sampling_rate, band=band, shaft_angle=shaft_angle, bearing=bearing, order_tracking=order_tracking
-        )
+        spectrum = envelope_spectrum(signal, sampling_rate, **options)
     known = spectrum.shaft_frequency > 0.0
     x = x or ("order" if spectrum.tracked else "frequency")
     if x == "order" and not known:

@@ -10,11 +10,14 @@ import functools
 import hashlib
 import importlib.metadata
 import json
+import math
 import platform
 import time
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from pydantic import ValidationError
 
 from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.messages.description import sensor_text
@@ -24,6 +27,9 @@ from dcrb_ros.messages.topics import GROUND_TRUTH, MANIFEST, VIBRATION, Message
 from dcrb_ros.recordings.mathematics import function_results
 from dcrb_ros.recordings.processor import processor
 from dcrb_ros.runtime.version import __version__
+from dcrb_ros.schema.parameter_field import first_problem
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.simulation.ground_truth import commands_in
 from dcrb_ros.stream.event_text import encode_command
 from dcrb_ros.stream.events import TimedCommand
@@ -54,6 +60,8 @@ MODEL = ("bearing", "core", "faults", "measurement", "schema", "settings", "simu
 
 DAMAGE = (ValueError, KeyError, TypeError, RecursionError)
 """Exceptions that a damaged manifest may raise."""
+SAME_ORDER = 1e-9
+"""Relative difference of orders in one manifest that are the same [-]."""
 DIGEST = "record_sha256"
 """Entry with the digest of the others."""
 TYPES: dict[str, type] = {
@@ -79,6 +87,36 @@ def stated_range(manifest: Mapping[str, Any]) -> float:
     about = manifest.get("sensor") or manifest.get("configuration", {}).get("sensor")
     sensor_range = about.get("range") if isinstance(about, Mapping) else None
     return float(sensor_range) if isinstance(sensor_range, int | float) and sensor_range > 0.0 else 0.0
+
+
+def stated_bearing(manifest: Mapping[str, Any], path: Path) -> Bearing:
+    """Return the bearing in the configuration of the bench in the recording at a path; the other groups are not read.
+
+    Raises:
+        Refusal: this version does not understand the bearing, or the orders in the manifest do not follow from it.
+    """
+    try:
+        bearing = Bearing.model_validate(manifest["configuration"]["bearing"])
+        stated = {name: float(order) for name, order in manifest.get("orders", {}).items()}
+    except DAMAGE as error:
+        raise not_understood(error, manifest, path, "bearing.") from None
+    for name, order in characteristic_orders(bearing).as_dict().items():
+        if not math.isclose(stated.get(name, order), order, rel_tol=SAME_ORDER):
+            raise Refusal(
+                f"the manifest of {path} was changed: its {name} is {stated[name]:.6g}, but {order:.6g} follows from its bearing; "
+                "get the recording again"
+            )
+    return bearing
+
+
+def not_understood(error: Exception, manifest: Mapping[str, Any], path: Path, group: str = "") -> Refusal:
+    """Return the refusal of the configuration in the recording at a path."""
+    problem = first_problem(error) if isinstance(error, ValidationError) else None
+    reason = f"{group}{problem.key}: {problem.reason}" if problem else str(error) or type(error).__name__
+    return Refusal(
+        f"the configuration in {path} (dcrb_ros {manifest.get('dcrb_ros', 'unknown')}) is damaged or not understood by dcrb_ros "
+        f"{__version__} ({reason}): read it with the version that wrote it"
+    )
 
 
 def record_text(entries: Mapping[str, Any]) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 import warnings
 from collections import Counter
@@ -12,7 +11,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mcap.records import Metadata
-from pydantic import ValidationError
 
 from dcrb_ros.bearing.frequencies import Orders, characteristic_orders
 from dcrb_ros.bearing.waveform import Piece, Waveform
@@ -34,13 +32,11 @@ from dcrb_ros.recordings.arrays import RecordedVerdict, joined_waveform, verdict
 from dcrb_ros.recordings.digest import SampleDigests, samples_in, stated_samples
 from dcrb_ros.recordings.foreign_files import refuse_foreign
 from dcrb_ros.recordings.latched import described_manifest, in_order, of_one_bench
-from dcrb_ros.recordings.manifest import DAMAGE, OUTCOME, Outcome, stated_range, well_formed
+from dcrb_ros.recordings.manifest import DAMAGE, OUTCOME, Outcome, not_understood, stated_bearing, stated_range, well_formed
 from dcrb_ros.recordings.recorded_run import RecordedRun
 from dcrb_ros.recordings.storage import StoredMessage, valid_files
 from dcrb_ros.recordings.vehicle_folder import box_of, boxes_in, record_name
-from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.numbers import sampling_rate
-from dcrb_ros.schema.parameter_field import first_problem
 from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import AlteredSamples, Refusal
 from dcrb_ros.settings.parameters import Bearing
@@ -53,9 +49,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from dcrb_ros.settings.configuration import Configuration
-
-SAME_ORDER = 1e-9
-"""Relative difference of orders in one manifest that are the same [-]."""
 
 
 class Recording(RecordedRun):
@@ -84,7 +77,7 @@ class Recording(RecordedRun):
         self.manifest = self._manifest()
         if self.manifest.get("format", 1) != 1 and self.outcome is None:
             self._report(f"{self.files[-1].name}: the end is missing, the recording was cut off")
-        self._bearing = self._read_bearing() if self.configured else None
+        self._bearing = stated_bearing(self.manifest, self.path) if self.configured else None
         self._digests: SampleDigests | None = None
 
     def __repr__(self) -> str:
@@ -132,7 +125,7 @@ class Recording(RecordedRun):
         try:
             return Configuration.model_validate(as_recorded(self.manifest["configuration"]))
         except DAMAGE as error:
-            raise self._not_understood(error) from None
+            raise not_understood(error, self.manifest, self.path) from None
 
     @property
     def configured(self) -> bool:
@@ -318,31 +311,6 @@ class Recording(RecordedRun):
             if not self.damage:
                 raise
             raise Refusal(f"{refusal} ({self.damage[0]})") from None
-
-    def _read_bearing(self) -> Bearing:
-        """Return the bearing in the configuration of the bench; the other groups are read when they are asked for."""
-        try:
-            bearing = Bearing.model_validate(self.manifest["configuration"]["bearing"])
-            stated = {name: float(order) for name, order in self.manifest.get("orders", {}).items()}
-        except DAMAGE as error:
-            raise self._not_understood(error, "bearing.") from None
-        for name, order in characteristic_orders(bearing).as_dict().items():
-            if not math.isclose(stated.get(name, order), order, rel_tol=SAME_ORDER):
-                raise Refusal(
-                    f"the manifest of {self.path} was changed: its {name} is {stated[name]:.6g}, but {order:.6g} follows from its bearing; "
-                    "get the recording again"
-                )
-        return bearing
-
-    def _not_understood(self, error: Exception, group: str = "") -> Refusal:
-        """Return the refusal of a configuration."""
-        problem = first_problem(error) if isinstance(error, ValidationError) else None
-        reason = f"{group}{problem.key}: {problem.reason}" if problem else str(error) or type(error).__name__
-        writer = f"{self.path} (dcrb_ros {self.manifest.get('dcrb_ros', 'unknown')})"
-        return Refusal(
-            f"the configuration in {writer} is damaged or not understood by dcrb_ros {__version__} ({reason}): "
-            "read it with the version that wrote it"
-        )
 
     def _json(self, record: Metadata, key: str, file: str) -> dict[str, Any] | None:
         """Return the JSON object in a metadata record; None if it is damaged."""

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 import shutil
+from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Protocol, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
 import yaml
 
@@ -78,7 +79,11 @@ class Counted(Protocol):
         """Return the metadata records at the end of a file."""
 
 
-class RunRecorder:
+Made = TypeVar("Made")
+"""The blocks of a run: those of a bench or of a vehicle."""
+
+
+class RunRecorder(ABC, Generic[Made]):
     """Writes the messages of a run to a recording, and removes one that ends before its first sample.
 
     Raises:
@@ -138,6 +143,10 @@ class RunRecorder:
         """The first MCAP file of the recording."""
         return self._bag.files[0]
 
+    @abstractmethod
+    def write(self, block: Made) -> None:
+        """Record a block."""
+
     def write_messages(self, messages: Iterable[Message]) -> None:
         """Record messages; those on topics that are not recorded count in the hash of the samples."""
         if self._bag.open:
@@ -157,10 +166,10 @@ class RunRecorder:
         self._bag.close()
 
 
-Run = TypeVar("Run", bound=RunRecorder)
+Run = TypeVar("Run", bound=RunRecorder[Any])
 
 
-class Recorder(RunRecorder):
+class Recorder(RunRecorder[Block]):
     """Writes a recording of a bench, block by block or message by message; see `RunRecorder`."""
 
     def __init__(

@@ -7,8 +7,10 @@ multiply-add, or all have none.
 from __future__ import annotations
 
 import hashlib
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
-from typing import Any
+from pathlib import Path
+from typing import Any, Generic, TypeVar
 
 from dcrb_ros.messages.points import MOST_SAMPLES as LONGEST_BLOCK
 from dcrb_ros.messages.points import SAMPLE, index_at, packed
@@ -19,13 +21,17 @@ from dcrb_ros.recordings.mathematics import FUNCTIONS
 from dcrb_ros.recordings.mcap_reader import MAX_RECORD
 from dcrb_ros.recordings.processor import processor, processor_difference
 from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.recordings.recorder import Made, Recorder, RunRecorder
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.simulated_time import MAX_DURATION
 from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.simulation.scenario import scheduled_changes
 from dcrb_ros.stream.block import Block
 from dcrb_ros.stream.events import CommandSchedule
 
+Simulated = TypeVar("Simulated")
+"""The simulation of a bench or of a vehicle."""
 ALIKE = (
     "although model, software, processor and mathematical functions are alike; the recording matches its own digest, so a command is "
     "missing in it, or the samples depend on something that recordings do not name"
@@ -80,36 +86,70 @@ def _check_stated(stated: RecordedSamples, recording: Recording) -> None:
         )
 
 
-class Reproduction:
-    """Reproduces the run in a recording."""
+class ComparedSamples:
+    """The samples of a bearing as they are simulated again, compared with those in its recording."""
 
     def __init__(self, recording: Recording) -> None:
-        """Prepare the run of a recording.
+        self.recorded = recorded_samples(recording)
+        """The samples that are to be reproduced."""
+        self.digests: SampleDigests = recording.digests()
+        if self.digests.read.count and not self.digests.comparable:
+            self.recorded = self.digests.read
+        self._digest = hashlib.sha256()
+
+    @property
+    def sha256(self) -> str:
+        """Digest of the simulated samples."""
+        return self._digest.hexdigest()
+
+    def add(self, block: Block) -> None:
+        """Include a simulated block."""
+        skipped = max(0, self.recorded.first_index - block.index)
+        if skipped < len(block.shaft_angle) and not block.lost:
+            self._digest.update(packed(block.acceleration[skipped:], block.shaft_angle[skipped:]))
+
+    @property
+    def mismatch(self) -> str:
+        """A sentence if the recording does not match its own digest; the empty string if it does."""
+        if not self.digests.mismatch:
+            return ""
+        agreeing = {self.recorded.sha256: "the stated digest", self.digests.read.sha256: "the samples read"}.get(self.sha256, "neither")
+        return f"{self.digests.mismatch}; the simulation agrees with {agreeing}"
+
+
+class RunReproduction(ABC, Generic[Simulated, Made]):
+    """Simulates a recorded run again, with its commands, and compares the samples of every bearing."""
+
+    def __init__(self, path: Path, bearings: Mapping[str, Recording]) -> None:
+        """Read the samples of a recording.
+
+        Args:
+            path: the recording.
+            bearings: the recording of each bearing by name; that of a bench has the name "".
 
         Raises:
             Refusal: it contains imported data or no samples.
         """
-        self.recording = recording
-        self.samples = recorded_samples(recording)
-        if self.samples.count == 0:
-            raise Refusal(f"{recording.path} contains no samples to reproduce")
-        self.digests: SampleDigests = recording.digests()
-        if self.digests.read.count and not self.digests.comparable:
-            self.samples = self.digests.read
-        self._digest = hashlib.sha256()
-        self.configuration = recording.configuration
-        self.duration = self.samples.end / self.configuration.sensor.sampling_rate
+        self.path = path
+        self.compared = {name: ComparedSamples(recording) for name, recording in bearings.items()}
+        """The samples of each bearing by name."""
+        self._first = next(iter(bearings.values()))
+        if not any(compared.recorded.count for compared in self.compared.values()):
+            raise Refusal(f"{path} contains no samples to reproduce")
+        self.duration = max(compared.recorded.end for compared in self.compared.values()) / self._first.sampling_rate
+        """Simulated time from the start of the run to the end of the recording [s]."""
 
-    def blocks(self, simulation: Simulation) -> Iterator[Block]:
+    @abstractmethod
+    def simulation(self) -> Simulated:
+        """Return the simulation of the run at its start."""
+
+    @abstractmethod
+    def recorder(self, path: Path, simulation: Simulated) -> RunRecorder[Made]:
+        """Return the recorder that writes the run to a new recording."""
+
+    @abstractmethod
+    def blocks(self, simulation: Simulated) -> Iterator[Made]:
         """Yield the blocks of the run, with the commands applied at their times."""
-        schedule = CommandSchedule(self.recording.commands())
-        schedule.apply_due(simulation)
-        for block in simulation.blocks(self.duration):
-            skipped = max(0, self.samples.first_index - block.index)
-            if skipped < len(block.shaft_angle) and not block.lost:
-                self._digest.update(packed(block.acceleration[skipped:], block.shaft_angle[skipped:]))
-            yield block
-            schedule.apply_due(simulation)
 
     def check(self) -> None:
         """Compare the samples with the recorded ones.
@@ -117,17 +157,51 @@ class Reproduction:
         Raises:
             NotReproduced: they differ.
         """
-        sha256 = self._digest.hexdigest()
-        if self.digests.mismatch:
-            agreeing = {self.samples.sha256: "the stated digest", self.digests.read.sha256: "the samples read"}.get(sha256, "neither")
-            raise NotReproduced(f"{self.recording.path}: {self.digests.mismatch}; the simulation agrees with {agreeing}")
-        if sha256 != self.samples.sha256:
-            digests = f"sha256 {sha256[:SHOWN]} instead of {self.samples.sha256[:SHOWN]}"
-            raise NotReproduced(f"the samples differ from those of {self.recording.path} ({digests}): {self.difference() or ALIKE}")
+        for name, compared in self.compared.items():
+            if compared.mismatch:
+                raise NotReproduced(f"{self.path / name}: {compared.mismatch}")
+        different = {name: compared for name, compared in self.compared.items() if compared.sha256 != compared.recorded.sha256}
+        if different:
+            names, first = ", ".join(filter(None, different)), next(iter(different.values()))
+            digests = f"sha256 {first.sha256[:SHOWN]} instead of {first.recorded.sha256[:SHOWN]}"
+            samples = f"the samples of {names}" if names else "the samples"
+            raise NotReproduced(f"{samples} differ from those of {self.path} ({digests}): {self.difference() or ALIKE}")
 
     def difference(self) -> str:
         """Return how model, software or processor differ from those that made the recording; the empty string if they do not."""
-        return origin_difference(self.recording)
+        return origin_difference(self._first)
+
+
+class Reproduction(RunReproduction[Simulation, Block]):
+    """Reproduces the run in the recording of a bench."""
+
+    def __init__(self, recording: Recording) -> None:
+        super().__init__(recording.path, {"": recording})
+        self.recording = recording
+        self.configuration = recording.configuration
+
+    @property
+    def samples(self) -> RecordedSamples:
+        """The samples that are to be reproduced."""
+        return self.compared[""].recorded
+
+    def simulation(self) -> Simulation:
+        """Return the bench at the start of the run."""
+        scenario = self.recording.manifest.get("scenario")
+        return Simulation(self.configuration, scheduled_changes(scenario, self.configuration, f"{self.path}: scenario") if scenario else ())
+
+    def recorder(self, path: Path, simulation: Simulation) -> Recorder:
+        """Return the recorder of the bench."""
+        return Recorder(path, self.configuration, simulation.bodies, scenario=self.recording.manifest.get("scenario"))
+
+    def blocks(self, simulation: Simulation) -> Iterator[Block]:
+        """Yield the blocks of the run, with the commands applied at their times."""
+        schedule = CommandSchedule(self.recording.commands())
+        schedule.apply_due(simulation)
+        for block in simulation.blocks(self.duration):
+            self.compared[""].add(block)
+            yield block
+            schedule.apply_due(simulation)
 
 
 def origin_difference(recording: Recording) -> str:

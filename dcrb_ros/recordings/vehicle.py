@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from dcrb_ros.messages.points import packed
 from dcrb_ros.messages.topics import DETECTED, NAMESPACE, SIMULATED, Message, Topic
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DETECTED, VEHICLE_TRUTH
 from dcrb_ros.messages.vehicle import box_path, decode_description
@@ -17,18 +15,17 @@ from dcrb_ros.messages.vehicle_encoder import BESIDE
 from dcrb_ros.recordings.foreign_files import refuse_foreign
 from dcrb_ros.recordings.manifest import DAMAGE, vehicle_fingerprint, well_formed
 from dcrb_ros.recordings.reader import Recording
-from dcrb_ros.recordings.reproduction import ALIKE, NotReproduced, origin_difference, recorded_samples
+from dcrb_ros.recordings.reproduction import RunReproduction, recorded_samples
 from dcrb_ros.recordings.storage import valid_files
 from dcrb_ros.recordings.vehicle_folder import VEHICLE, VEHICLE_OUTCOME, boxes_in, boxes_of
-from dcrb_ros.recordings.vehicle_recorder import FORMAT, VehicleCommand, commands_in
-from dcrb_ros.recordings.verification import digest_mismatch
+from dcrb_ros.recordings.vehicle_recorder import FORMAT, VehicleCommand, VehicleRecorder, commands_in
 from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.events import CommandSchedule
 from dcrb_ros.stream.vehicle_description import VehicleDescription
 from dcrb_ros.text.json import digest_of, parsed_json
 from dcrb_ros.vehicle.block import VehicleBlock
-from dcrb_ros.vehicle.simulation import VehicleSimulation
+from dcrb_ros.vehicle.simulation import VehicleSimulation, simulation_of
 
 
 class VehicleRecording:
@@ -126,30 +123,26 @@ class VehicleRecording:
             return [command for message in self.messages((VEHICLE_TRUTH,)) for command in commands_in(message)]
 
 
-class VehicleReproduction:
-    """Simulates a vehicle's recording again, with its commands, and compares the samples of every box."""
+class VehicleReproduction(RunReproduction[VehicleSimulation, VehicleBlock]):
+    """Reproduces the run in the recording of a vehicle."""
 
     def __init__(self, recording: VehicleRecording) -> None:
-        """Prepare the run of a recording.
-
-        Raises:
-            Refusal: it has no samples, or they do not match its own digest.
-        """
+        super().__init__(recording.path, recording.boxes)
         self._recording = recording
-        self.samples = {name: recorded_samples(box) for name, box in recording.boxes.items()}
-        """Number and digest of the recorded samples of each box."""
-        if not any(samples.count for samples in self.samples.values()):
-            raise Refusal(f"{recording.path} contains no samples to reproduce")
-        for name, box in recording.boxes.items():
-            if mismatch := digest_mismatch(box):
-                raise Refusal(f"{recording.path / name}: {mismatch}")
-        self._digests = {name: hashlib.sha256() for name in recording.boxes}
+
+    def simulation(self) -> VehicleSimulation:
+        """Return the vehicle at the start of the run."""
+        return simulation_of(self._recording.parameters, str(self.path), self._recording.scenario, f"{self.path}: scenario")
+
+    def recorder(self, path: Path, simulation: VehicleSimulation) -> VehicleRecorder:
+        """Return the recorder of the vehicle."""
+        return VehicleRecorder(path, self._recording.parameters, simulation)
 
     def blocks(self, simulation: VehicleSimulation) -> Iterator[VehicleBlock]:
         """Yield the blocks of the run, with the commands given at their times."""
         commands = sorted(self._recording.commands(), key=lambda command: command.time_ns, reverse=True)
         schedules = {name: CommandSchedule(box.commands()) for name, box in self._recording.boxes.items()}
-        blocks = simulation.blocks(self._recording.duration)
+        blocks = simulation.blocks(self.duration)
         while True:
             while commands and commands[-1].time_ns <= simulation.time_ns:
                 commands.pop().give(simulation)
@@ -158,28 +151,12 @@ class VehicleReproduction:
             block = next(blocks, None)
             if block is None:
                 return
-            self._compare(block)
+            for name, box in block.boxes.items():
+                self.compared[name].add(box)
             yield block
-
-    def _compare(self, block: VehicleBlock) -> None:
-        for name, box in block.boxes.items():
-            skipped = max(0, self.samples[name].first_index - box.index)
-            if skipped < len(box.shaft_angle) and not box.lost:
-                self._digests[name].update(packed(box.acceleration[skipped:], box.shaft_angle[skipped:]))
-
-    def check(self) -> None:
-        """Compare the samples with the recorded ones.
-
-        Raises:
-            NotReproduced: those of a box differ.
-        """
-        different = [name for name, digest in self._digests.items() if digest.hexdigest() != self.samples[name].sha256]
-        if different:
-            reason = self.difference() or ALIKE
-            raise NotReproduced(f"{self._recording.path}: the samples of {', '.join(different)} differ from the recorded ones: {reason}")
 
     def difference(self) -> str:
         """Return how model, software or processor differ from those that made the recording; the empty string if they do not."""
         made, present = self._recording.model, vehicle_fingerprint()
         vehicles = f"the model of the vehicle was {made} and is {present}" if made not in ("", present) else ""
-        return "; ".join(filter(None, (vehicles, origin_difference(next(iter(self._recording.boxes.values()))))))
+        return "; ".join(filter(None, (vehicles, super().difference())))

@@ -104,7 +104,7 @@ class VehicleOutcome:
         return records
 
 
-class VehicleRecorder(RunRecorder):
+class VehicleRecorder(RunRecorder[VehicleBlock]):
     """Writes the recording of a vehicle, block by block or message by message; see `RunRecorder`."""
 
     def __init__(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 import dataclasses
-import math
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
@@ -13,12 +12,11 @@ import numpy as np
 
 from dcrb_ros.bearing.axle_heat import ALONE, BoxTemperatures, Surroundings
 from dcrb_ros.bearing.energy import account, stored_energy
-from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.bearing.observation import observe
 from dcrb_ros.bearing.payload import body_names, build_payload, initial_state
-from dcrb_ros.bearing.runtime_change import altered, onsets, refitted
+from dcrb_ros.bearing.runtime_change import altered, refitted
 from dcrb_ros.core.compilation import compile_ahead
-from dcrb_ros.core.layout.state import SHAFT_SPEED, copy_of
+from dcrb_ros.core.layout.state import copy_of
 from dcrb_ros.core.layout.workspace import workspace
 from dcrb_ros.core.solver.step import advance
 from dcrb_ros.measurement.sensor import Sensor
@@ -33,10 +31,11 @@ from dcrb_ros.simulation.drive import Drive, commanded
 from dcrb_ros.simulation.failure import check_domain
 from dcrb_ros.simulation.heating import Heating
 from dcrb_ros.simulation.pending import PendingCommands
-from dcrb_ros.simulation.scenario import ScheduledChange
+from dcrb_ros.simulation.present_truth import PresentTruth
+from dcrb_ros.simulation.scenario import ScheduledChange, checked_changes
 from dcrb_ros.simulation.toothed_wheel import toothed_wheel_of
 from dcrb_ros.simulation.transmission import Transmission
-from dcrb_ros.stream.block import Block, Truth
+from dcrb_ros.stream.block import Block
 from dcrb_ros.stream.events import BlockLost, Command, Event, LoadCommand, ParameterChange, Refused, ScenarioEvent, SpeedCommand, Start
 from dcrb_ros.stream.states import Account, BodyNames, States
 
@@ -93,16 +92,11 @@ class Simulation:
             raise Refusal(f"{configuration!r} is not a Configuration: give dcrb_ros.load_configuration('healthy') or another one")
         of_type(bool)("waveform_only", waveform_only)
         optional(of_type(Drive))("drive", drive)
-        changes = tuple(scenario) if isinstance(scenario, Iterable) else (scenario,)
-        if not all(isinstance(change, ScheduledChange) for change in changes):
-            raise Refusal(
-                f"scenario = {scenario!r} is not a list of scheduled changes: dcrb_ros.simulate takes a scenario by name, file or content"
-            )
         self._waveform_only = waveform_only
         self.configuration = configuration
         """The present configuration, with the changes that have taken effect."""
-        self._scheduled = deque(changes)
-        self._onsets = onsets({}, configuration, 0.0)
+        self._scheduled = deque(checked_changes(scenario))
+        self._truth = PresentTruth(configuration)
         self.bodies: BodyNames = body_names(configuration)
         self._heating = Heating(configuration, surroundings)
         self._payload = self._heating.begin(configuration, build_payload(configuration))
@@ -114,7 +108,6 @@ class Simulation:
         self._tacho = toothed_wheel_of(configuration)
         self._transmission = Transmission(configuration)
         self._lost = False
-        self._orders = characteristic_orders(configuration.bearing)
         self._steps = 0
         self._observed: States | None = None
         self._pending = PendingCommands()
@@ -288,7 +281,7 @@ class Simulation:
         if after.faults.damaging != before.faults.damaging:
             self._payload = self._heating.refit(after, refitted(after, self._payload, self._state), self._state)
             self._work = workspace(self._payload)
-        self._onsets = onsets(self._onsets, after, self._steps / after.step_rate)
+        self._truth.change(after, self._steps / after.step_rate)
         self._payload = self._drive.with_ramps(self._payload, after.operating, present)
         if after.measurement.parameters != before.measurement.parameters:
             self._sensor.change(after.measurement.parameters, -(-self._steps // after.steps_per_sample))
@@ -353,10 +346,4 @@ class Simulation:
 
     def _note(self, event: Event | None) -> None:
         """Append the ground truth of this instant."""
-        speed, load = float(self._state.shaft[SHAFT_SPEED]), self._state.load
-        faults = {name: {**fields, "onset": self._onsets[name]} for name, fields in self.configuration.described_faults().items()}
-        frequencies = self._orders.frequencies(speed / (2.0 * math.pi))
-        background = self.configuration.background.described()
-        thermal = self._heating.truth(self.configuration)
-        truth = Truth(self.time_ns, speed, (float(load[0]), float(load[1])), frequencies, faults, event, background, thermal)
-        self._queue.truths.append(truth)
+        self._queue.truths.append(self._truth.at(self.time_ns, self._state, self._heating.truth(self.configuration), event))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -47,6 +47,20 @@ class ScheduledChange:
     """Dotted keys and their new values."""
     event: ScenarioEvent | None
     """The event to report; none for the intermediate steps of a gradual change."""
+
+
+def checked_changes(scenario: object) -> tuple[ScheduledChange, ...]:
+    """Return the scheduled changes of a scenario.
+
+    Raises:
+        Refusal: it is not an iterable of them.
+    """
+    changes = tuple(scenario) if isinstance(scenario, Iterable) else (scenario,)
+    if not all(isinstance(change, ScheduledChange) for change in changes):
+        raise Refusal(
+            f"scenario = {scenario!r} is not a list of scheduled changes: dcrb_ros.simulate takes a scenario by name, file or content"
+        )
+    return changes
 
 
 @dataclass(frozen=True)

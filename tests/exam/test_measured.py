@@ -96,6 +96,7 @@ def test_a_wrong_answer_fails(tmp_path: Path, capsys: pytest.CaptureFixture[str]
         ({"name": "lost"}, "twice"),
         ({"name": "../recordings"}, "line 2: name = '../recordings' is not the name of a file"),
         ({"name": ""}, "line 2: name = '' is not the name of a file"),
+        ({"seconds": "-1"}, "line 2: seconds = -1 is not a number above 0: give it in s, or leave it empty"),
         ({"machin": "m"}, "has the unknown column 'machin'; did you mean 'machine'"),
     ],
 )

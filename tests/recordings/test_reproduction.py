@@ -288,7 +288,8 @@ def test_samples_are_compared_from_the_first_recorded_one_without_lost_blocks(fi
     digest = hashlib.sha256(np.concatenate(kept).astype("<f4").tobytes()).hexdigest()
     outcome = {"first_index": first, "samples": sum(map(len, kept)), "sha256": digest, "end_index": 5 * 1024}
     reproduction = Reproduction(with_outcome(Recording(recorded(tmp_path / "bag", 1)), outcome))
-    reproduction.samples, reproduction.digests = recorded_samples(reproduction.recording), replace(reproduction.digests, stated=None)
+    compared = reproduction.compared[""]
+    compared.recorded, compared.digests = recorded_samples(reproduction.recording), replace(compared.digests, stated=None)
     assert len(list(reproduction.blocks(Playback(lost)))) == 5  # type: ignore[arg-type]
     reproduction.check()
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from dcrb_ros.messages.points import decode_vibration
 from dcrb_ros.messages.topics import VIBRATION
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recovery import described_channel
@@ -17,9 +18,20 @@ def altered(source: Path, target: Path) -> Path:
     bag = Bag(target, opening={}, closing=lambda: records)
     for stored in recording.stored[0].messages([]):
         assert stored.schema is not None
-        data = bytearray(stored.message.data)
+        data = stored.message.data
         if stored.channel.topic.endswith(f"/{VIBRATION.name}"):
-            data[len(data) // 2] ^= 0x01
-        bag.write([(described_channel(stored.channel, stored.schema), stored.message.log_time, bytes(data))])
+            data = with_flipped_bit(data)
+        bag.write([(described_channel(stored.channel, stored.schema), stored.message.log_time, data)])
     bag.close()
     return target
+
+
+def with_flipped_bit(data: bytes) -> bytes:
+    """Return a block with one bit of a sample flipped, the first one from its middle on; the time of a point is no part of a sample."""
+    before = decode_vibration(data).packed()
+    for at in range(len(data) // 2, len(data)):
+        changed = bytearray(data)
+        changed[at] ^= 0x01
+        if decode_vibration(bytes(changed)).packed() != before:
+            return bytes(changed)
+    raise ValueError("the block has no sample in its second half")

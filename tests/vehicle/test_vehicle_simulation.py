@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from altered_recording import altered
 from mcap.records import Metadata
 from same_process import dcrb
 
@@ -411,6 +412,14 @@ def test_a_box_of_another_run_is_found_out(run: Path, monkeypatch: pytest.Monkey
     monkeypatch.setattr("dcrb_ros.recordings.vehicle.vehicle_fingerprint", lambda: "another")
     with pytest.raises(NotReproduced, match=r"the model of the vehicle was [0-9a-f]{16} and is another"):
         reproduction.check()
+
+
+def test_changed_samples_of_a_box_are_compared_with_the_simulation(run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    flipped = altered(run / "axle_1.left", tmp_path / "flipped")
+    assert dcrb("simulate", "--from", str(flipped), "--quiet") == 1
+    said = capsys.readouterr().err
+    assert f"{flipped / 'axle_1.left'}: the recording's samples do not match its own digest" in said
+    assert "the simulation agrees with the stated digest" in said
 
 
 @pytest.mark.parametrize("command", ["plot", "export"])

@@ -29,6 +29,7 @@ from dcrb_ros.messages.topics.transforms import TRANSFORMS
 from dcrb_ros.messages.topics.vibration import VIBRATION
 from dcrb_ros.messages.topics.vibration_clean import VIBRATION_CLEAN
 from dcrb_ros.messages.topics.wayside import WAYSIDE_ALARM, WAYSIDE_TEMPERATURE
+from dcrb_ros.text.markdown import table
 
 __all__ = [
     "ACCELERATION",
@@ -115,8 +116,5 @@ def topic_table() -> str:
 
 def table_of(topics: Iterable[Topic]) -> str:
     """Return topics as a Markdown table."""
-    lines = ["| topic | type | content |", "|---|---|---|"]
-    for topic in topics:
-        kind = f"`{topic.type.replace('/msg/', '/')}`" + (", latched" if topic.latched else "")
-        lines.append(f"| `{topic.name}` | {kind} | {topic.content} |")
-    return "\n".join(lines)
+    kinds = ((topic, f"`{topic.type.replace('/msg/', '/')}`" + (", latched" if topic.latched else "")) for topic in topics)
+    return table(("topic", "type", "content"), ((f"`{topic.name}`", kind, topic.content) for topic, kind in kinds))

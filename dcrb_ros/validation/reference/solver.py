@@ -105,13 +105,13 @@ class ReferenceSolver:
     """The reference solver for a configuration; speed and load are constant.
 
     It has the parts of the paper's model: rollers pinned to their pockets except beside broken bars, Johnson's contact law, the
-    paper's raceway defects, and LuGre friction. ``baumgarte`` contains alpha and beta [1/s].
+    paper's raceway defects, and LuGre friction.
 
     Raises:
         Refusal: the configuration uses something that the paper does not include.
     """
 
-    def __init__(self, configuration: Configuration, *, baumgarte: tuple[float, float] = (BAUMGARTE, BAUMGARTE)) -> None:
+    def __init__(self, configuration: Configuration) -> None:
         check_supported(configuration)
         bearing = configuration.bearing
         broken = tuple((damage.row, damage.bar) for damage in configuration.faults.damage(bearing) if isinstance(damage, BrokenBar))
@@ -121,7 +121,6 @@ class ReferenceSolver:
         self.forces = Forces(configuration, self.bodies, self.bars)
         self.state = start(configuration, self.bodies, self.forces.contact_count)
         self.time = 0.0
-        self._alpha, self._beta = baumgarte
         self._inverse_mass = 1.0 / self.bodies.masses(bearing)
         # The rollers' columns of Phi_q are constant, and so is their contribution to Phi_q M^-1 Phi_q^T.
         self._frame = 3 * (CAGE + bearing.rows)
@@ -141,7 +140,7 @@ class ReferenceSolver:
         position, velocity, _ = state
         jacobian = self.constraints.jacobian(position)
         drift, drift_rate = self.constraints.values(position, time), self.constraints.rates(jacobian, velocity)
-        target = self.constraints.gamma(position, velocity) - 2.0 * self._alpha * drift_rate - self._beta**2 * drift
+        target = self.constraints.gamma(position, velocity) - 2.0 * BAUMGARTE * drift_rate - BAUMGARTE**2 * drift
         weighted = jacobian * self._inverse_mass.ravel()
         matrix = self._roller_share + weighted[:, : self._frame] @ jacobian[:, : self._frame].T
         multipliers = np.linalg.solve(matrix, weighted @ force.ravel() - target)
