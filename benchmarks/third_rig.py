@@ -43,6 +43,8 @@ NAMES = {"CWRU": "cwru", "HIT": "hitself", "MFPT": "mfpt"}
 SIDEBANDS_BY_SHARE, KURTOSIS_BY_LOSS = -0.65, 0.57
 LOSSES = (0.03, 0.2)
 """Range of the loss factor at 1 kHz [-]."""
+AXIAL_SHARES = (0.0, 0.8)
+"""Range of the axial share that the bench takes [-]."""
 
 Rows = Mapping[str, list[Row]]
 Mean = Callable[[str, str], float]
@@ -93,7 +95,7 @@ def moved_priors(two: Mean, three: Mean, power: tuple[float, float]) -> tuple[st
             case "impacts.time_spread", Lognormal(median, factor):
                 new[key] = Lognormal(median * ratio("jitter"), factor)
             case "impacts.axial_share", Uniform(low, high):
-                new[key] = Uniform(max(low + shift, 0.0), min(high + shift, 1.0))
+                new[key] = Uniform(max(low + shift, AXIAL_SHARES[0]), min(high + shift, AXIAL_SHARES[1]))
             case (("impacts.element_share" | "impacts.shaft_share"), Beta(_, b)):
                 line = ratio("cage" if "element" in key else "sidebands")
                 new[key] = Beta(1.0, 1.0 / float(np.clip((line / scatter) ** 2 / (1.0 + b), 0.02, 0.6)) - 1.0)
