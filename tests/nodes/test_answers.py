@@ -6,6 +6,7 @@ import signal
 import threading
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -21,6 +22,8 @@ from dcrb_ros.messages.topics import DIAGNOSIS, VIBRATION
 from dcrb_ros.nodes.answers import AHEAD, FIRST_TIMEOUT, TIMEOUT, Answers
 from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.pacing import Pacer
+from dcrb_ros.nodes.replayer import ReplayerNode
+from dcrb_ros.nodes.simulator import SimulatorNode
 from dcrb_ros.stream.diagnosis import Diagnosis
 
 BAGS = Path(__file__).parents[2] / "bags"
@@ -71,6 +74,19 @@ def test_silence_and_the_absence_of_a_detector_end_the_wait() -> None:
     assert not answers.complete(3_000_000_000)
     detectors = 0
     assert answers.complete(3_000_000_000)
+
+
+@pytest.mark.parametrize("kind", [ReplayerNode, SimulatorNode])
+def test_a_node_ends_with_the_diagnosis_of_its_last_block(kind: type[ReplayerNode | SimulatorNode]) -> None:
+    answers = Answers(lambda: 1, lambda sentence: None, Clock())
+    for stamp in (0.5, 1.0):
+        answers.take(diagnosis(stamp))
+    engine = SimpleNamespace(ended=True, failure=None, gate=SimpleNamespace(closed=False))
+    progress = SimpleNamespace(time_ns=1_800_000_000)
+    node = SimpleNamespace(engine=engine, _engine=engine, progress=progress, _progress=progress, _answers=answers)
+    assert not kind.ended.fget(node)  # type: ignore[attr-defined]
+    answers.take(diagnosis(1.5))
+    assert kind.ended.fget(node)  # type: ignore[attr-defined]
 
 
 def test_bundles_wait_for_room_in_the_queue_of_the_detector() -> None:
