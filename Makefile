@@ -54,8 +54,9 @@ unit: environment ## The tests without ROS processes, file by file on two cores 
 kernels: environment ## The laws of the kernels once more, without the compiler
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -m kernel
 
-# A failure is final. Once, rclpy's destroy_node crashed a test process while a client left the graph; 100 provoked closings did not repeat
-# it. So the tests whose process crashed (exit status 9, tests/support/crashed_workers.py) are run once more.
+# A failure is final. Twice, rclpy's destroy_node crashed a test process while a client left the graph of killed nodes, the second time in its
+# last step, which ends the DDS participant; 140 provoked closings did not repeat it. So the tests whose process crashed (exit status 9,
+# tests/support/crashed_workers.py) are run once more.
 nodes: environment compiled ## The tests that start ROS nodes (SPEED=slow for the slow ones)
 	@status=0; PYTHONPATH=tests/support $(BIN)/python -m pytest -m "node and $(SPEED)" -n 2 --dist worksteal -p crashed_workers || status=$$?; \
 	if [ $$status -eq 9 ]; then $(BIN)/python -m pytest -m "node and $(SPEED)" --last-failed --last-failed-no-failures none; \

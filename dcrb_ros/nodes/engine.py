@@ -92,6 +92,11 @@ class Engine:
         """Whether the work has ended: at the end of the source, by a failure, or because the gate was closed, even before `start`."""
         return not self._thread.is_alive() if self.started else self.gate.closed
 
+    @property
+    def finished(self) -> bool:
+        """Whether the work has ended by itself, not because the gate was closed."""
+        return self.ended and not self.gate.closed
+
     def prepare(self) -> None:
         """Start the source and pass the messages that precede the first bundle to the sinks; call it before `start`."""
         messages = self._source.start()

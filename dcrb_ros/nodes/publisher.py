@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.topics import Message, Topic
 
+DELIVERY_TIMEOUT = 5.0
+"""Wall time in which the last messages must be delivered [s]. Every 3 s Fast DDS asks each subscriber which messages it lacks."""
 OPTIONAL = "tf2_msgs"
 """Package of messages that PyPI does not have."""
 
@@ -73,11 +75,11 @@ class Publisher:
 
         return bool(self._publishers[topic].wait_for_all_acked(Duration(seconds=0.0)))
 
-    def flush(self, timeout: float) -> None:
-        """Wait until the published messages have been delivered on all topics, at most ``timeout`` of wall time in total [s]."""
+    def flush(self) -> None:
+        """Wait until the published messages have been delivered on all topics, at most `DELIVERY_TIMEOUT` in total."""
         from rclpy.duration import Duration
 
-        deadline = time.monotonic() + timeout
+        deadline = time.monotonic() + DELIVERY_TIMEOUT
         for publisher in self._publishers.values():
             publisher.wait_for_all_acked(Duration(seconds=max(0.0, deadline - time.monotonic())))
 

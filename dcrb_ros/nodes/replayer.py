@@ -22,8 +22,6 @@ from dcrb_ros.nodes.subscriber_wait import SubscriberWait
 from dcrb_ros.recordings.replay import Replay, ReplayParameters
 from dcrb_ros.settings.files import flatten, validated
 
-DELIVERY_TIMEOUT = 2.0
-"""Wall time in which the last messages must be delivered [s]."""
 MAX_LAG = 0.1
 """Lag above which the status is a warning [s]."""
 RUN_TIME = ("rate",)
@@ -82,9 +80,11 @@ class ReplayerNode(BenchNode):
         return self._engine.failure
 
     def close(self) -> None:
-        """Stop, and wait until the published messages have been delivered; warn of altered samples."""
+        """Stop; wait for the delivery of the last messages if the replay was not interrupted; warn of altered samples."""
+        finished = self._engine.finished
         self._engine.close()
-        self._publisher.flush(DELIVERY_TIMEOUT)
+        if finished:
+            self._publisher.flush()
         if self._replay.mismatch and self._warns:
             self.get_logger().warning(f"{self._replay.recording.path}: {self._replay.mismatch}")
 

@@ -133,9 +133,12 @@ class SimulatingNode(BenchNode):
         return self.engine.failure or (RecordingFailed(self.recording.state) if self.recording.failed else None)
 
     def close(self) -> None:
-        """Stop the simulation and finish the recording."""
+        """Stop the simulation and finish the recording; wait for the delivery of the last messages if it was not interrupted."""
+        finished = self.engine.finished
         self.engine.close()
         self.recording.stop()
+        if finished:
+            self._publisher.flush()
 
     def record_detected(self, topic: Topic) -> None:
         """Record the detector's messages on a topic."""

@@ -62,7 +62,8 @@ class ViewerNode(BenchNode):
             self.subscribe(VEHICLE_DESCRIPTION, partial(self._describe, view))
             self.log_wait(VEHICLE_DESCRIPTION)
         else:
-            for topic in SHOWN:
+            # The waveform last: a bench counts the subscribers to it before it sends a block.
+            for topic in sorted(SHOWN, key=lambda topic: topic is VIBRATION):
                 self.subscribe(topic, partial(view.take, topic))
             self.log_wait(VIBRATION)
         self.repeat(FLUSH_PERIOD, view.flush)

@@ -61,7 +61,7 @@ def test_home_pages_show_the_five_lines(page: str) -> None:
 
 def test_five_lines_show_a_first_fault(tmp_path: Path) -> None:
     command, environment = [sys.executable, str(ROOT / "examples" / "first_fault.py")], {**os.environ, "MPLBACKEND": "Agg"}
-    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=240)
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith("<DetectionResult: outer_ring")
     assert (tmp_path / "spectrum.png").read_bytes()[:4] == b"\x89PNG"

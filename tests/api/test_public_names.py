@@ -25,7 +25,7 @@ DOCUMENTED = sorted({inspect.getmodule(getattr(dcrb_ros, name)).__name__ for nam
 def loaded_by(code: str, modules: set[str]) -> list[str]:
     """Return which modules a fresh interpreter has loaded after some code."""
     script = f"import sys; {code}; print(sorted({modules} & set(sys.modules)))"
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=120, check=True)
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=400, check=True)
     return list(ast.literal_eval(done.stdout))
 
 

@@ -146,5 +146,5 @@ def test_a_change_is_pending_until_it_is_in_the_configuration(monkeypatch: pytes
 
         monkeypatch.setattr("dcrb_ros.simulation.loop.altered", amid)
         next(simulation.blocks(0.02))
-        awaited, configuration = looks[0].result(timeout=10.0)
+        awaited, configuration = looks[0].result(timeout=400.0)
     assert (awaited, configuration.faults.outer_1.width) == (False, 0.002)

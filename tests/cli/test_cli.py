@@ -29,7 +29,7 @@ def test_help_lists_the_commands_without_importing_their_dependencies() -> None:
         assert command in done.stdout
     heavy = {"numba", "rclpy", "rerun", "scipy", "rosbags", "pydantic"}
     code = f"import sys; import dcrb_ros.cli.app; print(sorted({heavy} & set(sys.modules)))"
-    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=400, check=True)
     assert loaded.stdout.strip() == "[]"
 
 
@@ -49,7 +49,7 @@ def test_a_diagnosis_imports_neither_the_kernels_nor_what_it_does_not_use() -> N
     bag = Path(__file__).parents[2] / "bags" / "outer_ring_defect"
     code = "import sys; from pathlib import Path; from dcrb_ros.cli import detect; "
     code += f"detect.detect([Path({str(bag)!r})]); print(sorted({unused} & set(sys.modules)))"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=400, check=True)
     assert "outer_ring, confidence" in done.stdout
     assert done.stdout.splitlines()[-1] == "[]"
 
@@ -59,7 +59,7 @@ def test_lists_and_completion_of_what_is_shipped_import_neither_the_kernels_nor_
         "import sys; from dcrb_ros.cli import completion, config; config.list_(); "
         "print(completion.configurations('pa'), completion.exams('smo'), sorted({'numba', 'numpy', 'pydantic'} & set(sys.modules)))"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=400, check=True)
     assert done.stdout.splitlines()[-1] == "['paper'] ['smoke'] []"
     assert "outer_ring_defect" in done.stdout
 

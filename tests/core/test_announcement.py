@@ -62,7 +62,7 @@ def test_the_first_worker_announces_what_it_compiles(tmp_path: Path) -> None:
         inherited = {name: value for name, value in os.environ.items() if name != WORKERS}
         command = [sys.executable, "-c", code, laws]
         environment = {**inherited, "NUMBA_CACHE_DIR": str(tmp_path), **environment}
-        return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=60.0, check=True).stderr
+        return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=400.0, check=True).stderr
 
     assert worker("film") == ""
     assert worker("film", **{WORKERS: "1"}) == f"{OF_LAWS.format(laws='film')}\n"

@@ -37,7 +37,7 @@ def ran(folder: Path) -> list[str]:
     if not program.exists():  # numba compiles a touched source again
         program.write_text(PROGRAM)
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(folder / "cache")}
-    done = subprocess.run([sys.executable, str(program)], env=environment, capture_output=True, text=True, timeout=200.0, check=False)
+    done = subprocess.run([sys.executable, str(program)], env=environment, capture_output=True, text=True, timeout=600.0, check=False)
     assert done.returncode == 0, done.stderr
     return done.stdout.splitlines()
 

@@ -6,6 +6,7 @@ import signal
 import threading
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -13,13 +14,16 @@ pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is te
 
 from made_up_blocks import recorded
 from node_arguments import parameters
-from ros_bench import PATIENCE, domain, environment, graph_client, node
+from ros_bench import PATIENCE, GraphClient, Node, domain, environment, graph_client, node
+from waiting import wait_for
 
 from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.messages.topics import DIAGNOSIS, VIBRATION
 from dcrb_ros.nodes.answers import AHEAD, FIRST_TIMEOUT, TIMEOUT, Answers
 from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.pacing import Pacer
+from dcrb_ros.nodes.replayer import ReplayerNode
+from dcrb_ros.nodes.simulator import SimulatorNode
 from dcrb_ros.stream.diagnosis import Diagnosis
 
 BAGS = Path(__file__).parents[2] / "bags"
@@ -72,9 +76,22 @@ def test_silence_and_the_absence_of_a_detector_end_the_wait() -> None:
     assert answers.complete(3_000_000_000)
 
 
+@pytest.mark.parametrize("kind", [ReplayerNode, SimulatorNode])
+def test_a_node_ends_with_the_diagnosis_of_its_last_block(kind: type[ReplayerNode | SimulatorNode]) -> None:
+    answers = Answers(lambda: 1, lambda sentence: None, Clock())
+    for stamp in (0.5, 1.0):
+        answers.take(diagnosis(stamp))
+    engine = SimpleNamespace(ended=True, failure=None, gate=SimpleNamespace(closed=False))
+    progress = SimpleNamespace(time_ns=1_800_000_000)
+    node = SimpleNamespace(engine=engine, _engine=engine, progress=progress, _progress=progress, _answers=answers)
+    assert not kind.ended.fget(node)  # type: ignore[attr-defined]
+    answers.take(diagnosis(1.5))
+    assert kind.ended.fget(node)  # type: ignore[attr-defined]
+
+
 def test_bundles_wait_for_room_in_the_queue_of_the_detector() -> None:
     gate = Gate(Pacer(0.0, time.monotonic), time.monotonic)
-    answers = Answers(lambda: 1, lambda sentence: None)
+    answers = Answers(lambda: 1, lambda sentence: None, Clock())  # no time passes, so that silence does not end the wait
     sent = []
 
     def send() -> None:
@@ -85,17 +102,25 @@ def test_bundles_wait_for_room_in_the_queue_of_the_detector() -> None:
 
     thread = threading.Thread(target=send, daemon=True)
     thread.start()
-    deadline = time.monotonic() + 20.0
-    while len(sent) < AHEAD and time.monotonic() < deadline:
-        thread.join(0.01)
+    wait_for(lambda: len(sent) >= AHEAD)
     assert len(sent) == AHEAD
     answers.take(diagnosis(9 * BLOCK_NS * 1e-9))
-    while len(sent) < AHEAD + 9 and time.monotonic() < deadline:
-        thread.join(0.01)
+    wait_for(lambda: len(sent) >= AHEAD + 9)
     assert len(sent) == AHEAD + 9
     gate.close()
-    thread.join(20.0)
+    thread.join(PATIENCE)
     assert not thread.is_alive()
+
+
+def assert_it_ends_after_the_last_diagnosis(client: GraphClient, process: Node, seconds: float) -> None:
+    """Require that the last diagnosis, later than some ``seconds`` of signal, was published before a process had ended.
+
+    `launch` ends the detector at the end of the other node: a later diagnosis would be lost.
+    """
+    client.until(lambda: process.process.poll() is not None, "the end of the process")
+    ended = time.time()
+    client.until(lambda: decode_diagnostics(client.received[DIAGNOSIS][-1])[0] > seconds * 1e9, "the last diagnosis")
+    assert client.published[DIAGNOSIS][-1] < ended
 
 
 @pytest.mark.node
@@ -109,11 +134,8 @@ def test_a_replay_as_fast_as_possible_loses_no_block_and_ends_with_the_last_diag
         client.until(lambda: client.node.count_subscribers(VIBRATION.resolved("/dcrb")) >= 2, "the detector")
         given = parameters(bag=str(bag), rate=0.0, listeners=2, wait=PATIENCE)
         with node("replayer", given, environment(number), tmp_path / "replayer.log") as replayer:
-            client.until(lambda: replayer.process.poll() is not None, "the end of the replay")
-            # As `launch` does when one of its nodes ends.
-            detector.process.send_signal(signal.SIGINT)
-            assert (replayer.process.returncode, detector.process.wait(PATIENCE)) == (0, 0), replayer.output
-        client.until(lambda: decode_diagnostics(client.received[DIAGNOSIS][-1])[0] > 11.9e9, "the last diagnosis")
+            assert_it_ends_after_the_last_diagnosis(client, replayer, 11.9)
+            assert (replayer.process.returncode, detector.end(signal.SIGINT)) == (0, 0), replayer.output
     values = [decode_diagnostics(data)[1][0].values for data in client.received[DIAGNOSIS]]
     assert {value["gaps"] for value in values} == {"0"}
     assert len(values) == 24
@@ -130,7 +152,5 @@ def test_a_simulator_of_a_stated_duration_ends_with_the_last_diagnosis(tmp_path:
         client.until(lambda: client.node.count_subscribers(VIBRATION.resolved("/dcrb")) >= 2, "the detector")
         given = ["--duration", "3.3", *parameters(publishing__listeners=2, publishing__wait=PATIENCE, time_scale=0.0)]
         with node("simulator", given, environment(number), tmp_path / "simulator.log") as simulator:
-            client.until(lambda: simulator.process.poll() is not None, "the end of the simulation")
-            detector.process.send_signal(signal.SIGINT)
-            assert (simulator.process.returncode, detector.process.wait(PATIENCE)) == (0, 0), simulator.output
-        client.until(lambda: decode_diagnostics(client.received[DIAGNOSIS][-1])[0] > 2.9e9, "the last diagnosis")
+            assert_it_ends_after_the_last_diagnosis(client, simulator, 2.9)
+            assert (simulator.process.returncode, detector.end(signal.SIGINT)) == (0, 0), simulator.output

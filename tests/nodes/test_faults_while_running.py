@@ -111,12 +111,17 @@ def test_parameters_follow_the_scenario_and_a_reset(tmp_path: Path) -> None:
         assert value("operating.speed", "sensor.white_noise_ug") == [100.0, 30.0]  # the scenario's start, the preset
         assert "sensor.dead" in truths(client)[0].faults  # the first one received; earlier ones may have been missed
         client.until(lambda: width() == 0.002, "what the scenario has set")
+
+        def ranges() -> list[float]:
+            return [json.loads(decode_text(data))["range"] for data in client.received[SENSOR]]
+
+        client.until(lambda: ranges()[-1] == 1000.0, "the range that the scenario has set")
         assert client.set(faults__outer_1__width=0.001, time_scale=0.01) == (True, "")
         assert width() == 0.001  # even before it takes effect
         assert client.ask(Trigger, "reset").success
         client.until(lambda: width() == 0.0, "the width of the start")
-        about = [json.loads(decode_text(data))["range"] for data in client.received[SENSOR]]
-        assert about[-2:] == [1000.0, 5000.0]  # published again with every change
+        client.until(lambda: ranges()[-1] == 5000.0, "the range of the start")  # published again with every change
+        assert ranges()[-2:] == [1000.0, 5000.0]
 
 
 def test_every_parameter_is_declared_from_the_schema(tmp_path: Path) -> None:

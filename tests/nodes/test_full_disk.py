@@ -38,7 +38,7 @@ def test_a_full_disk_is_reported_and_publishing_continues(tmp_path: Path) -> Non
         blocks = len(client.received[VIBRATION])
         client.until(lambda: len(client.received[VIBRATION]) > blocks + 50, "more of the waveform")
         assert simulator.output.count("File too large") == 1
-        assert simulator.end(signal.SIGINT) == 1
+        assert simulator.end(signal.SIGINT) == 1, simulator.output
     recording = Recording(bag)
     assert sum(1 for _ in recording.vibrations()) > 10
     assert not recording.complete

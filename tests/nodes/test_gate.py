@@ -59,8 +59,9 @@ class FixedPacer(Pacer):
         self.wait, self.asked, self.restarts = wait, 0, 0
 
     def until(self, begin: float, end: float) -> float:
+        wait = self.wait  # read first: a test changes it as soon as it sees the call
         self.asked += 1
-        return self.wait
+        return wait
 
     def restart(self) -> None:
         self.restarts += 1

@@ -111,7 +111,9 @@ def test_a_failed_node_makes_the_launch_fail(tmp_path: Path) -> None:
     number, log = domain(), tmp_path / "log"
     with graph_client(number) as client, launched("bench", number, log, "config:=outer_ring_defect") as run:
         client.until(lambda: client.received[VIBRATION], "a block")
-        (simulator,) = re.findall(r"simulator-\d+\]: process started with pid \[(\d+)\]", log.read_text())
+        started = re.compile(r"simulator-\d+\]: process started with pid \[(\d+)\]")
+        client.until(lambda: started.search(log.read_text()), "the number of the simulator's process")
+        (simulator,) = started.findall(log.read_text())
         os.kill(int(simulator), signal.SIGKILL)
         assert run.wait(PATIENCE) == 1
     assert "simulator in dcrb has failed with status -9" in log.read_text()

@@ -60,22 +60,26 @@ class Manager:
         result = self.client.ask(SetParametersAtomically, "fault_detector/set_parameters_atomically", parameters=wanted).result
         return result.successful, result.reason
 
-    def diagnosed(self, count: int) -> list[float]:
-        """Send blocks until ``count`` more diagnoses have arrived; return their times [s].
+    def diagnosed(self, count: int, after: float | None = None) -> list[float]:
+        """Send blocks until ``count`` diagnoses later than ``after`` have arrived, by default than what was sent; return their times [s].
 
         The blocks come in real time, so that the detector keeps up and none is lost.
         """
-        before, sent, start = len(self.client.received[DIAGNOSIS]), self.sent, time.monotonic()
+        sent, start = self.sent, time.monotonic()
+        earliest = sent * BLOCK if after is None else after
+
+        def times() -> list[float]:
+            return [time for data in self.client.received[DIAGNOSIS] if (time := DIAGNOSIS.stamp(data) * 1e-9) > earliest]
 
         def arrived() -> bool:
-            if len(self.client.received[DIAGNOSIS]) >= before + count:
+            if len(times()) >= count:
                 return True
             if (self.sent - sent) * BLOCK <= time.monotonic() - start:
                 self.send(1)
             return False
 
         self.client.until(arrived, "diagnoses")
-        return [DIAGNOSIS.stamp(data) * 1e-9 for data in self.client.received[DIAGNOSIS][before:]]
+        return times()[:count]
 
     def send(self, count: int) -> None:
         """Send blocks."""
@@ -130,7 +134,7 @@ def test_a_manager_controls_the_detector(manager: Manager) -> None:
     end = manager.sent * BLOCK
     assert manager.request(ACTIVATE)
     manager.await_subscribers(2)
-    assert all(time >= end for time in manager.diagnosed(2) if time > begin)
+    assert all(time >= end for time in manager.diagnosed(2, after=begin))
 
     assert manager.request(DEACTIVATE)
     assert manager.request(CLEANUP)

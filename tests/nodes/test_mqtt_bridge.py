@@ -125,7 +125,8 @@ def test_mqtt_carries_every_diagnosis_and_feature_of_the_nodes(tmp_path: Path) -
                 # The first messages may precede the connection of their subscriber; the last ones of the 4 s arrive everywhere.
                 over_ros = [topic.stamp(client.received[topic][-1]) * 1e-9 for topic in (FEATURES, DIAGNOSIS)]
                 over_mqtt = [received.values(topic)[-1]["time"] for topic in (BLOCKS, DIAGNOSES)]
-                return min(over_ros + over_mqtt) > 3.9
+                last = [198.5 * 1024 / 51200, 3.9]  # before the 200th block, and before the diagnosis at 4 s
+                return all(time > begin for times in (over_ros, over_mqtt) for time, begin in zip(times, last, strict=True))
 
             client.until(complete, "the last features and diagnosis, over ROS and MQTT")
 

@@ -13,7 +13,8 @@ from node_arguments import parameters
 from ros_bench import domain, environment, graph_client, node
 from separate_process import dcrb
 
-from dcrb_ros.messages.topics import VIBRATION
+from dcrb_ros.messages.statuses import decode_truth
+from dcrb_ros.messages.topics import GROUND_TRUTH, VIBRATION
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.stream.events import LoadCommand, SpeedCommand
 
@@ -30,10 +31,16 @@ def test_a_run_with_commands_is_reproduced_without_ros(tmp_path: Path) -> None:
         speed = client.node.create_publisher(Float64, "command/speed", 10)
         load = client.node.create_publisher(Wrench, "command/load", 10)
         client.connect(speed, load)
+
+        def commands() -> list[object]:
+            return [truth.event for truth in map(decode_truth, client.received[GROUND_TRUTH])]
+
         speed.publish(Float64(data=140.0))
+        client.until(lambda: SpeedCommand(140.0) in commands(), "the speed")
         wrench = Wrench()
         wrench.force.x, wrench.force.y = 500.0, -60e3
         load.publish(wrench)
+        client.until(lambda: LoadCommand(500.0, -60e3) in commands(), "the load")
         blocks = len(client.received[VIBRATION])
         client.until(lambda: len(client.received[VIBRATION]) > blocks + 40, "blocks after the commands")
         assert simulator.end(signal.SIGINT) == 0

@@ -118,8 +118,7 @@ def test_the_bench_continues_after_any_input(tmp_path: Path) -> None:
         assert client.set(time_scale=1.0)[0]
         blocks = len(client.received[VIBRATION])
         client.until(lambda: len(client.received[VIBRATION]) > blocks + 10, "blocks after the storm")
-        reports = len(client.received[BENCH_DIAGNOSTICS])
-        client.until(lambda: len(client.received[BENCH_DIAGNOSTICS]) > reports + 1, "a new report")
+        client.reports(1)
         said = client.status
         assert said["model"] == "running"
         assert {key: int(said[f"rejected_{key}"]) for key in sender.refused} == sender.refused
@@ -167,7 +166,9 @@ def test_a_slow_subscriber_does_not_slow_the_bench(tmp_path: Path) -> None:
     )
     slow = subprocess.Popen([sys.executable, "-c", code], env=environment(number), stdout=subprocess.PIPE, text=True)
     try:
-        with graph_client(number) as client, node("simulator", parameters(), environment(number), tmp_path / "log"):
+        # At half the speed, blocks that the middleware sends once more, three seconds later, are still in the queue of their publisher.
+        given = parameters(time_scale=0.5)
+        with graph_client(number) as client, node("simulator", given, environment(number), tmp_path / "log"):
             assert slow.stdout is not None
             assert slow.stdout.readline() == "received\n"
             client.until(lambda: len(client.received[BENCH_DIAGNOSTICS]) >= 2, "reports")
@@ -176,23 +177,22 @@ def test_a_slow_subscriber_does_not_slow_the_bench(tmp_path: Path) -> None:
             took = span(client, 6.0)  # more than its queue holds
             indices = [decode_vibration(data).first_index(51200) for data in client.received[VIBRATION]]
             assert np.all(np.diff(indices) == 1024)
-            assert took < 3.0 * before + 1.0  # as fast as before, with a margin for a busy machine
+            slow.send_signal(signal.SIGCONT)
+            after = span(client, 3.0)
+            assert took < 4.0 * max(before, after) + 1.0  # as fast as before or after, with a margin for a busy machine
     finally:
         slow.kill()
-        slow.wait(30)
+        slow.wait(PATIENCE)
 
 
 @pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("values", [{}, {"time_scale": 0.005}, {"time_scale": 0.0}], ids=["running", "in a long wait", "flat out"])
+@pytest.mark.parametrize("values", [{}, {"time_scale": 1e-5}, {"time_scale": 0.0}], ids=["running", "in a long wait", "flat out"])
 def test_signals_end_the_node_at_once(kind: signal.Signals, values: dict[str, float], tmp_path: Path) -> None:
     number, bag = domain(), tmp_path / "bag"
     given_values = {**values, "recording__path": bag}
     with graph_client(number) as client, node("simulator", parameters(**given_values), environment(number), tmp_path / "log") as simulator:
         client.until(lambda: client.received[VIBRATION], "the first block")
-        began = time.monotonic()
-        assert simulator.end(kind) == 0, simulator.output
-        took = time.monotonic() - began
-    assert took < 1.0 + 1.0  # a second, and another for a busy machine
+        assert simulator.end_promptly(kind) == 0, simulator.output
     assert Recording(bag).complete
 
 
@@ -209,7 +209,12 @@ def test_discovery_stays_on_this_machine(tmp_path: Path) -> None:
         for asked, found in ((None, "LOCALHOST"), ("SUBNET", "SUBNET")):
             wanted = env if asked is None else {**env, "ROS_AUTOMATIC_DISCOVERY_RANGE": asked}
             done = subprocess.run(
-                [sys.executable, "-c", code.format(module=module)], env=wanted, capture_output=True, text=True, timeout=60, check=False
+                [sys.executable, "-c", code.format(module=module)],
+                env=wanted,
+                capture_output=True,
+                text=True,
+                timeout=PATIENCE,
+                check=False,
             )
             assert f"range {found}" in done.stdout, done.stderr
 
@@ -244,8 +249,8 @@ def test_the_example_commands_the_bench(tmp_path: Path) -> None:
         finally:
             control.kill()
             control.wait(PATIENCE)
-        client.until(lambda: client.received[VIBRATION] and decode_truth(client.received[GROUND_TRUTH][-1]).speed > 139.0, "the speed")
-        assert "outer_1" in decode_truth(client.received[GROUND_TRUTH][-1]).faults
+        client.until(lambda: decode_truth(client.received[GROUND_TRUTH][-1]).speed > 139.0, "the speed")
+        client.until(lambda: "outer_1" in decode_truth(client.received[GROUND_TRUTH][-1]).faults, "the fault")
     words = ("paused at", '{"acceleration_unit"', "one block further", "the fault is accepted", "running from")
     assert [line.startswith(word) for line, word in zip(lines, words, strict=False)] == [True] * 5, lines
     assert lines[5] in {"waiting", "healthy", "outer_ring"}

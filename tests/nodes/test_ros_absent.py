@@ -29,7 +29,7 @@ def test_everything_but_the_nodes_works_without_ros(tmp_path: Path) -> None:
     env = {**os.environ, "PYTHONPATH": str(tmp_path)}
 
     def dcrb(*arguments: str) -> subprocess.CompletedProcess[str]:
-        return subprocess.run([sys.executable, "-c", code, *arguments], env=env, capture_output=True, text=True, timeout=200, check=False)
+        return subprocess.run([sys.executable, "-c", code, *arguments], env=env, capture_output=True, text=True, timeout=600, check=False)
 
     bag, scene = tmp_path / "bag", tmp_path / "bag.rrd"
     for arguments in (
@@ -52,7 +52,7 @@ def test_programs_name_what_is_missing_on_systems_without_signal_masks(program: 
         "del signal.pthread_sigmask\n"
         f"from dcrb_ros.nodes import programs; programs.{program}()"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=200, check=False)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=600, check=False)
     assert (done.returncode, "rclpy is not installed" in done.stderr, done.stderr.count("\n")) == (2, True, 1), done.stderr
 
 
@@ -72,7 +72,7 @@ def compiled_without_a_home(tmp_path: Path, home: str = NO_HOME["a file"]) -> tu
     )
     ours = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA_")}
     env = {**ours, "TMPDIR": str(tmp_path), "PYTHONPATH": str(Path(__file__).parents[2])}
-    done = subprocess.run([sys.executable, str(program)], env=env, capture_output=True, text=True, timeout=200, check=False)
+    done = subprocess.run([sys.executable, str(program)], env=env, capture_output=True, text=True, timeout=600, check=False)
     assert done.returncode == 0, done.stderr
     force, hits, cache = done.stdout.split()
     return f"{force} {hits}", Path(cache)

@@ -21,14 +21,14 @@ def described(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the folder in which setuptools describes the distribution."""
     folder = tmp_path_factory.mktemp("description")
     command = [sys.executable, "-W", "ignore", "setup.py", "--quiet", "egg_info", "--egg-base", str(folder)]
-    subprocess.run(command, cwd=ROOT, check=True, timeout=100, capture_output=True)
+    subprocess.run(command, cwd=ROOT, check=True, timeout=400, capture_output=True)
     return folder / "dcrb_ros.egg-info"
 
 
 def test_the_source_distribution_contains_every_file_of_the_repository(described: Path) -> None:
     if shutil.which("git") is None or not (ROOT / ".git").exists():
         pytest.skip("not a git repository")
-    listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, check=True, timeout=60, capture_output=True, text=True).stdout
+    listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, check=True, timeout=400, capture_output=True, text=True).stdout
     tracked = {name for name in listed.split("\0") if name and (ROOT / name).exists()}
     distributed = set((described / "SOURCES.txt").read_text(encoding="utf-8").splitlines())
     assert tracked - distributed - OF_GIT == set()
@@ -48,7 +48,7 @@ def test_an_executable_of_ros2_run_starts_the_console_script_of_its_installation
     console_script.parent.mkdir()
     console_script.write_text('#!/bin/sh\nprintf "%s|" "$0" "$@"\nexit 7\n')
     console_script.chmod(0o755)
-    done = subprocess.run([str(installed), "--ros-args", "-r", "a b"], capture_output=True, text=True, timeout=20, check=False)
+    done = subprocess.run([str(installed), "--ros-args", "-r", "a b"], capture_output=True, text=True, timeout=400, check=False)
     assert (done.returncode, done.stderr) == (7, "")
     started, *arguments = done.stdout.split("|")[:-1]
     assert Path(started).resolve() == console_script
@@ -66,6 +66,6 @@ def test_the_container_does_not_run_as_root() -> None:
 def test_make_clean_removes_the_caches() -> None:
     if shutil.which("make") is None:
         pytest.skip("make is not installed")
-    commands = subprocess.run(["make", "--dry-run", "clean"], cwd=ROOT, check=True, timeout=20, capture_output=True, text=True).stdout
+    commands = subprocess.run(["make", "--dry-run", "clean"], cwd=ROOT, check=True, timeout=400, capture_output=True, text=True).stdout
     assert "dcrb cache --clear" in commands
     assert commands.index("cache --clear") < commands.index("rm -rf .venv")

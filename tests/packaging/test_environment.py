@@ -35,7 +35,7 @@ def checkout(tmp_path: Path) -> Path:
 
 def environment(folder: Path) -> subprocess.CompletedProcess[str]:
     variables = {**os.environ, "PYTHON": str(folder / "python")}
-    return subprocess.run([folder / ".ci/environment"], env=variables, capture_output=True, text=True, timeout=30.0, check=False)
+    return subprocess.run([folder / ".ci/environment"], env=variables, capture_output=True, text=True, timeout=400.0, check=False)
 
 
 def test_the_installation_says_its_size_and_what_it_does(checkout: Path) -> None:

@@ -122,7 +122,7 @@ def test_two_runs_of_the_command_write_the_same_bytes(tmp_path: Path) -> None:
     for seed in ("1", "2"):
         page = tmp_path / f"{seed}.html"
         command = [sys.executable, "-m", "dcrb_ros.cli.program", "detect", *bags, "--report", str(page)]
-        subprocess.run(command, env={**os.environ, "PYTHONHASHSEED": seed}, capture_output=True, timeout=200.0, check=True)
+        subprocess.run(command, env={**os.environ, "PYTHONHASHSEED": seed}, capture_output=True, timeout=600.0, check=True)
         pages.append(page.read_bytes())
     assert pages[0] == pages[1]
 

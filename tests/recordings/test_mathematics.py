@@ -20,7 +20,7 @@ COMMAND = "from dcrb_ros.recordings.mathematics import function_results; print(f
 
 def in_a_new_process(environment: dict[str, str]) -> str:
     return subprocess.run(
-        [sys.executable, "-c", COMMAND], capture_output=True, text=True, check=True, env={**os.environ, **environment}, timeout=60.0
+        [sys.executable, "-c", COMMAND], capture_output=True, text=True, check=True, env={**os.environ, **environment}, timeout=400.0
     ).stdout.strip()
 
 

@@ -37,7 +37,7 @@ def script(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for file in (HERE / "mcap_core").iterdir():
         shutil.copy(file, folder)
     done = subprocess.run(
-        [npm, "ci", "--ignore-scripts", "--loglevel=error"], cwd=folder, capture_output=True, text=True, timeout=120, check=False
+        [npm, "ci", "--ignore-scripts", "--loglevel=error"], cwd=folder, capture_output=True, text=True, timeout=400, check=False
     )
     said = (done.stderr or done.stdout).strip()[-400:]
     if done.returncode != 0 and any(word in said for word in UNREACHABLE):
@@ -49,7 +49,7 @@ def script(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def read(script: Path, *bags: Path) -> dict[Path, dict[str, Any]]:
     """Return what the library finds in the files of recordings."""
     files = [file for bag in bags for file in sorted(bag.glob("*.mcap"))]
-    done = subprocess.run([program("node"), str(script), *map(str, files)], capture_output=True, text=True, timeout=120, check=False)
+    done = subprocess.run([program("node"), str(script), *map(str, files)], capture_output=True, text=True, timeout=400, check=False)
     assert done.returncode == 0, done.stderr
     return {Path(path): about for path, about in json.loads(done.stdout).items()}
 

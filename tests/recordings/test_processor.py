@@ -36,7 +36,7 @@ def test_the_manifest_names_the_processor(tmp_path: Path) -> None:
 def test_the_processor_is_the_one_that_numba_compiles_for(settings: dict[str, str], expected: dict[str, Any]) -> None:
     code = "import json; from dcrb_ros.recordings.processor import processor; print(json.dumps(processor()))"
     done = subprocess.run(
-        [sys.executable, "-c", code], env={**os.environ, **settings}, capture_output=True, text=True, timeout=60, check=True
+        [sys.executable, "-c", code], env={**os.environ, **settings}, capture_output=True, text=True, timeout=400, check=True
     )
     assert json.loads(done.stdout) == expected
 

@@ -8,11 +8,10 @@ import sys
 from pathlib import Path
 
 import pytest
-from waiting import runs, wait_for
+from waiting import PATIENCE, runs, wait_for
 
 pytestmark = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="the states of processes are read from /proc")
 
-PATIENCE = 60.0
 CHILD = """
 import threading
 from dcrb_ros.runtime.children import end_with_parent
@@ -20,7 +19,7 @@ from dcrb_ros.runtime.signals import end_at_once
 end_at_once(7, "ended")
 print("started", flush=True)
 end_with_parent()
-threading.Event().wait(60.0)
+threading.Event().wait(1000.0)
 """
 PARENT = """
 import subprocess, sys, threading
@@ -28,7 +27,7 @@ from dcrb_ros.runtime.children import signals_blocked
 with signals_blocked():
     child = subprocess.Popen([sys.executable, "-c", {child!r}], stdin=subprocess.PIPE)
 print(child.pid, flush=True)
-threading.Event().wait(60.0)
+threading.Event().wait(1000.0)
 """
 POOL = """
 import os, threading
@@ -37,7 +36,7 @@ from dcrb_ros.runtime.processes import in_processes
 if __name__ == "__main__":
     jobs = in_processes({"first": os.getpid, "second": os.getpid}, 1)
     print(next(jobs)[1], flush=True)
-    threading.Event().wait(60.0)
+    threading.Event().wait(1000.0)
 """
 
 

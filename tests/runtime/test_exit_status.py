@@ -53,7 +53,7 @@ def test_a_full_disk_behind_the_output_is_named(words: list[str], unbuffered: st
     command = [sys.executable, "-m", "dcrb_ros.cli.program", *words]
     with open("/dev/full", "w") as full:
         done = subprocess.run(
-            command, stdout=full, stderr=subprocess.PIPE, text=True, env={**os.environ, "PYTHONUNBUFFERED": unbuffered}, timeout=200.0
+            command, stdout=full, stderr=subprocess.PIPE, text=True, env={**os.environ, "PYTHONUNBUFFERED": unbuffered}, timeout=600.0
         )
     assert done.returncode == 1
     assert done.stderr.startswith("dcrb: the standard output cannot be used: No space left on device")
@@ -67,7 +67,7 @@ def test_the_status_is_the_same_if_the_sentence_cannot_be_printed(words: list[st
     command = [sys.executable, "-m", "dcrb_ros.cli.program", *words]
     with open("/dev/full", "w") as full:
         done = subprocess.run(
-            command, stdout=full, stderr=full, text=True, env={**os.environ, "PYTHONUNBUFFERED": unbuffered}, timeout=200.0, check=False
+            command, stdout=full, stderr=full, text=True, env={**os.environ, "PYTHONUNBUFFERED": unbuffered}, timeout=600.0, check=False
         )
     assert done.returncode == status
 
@@ -75,5 +75,5 @@ def test_the_status_is_the_same_if_the_sentence_cannot_be_printed(words: list[st
 def test_a_warning_that_cannot_be_printed_is_a_failure() -> None:
     command = [sys.executable, "-m", "dcrb_ros.cli.program", "config", "check", "healthy", "--set", "operating.load=-5.0"]
     with open("/dev/full", "w") as full:
-        done = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=full, timeout=200.0, check=False)
+        done = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=full, timeout=600.0, check=False)
     assert done.returncode == 1

@@ -74,7 +74,7 @@ print("dcrb_ros.core" in Asked.names)
 
 def output_of(program: Path, cache: Path) -> str:
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(cache)}
-    return subprocess.run([sys.executable, str(program)], env=environment, capture_output=True, text=True, timeout=200.0, check=True).stdout
+    return subprocess.run([sys.executable, str(program)], env=environment, capture_output=True, text=True, timeout=600.0, check=True).stdout
 
 
 def test_a_loaded_kernel_starts_no_compiler_and_can_still_be_inlined(tmp_path: Path) -> None:

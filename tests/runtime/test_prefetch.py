@@ -28,7 +28,7 @@ def test_the_next_item_is_produced_by_a_thread_while_the_last_one_is_used() -> N
 
     source = prefetch(items())
     assert next(source) == 0
-    assert ready.wait(10.0)
+    assert ready.wait(200.0)
     assert list(source) == [1, 2]
     assert made[0] == threading.current_thread().name
     assert made[1] != made[0]
@@ -89,7 +89,7 @@ def test_as_many_items_as_the_depth_are_prefetched() -> None:
 
     source = prefetch(items(), depth=4)
     assert next(source) == 0
-    assert ready.wait(10.0)
+    assert ready.wait(200.0)
     assert made == list(range(5))
     assert list(source) == list(range(1, 9))
     assert made == list(range(9))

@@ -10,7 +10,7 @@ import pytest
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals that a process sends itself")
 
-PATIENCE = 60.0
+PATIENCE = 400.0
 PRELUDE = """
 import atexit, os, signal, sys, threading
 from dcrb_ros.runtime import signals

@@ -32,9 +32,9 @@ FLAGS = (
     "--disable-component-update",
     "--disable-sync",
 )
-PATIENCE = 150.0
+PATIENCE = 600.0
 """Longest life of a browser [s]."""
-ARRIVAL = 30.0
+ARRIVAL = 150.0
 """How long it may take to a page [s]."""
 
 

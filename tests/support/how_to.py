@@ -113,7 +113,7 @@ def run(environment: Mapping[str, str], code: str) -> str:
     """Run a script in such an environment and return what it prints."""
     folder = environment["PYTHONPATH"]
     command = [sys.executable, "-c", code]
-    result = subprocess.run(command, env=dict(environment), cwd=folder, capture_output=True, text=True, timeout=200.0, check=False)
+    result = subprocess.run(command, env=dict(environment), cwd=folder, capture_output=True, text=True, timeout=600.0, check=False)
     assert result.returncode == 0, result.stderr
     return result.stdout
 

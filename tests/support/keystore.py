@@ -12,7 +12,7 @@ NEW_KEY = ["-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes"
 
 def _openssl(*words: str | Path) -> None:
     assert OPENSSL is not None
-    subprocess.run([OPENSSL, *words], check=True, capture_output=True, timeout=60)
+    subprocess.run([OPENSSL, *words], check=True, capture_output=True, timeout=400)
 
 
 def keystore(folder: Path, enclave: str, permissions: Path) -> Path:

@@ -43,7 +43,7 @@ MODULES = (
 LIBRARIES = ("h5py", "pyarrow.parquet", "scipy.io", "rich.table", "matplotlib.pyplot")
 MOST_MEMORY = 4 << 30
 """Address space of a command [bytes]: a command that asks for more fails instead of the machine."""
-PATIENCE = 60
+PATIENCE = 600
 """Least limit of the wall time of a command [s]: one that waits for ever uses no processor time."""
 
 

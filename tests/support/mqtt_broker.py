@@ -12,10 +12,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from waiting import wait_for
+from waiting import PATIENCE, wait_for
 
 # Debian installs the broker where the PATH of a user does not reach.
 MOSQUITTO = shutil.which("mosquitto", path=os.pathsep.join([os.environ.get("PATH", ""), "/usr/sbin"]))
+ATTEMPTS = 3
+"""How often a broker is started: another program may take the free port first."""
 INSTALLED = MOSQUITTO is not None or importlib.util.find_spec("amqtt") is not None
 
 CONFIGURATION = """
@@ -48,22 +50,30 @@ def free_port() -> int:
 @contextmanager
 def broker(folder: Path) -> Iterator[int]:
     """Run a broker; yield its port once it accepts connections."""
-    port = free_port()
-    with (folder / "broker.log").open("wb") as log:
-        process = subprocess.Popen(command(port, folder), stdout=log, stderr=subprocess.STDOUT)
+    for attempt in range(ATTEMPTS):
+        port = free_port()
+        with (folder / "broker.log").open("wb") as log:
+            process = subprocess.Popen(command(port, folder), stdout=log, stderr=subprocess.STDOUT)
+        try:
+            if _accepts(port, process):
+                yield port
+                return
+            assert attempt + 1 < ATTEMPTS, (folder / "broker.log").read_text(errors="replace")
+        finally:
+            process.terminate()
+            try:
+                process.wait(10)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait(PATIENCE)
 
-    def accepts() -> bool:
-        assert process.poll() is None, (folder / "broker.log").read_text(errors="replace")
+
+def _accepts(port: int, process: subprocess.Popen[bytes]) -> bool:
+    """Wait until a broker accepts connections; return false if it has ended, as where another program has taken its port meanwhile."""
+
+    def connected() -> bool:
         with socket.socket() as probe:
             return probe.connect_ex(("127.0.0.1", port)) == 0
 
-    try:
-        wait_for(accepts)
-        yield port
-    finally:
-        process.terminate()
-        try:
-            process.wait(10)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait(10)
+    wait_for(lambda: process.poll() is not None or connected())
+    return process.poll() is None

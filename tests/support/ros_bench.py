@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 import secrets
 import socket
@@ -16,12 +15,20 @@ from pathlib import Path
 from typing import Any
 
 from dcrb_ros.messages.statuses import decode_diagnostics
-from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, CLOCK, DETECTED, NAMESPACE, SIMULATED, Topic
+from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, CLOCK, DETECTED, NAMESPACE, SIMULATED, VIBRATION, Topic
 from dcrb_ros.nodes.publisher import message_class, qos
 from dcrb_ros.nodes.reserved_domain import FIRST_PORT, LOOPBACK
 
-PATIENCE = 200.0
-"""Longest wait for anything [s]; a cold compile is the longest."""
+PATIENCE = 600.0
+"""Longest wait for anything [s]; a cold compile on a busy machine is the longest."""
+PROMPT = 3.0
+"""Longest time that a node takes to end after a signal [s], on a machine that starts a process at once; see `Node.end_promptly`."""
+AGAIN = 60.0
+"""Time without an answer after which a request is repeated [s]."""
+TURN = 0.02
+"""Wall time for which callbacks are served between two looks at a condition [s], so that a slow look does not delay the messages."""
+QUEUE = 10_000
+"""Messages that wait for the client; none is lost while a test does something else."""
 
 LAST_SAFE_DOMAIN = 101
 """Domain up to which no discovery port is among those that Linux gives to any program."""
@@ -54,7 +61,7 @@ class Node:
     """A node's process with its output."""
 
     def __init__(self, name: str, arguments: list[str], env: dict[str, str], log: Path) -> None:
-        self._log = log
+        self._log, self._env = log, env
         with log.open("wb") as output:
             self.process = subprocess.Popen(
                 [sys.executable, "-m", "dcrb_ros.nodes", name, *arguments], env=env, stdout=output, stderr=subprocess.STDOUT
@@ -70,6 +77,18 @@ class Node:
         self.process.send_signal(number)
         return self.process.wait(PATIENCE)
 
+    def end_promptly(self, number: int) -> int:
+        """Send a signal and return the exit status; the node may take `PROMPT` and some starts of a process at the present load."""
+        began = time.monotonic()
+        status = self.end(number)
+        took = time.monotonic() - began
+        if took > PROMPT:
+            began = time.monotonic()
+            subprocess.run([sys.executable, "-c", "import rclpy"], env=self._env, timeout=PATIENCE, check=True)
+            start = time.monotonic() - began
+            assert took < PROMPT + 5.0 * start, f"it took {took:.1f} s to end, and a process takes {start:.1f} s to start"
+        return status
+
 
 @contextmanager
 def node(name: str, arguments: list[str], env: dict[str, str], log: Path) -> Iterator[Node]:
@@ -83,8 +102,18 @@ def node(name: str, arguments: list[str], env: dict[str, str], log: Path) -> Ite
         started.process.wait(PATIENCE)
 
 
+def patient_qos(topic: Topic) -> Any:
+    """Return the quality of service of a subscription of the client: that of the topic, with a longer queue."""
+    quality = qos(topic)
+    quality.depth = QUEUE
+    return quality
+
+
 class GraphClient:
-    """A node in the test process that keeps the raw messages on every topic."""
+    """A node in the test process that keeps the raw messages on every topic.
+
+    They are taken only while the client waits (`until`), in the order of their topic; topics are not ordered among one another.
+    """
 
     def __init__(self, number: int) -> None:
         import rclpy
@@ -97,20 +126,26 @@ class GraphClient:
         self.executor = SingleThreadedExecutor(context=self.context)
         self.executor.add_node(self.node)
         self.received: dict[Topic, list[bytes]] = defaultdict(list)
-        for topic in (*SIMULATED, *DETECTED, BENCH_DIAGNOSTICS, CLOCK):
-            self.node.create_subscription(
-                message_class(topic),
-                topic.resolved(NAMESPACE),
-                lambda data, t=topic: self.received[t].append(bytes(data)),
-                qos(topic),
-                raw=True,
-            )
+        self.published: dict[Topic, list[float]] = defaultdict(list)
+        """Wall times at which the messages were published [s], since the epoch."""
+        # The waveform last: a bench counts its subscribers before it sends a block, and has then discovered the other subscriptions.
+        for topic in sorted((*SIMULATED, *DETECTED, BENCH_DIAGNOSTICS, CLOCK), key=lambda topic: topic is VIBRATION):
+            self.listen(topic, topic.resolved(NAMESPACE), self.received[topic], self.published[topic])
 
-    def ask(self, kind: Any, name: str, *, again: float = math.inf, **fields: Any) -> Any:
+    def listen(self, topic: Topic, name: str, kept: list[bytes], published: list[float]) -> None:
+        """Keep the messages on a topic of an absolute name, and the wall times at which they were published [s]."""
+
+        def keep(data: Any, about: Any) -> None:
+            kept.append(bytes(data))
+            published.append(about["source_timestamp"] * 1e-9)
+
+        self.node.create_subscription(message_class(topic), name, keep, patient_qos(topic), raw=True)
+
+    def ask(self, kind: Any, name: str, *, again: float = AGAIN, **fields: Any) -> Any:
         """Call a service of the bench and return its answer.
 
-        An answer is lost if the service has not discovered the client yet. A request that changes nothing may be repeated after every
-        ``again`` seconds without an answer.
+        An answer is lost if the service has not discovered the client yet. The request is repeated after every ``again`` seconds without an
+        answer; a request that changes nothing may be repeated soon.
         """
         client = self.node.create_client(kind, name)
         self.until(client.service_is_ready, f"the service {name}")
@@ -143,11 +178,15 @@ class GraphClient:
     def connect(self, *publishers: Any, count: int = 1) -> None:
         """Wait until publishers of this node have ``count`` subscribers each, and until the bench knows the publishers.
 
-        A message to a subscriber that has not yet discovered its publisher may be lost; two more reports of the bench show that it has.
+        A message to a subscriber that has not yet discovered its publisher may be lost; two later reports of the bench show that it has.
         """
         self.until(lambda: all(publisher.get_subscription_count() >= count for publisher in publishers), "the subscriptions")
-        reports = len(self.received[BENCH_DIAGNOSTICS])
-        self.until(lambda: len(self.received[BENCH_DIAGNOSTICS]) > reports + 1, "two reports of the bench")
+        self.reports(2)
+
+    def reports(self, count: int) -> None:
+        """Wait for ``count`` reports that the bench publishes from now on."""
+        begin = time.time()
+        self.until(lambda: sum(sent > begin for sent in self.published[BENCH_DIAGNOSTICS]) >= count, f"{count} reports of the bench")
 
     def until(self, reached: Callable[[], Any], why: str) -> None:
         """Serve callbacks until a condition holds; fail after `PATIENCE`. The condition may look at messages that have not arrived yet."""
@@ -164,7 +203,13 @@ class GraphClient:
                 f"waited {PATIENCE} s for {why}; received { {t.name: len(m) for t, m in self.received.items()} }, "
                 f"the status is {self.status}"
             )
-            self.executor.spin_once(timeout_sec=0.1)
+            self.serve(TURN)
+
+    def serve(self, seconds: float) -> None:
+        """Serve callbacks for some wall time [s]."""
+        end = time.monotonic() + seconds
+        while (remaining := end - time.monotonic()) > 0.0:
+            self.executor.spin_once(timeout_sec=remaining)
 
     def close(self) -> None:
         """Leave the ROS graph."""

@@ -6,7 +6,8 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-PATIENCE = 20.0
+PATIENCE = 200.0
+"""Longest wait for anything [s]: on a busy machine a process may take a minute to start."""
 
 
 def wait_for(reached: Callable[[], bool], patience: float = PATIENCE) -> None:

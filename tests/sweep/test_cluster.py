@@ -33,7 +33,7 @@ def protected(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, d
         pytest.skip("openssl makes the certificate")
     folder = tmp_path_factory.mktemp("tls")
     certificate, key = str(folder / "cert.pem"), str(folder / "key.pem")
-    subprocess.run([*CERTIFICATE, "-keyout", key, "-out", certificate, "-subj", "/CN=test"], check=True, capture_output=True, timeout=60)
+    subprocess.run([*CERTIFICATE, "-keyout", key, "-out", certificate, "-subj", "/CN=test"], check=True, capture_output=True, timeout=400)
     allowed = settings(certificate, key)
     with (
         dask.config.set(allowed),
@@ -67,5 +67,5 @@ except Refusal as refusal:
 def test_a_connection_without_the_certificate_is_refused(protocol: str, protected: tuple[str, dict[str, object]]) -> None:
     # In a process of its own, without the certificate: two clients that fail in one process upset each other's event loop.
     address = protected[0].replace("tls:", f"{protocol}:")
-    done = subprocess.run([sys.executable, "-c", REACH, address], capture_output=True, text=True, timeout=100, check=False)
+    done = subprocess.run([sys.executable, "-c", REACH, address], capture_output=True, text=True, timeout=400, check=False)
     assert done.stdout.startswith(f"the scheduler {address} cannot be reached"), done.stdout + done.stderr[-2000:]

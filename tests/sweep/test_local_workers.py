@@ -8,12 +8,13 @@ import subprocess
 import sys
 from collections import Counter
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
-from waiting import wait_for
+from waiting import runs, wait_for
 
 from dcrb_ros.runtime.processes import available_memory, resident_memory
 from dcrb_ros.schema.refusal import Refusal
@@ -47,8 +48,10 @@ def plan_of(runs: int, duration: float = 0.02) -> Plan:
 
 def listening_sockets(processes: list[int]) -> set[str]:
     """Return the inodes of the sockets on which any of the processes accepts connections."""
-    own = {link.readlink().name for process in processes for link in Path(f"/proc/{process}/fd").iterdir() if link.is_symlink()}
-    found = set()
+    own, found = set(), set()
+    for link in (link for process in processes for link in Path(f"/proc/{process}/fd").iterdir()):
+        with suppress(OSError):  # it was closed meanwhile
+            own.add(link.readlink().name)
     for table, (state, column, inode) in LISTENING.items():
         for line in Path(table).read_text().splitlines()[1:]:
             cells = line.split()
@@ -59,7 +62,10 @@ def listening_sockets(processes: list[int]) -> set[str]:
 
 def descendants(process: int) -> list[int]:
     """Return a process and those that it has started."""
-    children = [int(child) for task in Path(f"/proc/{process}/task").iterdir() for child in (task / "children").read_text().split()]
+    children: list[int] = []
+    for task in Path(f"/proc/{process}/task").iterdir():
+        with suppress(OSError):  # the thread has ended meanwhile
+            children += map(int, (task / "children").read_text().split())
     return [process, *(found for child in children for found in descendants(child))]
 
 
@@ -134,7 +140,7 @@ def test_workers_leave_signals_to_their_parent_and_end_with_it(tmp_path: Path) -
         blocked = int(status["SigBlk"], 16)
         assert all(blocked >> (number - 1) & 1 for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP))
         parent.kill()
-    wait_for(lambda: not Path(f"/proc/{worker}").exists() or "\nState:\tZ" in Path(f"/proc/{worker}/status").read_text())
+    wait_for(lambda: not runs(worker))
 
 
 def test_the_memory_limit_is_a_size(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -25,7 +25,7 @@ from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.viewer import palette
 from dcrb_ros.viewer.window import page_address
 
-PATIENCE = 90.0
+PATIENCE = 300.0
 """Longest wait for the viewer [s]."""
 
 
@@ -54,7 +54,7 @@ def served(bag: Path) -> Iterator[tuple[str, int]]:
     finally:
         watchdog.cancel()
         viewer.kill()
-        viewer.wait(30.0)
+        viewer.wait(PATIENCE)
         viewer.stdout.close()
 
 
@@ -73,7 +73,7 @@ def test_page_address_uses_the_loopback_address() -> None:
 
 def test_web_viewer_accepts_local_connections_only(bag: Path) -> None:
     with served(bag) as (address, _):
-        with urllib.request.urlopen(address, timeout=30.0) as page:
+        with urllib.request.urlopen(address, timeout=PATIENCE) as page:
             assert b"<html" in page.read().lower()
         for port in re.findall(r"127\.0\.0\.1(?::|%3A)(\d+)", address):
             assert listeners(int(port)) == {"0100007F"}
