@@ -55,8 +55,8 @@ def mean_of(rows: Rows, rigs: list[str]) -> Mean:
     """Return the mean over some rigs; rigs that do not have the statistic are left out."""
 
     def mean(kind: str, name: str) -> float:
-        medians = [np.nanmedian([getattr(row.statistics, name) for row in rows[f"{rig}: {kind}"]]) for rig in rigs]
-        return float(np.nanmean(medians))
+        values = [np.array([getattr(row.statistics, name) for row in rows[f"{rig}: {kind}"]]) for rig in rigs]
+        return float(np.mean([np.nanmedian(of_rig) for of_rig in values if not np.isnan(of_rig).all()]))
 
     return mean
 
