@@ -39,18 +39,19 @@ def observe_lubrication(payload: Payload, state: State, time: float, before: tup
     rows, each = payload.free.shape
     contacts = np.empty((rows, 2, of.AT_CONTACTS))
     of.observe_films(payload.lubrication, state.rollers, state.films, each, contacts)
-    there = np.where(contacts[..., of.LARGEST_FORCE] > of.LOADED_FORCE, 1.0, np.nan)
+    least, ratios = contacts[..., of.LEAST_FILM].min(axis=0), contacts[..., of.LEAST_RATIO].min(axis=0)
+    contacts[contacts[..., of.LARGEST_FORCE] <= of.LOADED_FORCE] = np.nan
     losses = friction_losses(state)
     power = (losses - before[1]) / max(time - before[0], LEAST_TIME)
     speed = abs(float(state.shaft[SHAFT_SPEED]))
     return LubricationState(
-        film=contacts[..., of.LEAST_FILM].min(axis=0),
-        film_ratio=contacts[..., of.LEAST_RATIO].min(axis=0),
-        least_film=contacts[..., of.LEAST_FILM] * there,
-        mean_film=contacts[..., of.MEAN_FILM] * there,
-        least_film_ratio=contacts[..., of.LEAST_RATIO] * there,
-        loaded_traction=contacts[..., of.LOADED_TRACTION] * there,
-        loaded_slip=contacts[..., of.LOADED_SLIP] * there,
+        film=least,
+        film_ratio=ratios,
+        least_film=contacts[..., of.LEAST_FILM],
+        mean_film=contacts[..., of.MEAN_FILM],
+        least_film_ratio=contacts[..., of.LEAST_RATIO],
+        loaded_traction=contacts[..., of.LOADED_TRACTION],
+        loaded_slip=contacts[..., of.LOADED_SLIP],
         friction_loss=losses,
         friction_power=power,
         friction_torque=power / speed if speed > STANDSTILL else np.full_like(power, np.nan),

@@ -188,9 +188,10 @@ def add_run_out(table: Floats, centres: Floats) -> None:
     The raceway at azimuth theta lies towards (sin theta, -cos theta).
     """
     angle = 2.0 * math.pi / table.shape[1] * np.arange(table.shape[1])
+    sine, cosine = np.sin(angle), np.cos(angle)
     for row, (x, y) in enumerate(centres):
-        table[row, :, HEIGHT] += x * np.sin(angle) - y * np.cos(angle)
-        table[row, :, SLOPE] += x * np.cos(angle) + y * np.sin(angle)
+        table[row, :, HEIGHT] += x * sine - y * cosine
+        table[row, :, SLOPE] += x * cosine + y * sine
 
 
 def heights_at_contacts(payload: Payload, from_ring: Floats, inner: bool) -> Floats:

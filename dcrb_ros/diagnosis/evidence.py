@@ -16,7 +16,7 @@ from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.line_search import NO_LINES, Comb, LineFamily, LineSearch, covered
 from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum
-from dcrb_ros.diagnosis.wandering_lines import HALF_WIDTHS, hump
+from dcrb_ros.diagnosis.wandering_lines import HALF_WIDTHS, humps
 from dcrb_ros.schema.arrays import Floats
 
 AVERAGED_HOPS = 4
@@ -46,29 +46,28 @@ class BandEvidence:
 
     def __init__(self, band: Band, search: SharedSearch, number: int = 0) -> None:
         """Take the spectrum of that ``number`` among those that are searched together."""
-        self.band, self._search, self._number = band, search, number
+        self.band, self.shared, self._number = band, search, number
         self.clusters: dict[LineFamily, tuple[float, float]] = {}
         """What `clusters_at_spin` has found for lines of the cage."""
-        self._humps: dict[float, LineFamily] = {}
 
     @property
     def spectrum(self) -> OrderSpectrum:
         """The whole spectrum."""
-        return self._search.spectra[self._number]
+        return self.shared.spectra[self._number]
 
     @property
     def orders(self) -> Orders:
         """Characteristic orders of the bearing."""
-        return self._search.orders
+        return self.shared.orders
 
     @property
     def step(self) -> float:
         """Distance of two values of the spectrum [orders]."""
-        return self._search.search.step
+        return self.shared.search.step
 
     def at(self, lines: npt.ArrayLike) -> Floats:
         """Return the squared modulation depth of ``lines`` [orders] without the noise, same shape; 0 above the range searched [-]."""
-        return self._search.search.at(lines, self._number)
+        return self.shared.search.at(lines, self._number)
 
     def largest(self, lines: npt.ArrayLike) -> Floats:
         """Return the squared modulation depth of ``lines`` [orders] with noise and harmonics of the shaft, same shape [-]."""
@@ -76,25 +75,22 @@ class BandEvidence:
 
     def noise(self, lines: npt.ArrayLike) -> Floats:
         """Return the squared modulation depth up to which each of ``lines`` [orders] is noise, same shape [-]."""
-        return self._search.search.noise(lines, self._number)
+        return self.shared.search.noise(lines, self._number)
 
     def hump(self, order: float) -> LineFamily:
         """Return the most significant hump near an ``order``, a line that wanders; `NO_LINES` without one."""
-        if order not in self._humps:
-            found = hump(self._search.search.squared_depth(self._number), self.step, order, self.orders.ftf, self._search.slip)
-            self._humps[order] = found._replace(amplitude=found.depth * self.spectrum.mean)
-        return self._humps[order]
+        return self.shared.humps(order)[self._number]
 
     def family(self, comb: Comb, slip: float | None = None) -> LineFamily:
         """Return the strongest family of a comb in this band within a ``slip``, by default the usual one [-], searched in all bands."""
-        return self._search.families(comb, slip)[self._number]
+        return self.shared.families(comb, slip)[self._number]
 
     def remainder(self, comb: Comb, family: LineFamily, explained: npt.ArrayLike) -> LineFamily:
         """Return what remains of a ``found`` family of a comb without the ``explained`` lines [orders].
 
         A hump, whose median ignores sharp lines, remains as long as they cover less than half of its middle.
         """
-        searched = self._search.search.spectra[self._number]
+        searched = self.shared.search.spectra[self._number]
         if not family.lines:
             near = np.abs(searched.orders - family.order) <= HALF_WIDTHS[0] * self.orders.ftf
             return family if covered(searched, explained)[near].mean() < MOST_COVERED else NO_LINES
@@ -108,6 +104,7 @@ class SharedSearch:
         """Look for lines within ``slip`` (relative) of the kinematic ``orders`` in ``spectra`` over the same orders."""
         self.spectra, self.orders, self.slip = spectra, orders, slip
         self._families: dict[tuple[Comb, float], list[LineFamily]] = {}
+        self._humps: dict[float, list[LineFamily]] = {}
 
     @cached_property
     def search(self) -> LineSearch:
@@ -121,6 +118,15 @@ class SharedSearch:
         if key not in self._families:
             self._families[key] = self.search.families(*key)
         return self._families[key]
+
+    def humps(self, order: float) -> list[LineFamily]:
+        """Return the most significant hump near an ``order`` in each spectrum."""
+        if order not in self._humps:
+            found = humps(self.search.squared_depth, self.search.step, order, self.orders.ftf, self.slip)
+            self._humps[order] = [
+                lines._replace(amplitude=lines.depth * spectrum.mean) for lines, spectrum in zip(found, self.spectra, strict=True)
+            ]
+        return self._humps[order]
 
 
 def highest_searched(orders: Orders, slip: float) -> float:
@@ -157,6 +163,16 @@ class Evidence:
         least = max(band.spectrum.mean for band in self.bands) * 10.0 ** (-QUIET / 10.0)
         within = max(least, LEAST_SHARE * max((band.spectrum.mean for band in self.bands if band.band == self.whole), default=0.0))
         return [band for band in self.bands if band.spectrum.mean >= (within if band.band.low >= self.whole.low else least)]
+
+    @cached_property
+    def within(self) -> Sequence[BandEvidence]:
+        """Those of them that lie within the band of the detector."""
+        return [band for band in self.loud if band.band.low >= self.whole.low]
+
+    def depths(self, lines: npt.ArrayLike) -> Floats:
+        """Return the modulation depth of ``lines`` [orders] together, without the noise, in all bands, shape (bands,) [-]."""
+        searches = dict.fromkeys(band.shared for band in self.bands)
+        return np.concatenate([np.sqrt(shared.search.at(lines, slice(None)).sum(axis=-1)) for shared in searches])
 
     def of_band(self, band: Band | None) -> BandEvidence | None:
         """Return the evidence of a band, or none."""

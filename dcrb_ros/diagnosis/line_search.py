@@ -107,12 +107,17 @@ class LineSearch:
         return np.asarray(np.minimum(np.stack(scaled), np.float32(LARGEST_DEPTH)), np.float32)
 
     @cached_property
+    def squared_depth(self) -> npt.NDArray[np.float32]:
+        """Squared modulation depth with its noise, shape (spectra, lines) [-]."""
+        return np.asarray(np.square(self._depth), np.float32)
+
+    @cached_property
     def local_mean(self) -> npt.NDArray[np.float32]:
         """Local mean of the squared depth, from the median of the neighbours: exponential values have a median of ln 2 means.
 
         Shape (spectra, lines).
         """
-        return local_mean(np.square(self._depth), max(FEWEST_NEIGHBOURS, math.ceil(NEIGHBOURHOOD / self.step)))
+        return local_mean(self.squared_depth, max(FEWEST_NEIGHBOURS, math.ceil(NEIGHBOURHOOD / self.step)))
 
     @cached_property
     def _values(self) -> npt.NDArray[np.float32]:
@@ -120,40 +125,49 @@ class LineSearch:
 
         The score is -ln of the probability that noise alone is as strong in one of three neighbours, limited; exponential in noise.
         """
-        power, mean = np.square(self._depth), self.local_mean
-        kept = np.where(self._masked, np.float32(0.0), np.float32(1.0))
-        excess = (power - np.float32(NOISE_FLOOR) * mean) * kept
-        ratio = np.divide(power * kept, mean, out=np.zeros_like(power), where=mean > 0.0)
+        power, mean = self.squared_depth, self.local_mean
+        ratio = np.divide(power * self._kept, mean, out=np.zeros_like(power), where=mean > 0.0)
         scores = _largest_of_three(ratio)
         scores -= np.float32(math.log(PLACES))
         count = len(self.spectra)
         values = np.empty((len(self.orders), 2 * count), np.float32)
         values[:, :count] = np.clip(scores, 0.0, LARGEST_SCORE, out=scores).T
-        values[:, count:] = np.maximum(_largest_of_three(excess), 0.0).T
+        values[:, count:] = self._power.T
         return values
 
     @cached_property
-    def _masked(self) -> npt.NDArray[np.bool_]:
+    def _power(self) -> npt.NDArray[np.float32]:
+        """Squared depths without noise, shape (spectra, lines) [-]."""
+        excess = (self.squared_depth - np.float32(NOISE_FLOOR) * self.local_mean) * self._kept
+        return np.asarray(np.maximum(_largest_of_three(excess), 0.0), np.float32)
+
+    @cached_property
+    def _kept(self) -> npt.NDArray[np.float32]:
+        """1 for the values that are evidence, 0 for the others, shape (lines,)."""
         orders = self.orders
         masked = np.abs(orders - np.rint(orders)) <= GUARD * self.step
         # In a short window the guards would cover the whole spectrum; then the shaft's harmonics remain.
         masked = masked if 2 * GUARD * self.step < 0.25 else orders <= GUARD * self.step
-        return masked if self._without is None else masked | self._without
+        masked = masked if self._without is None else masked | self._without
+        return np.asarray(np.where(masked, 0.0, 1.0), np.float32)
 
-    def squared_depth(self, number: int = 0) -> npt.NDArray[np.float32]:
-        """Return the squared modulation depth of one of the spectra with its noise, shape (lines,) [-]."""
-        return np.asarray(np.square(self._depth[number]), np.float32)
+    def at(self, lines: npt.ArrayLike, number: int | slice = 0) -> Floats:
+        """Return the squared depth of ``lines`` [orders] in one of the spectra without the noise, same shape; 0 above the spectrum [-].
 
-    def at(self, lines: npt.ArrayLike, number: int = 0) -> Floats:
-        """Return the squared depth of ``lines`` [orders] in one of the spectra without the noise, same shape; 0 above the spectrum [-]."""
+        For a slice of the spectra it has one more axis, the first.
+        """
         wanted = np.asarray(lines, np.float64)
-        near = np.clip(np.rint(wanted / self.step).astype(np.int64), 0, len(self.orders) - 1)
-        return np.asarray(np.where(wanted < self.orders[-1], self._values[near, len(self.spectra) + number], 0.0), np.float64)
+        values = self._power[number].take(self._nearest(wanted), axis=-1, mode="clip")
+        return np.asarray(np.where(wanted < self.orders[-1], values, 0.0), np.float64)
+
+    def _nearest(self, lines: Floats) -> npt.NDArray[np.int64]:
+        """Return the index of the value next to each of ``lines`` [orders], which may be none, same shape."""
+        return np.rint(lines / self.step).astype(np.int64)
 
     def noise(self, lines: npt.ArrayLike, number: int = 0) -> Floats:
         """Return the squared depth up to which each of ``lines`` [orders] of one of the spectra is noise, same shape [-]."""
-        near = np.clip(np.rint(np.asarray(lines, np.float64) / self.step).astype(np.int64), 0, len(self.orders) - 1)
-        return np.asarray(NOISE_FLOOR * self.local_mean[number, near], np.float64)
+        near = self._nearest(np.asarray(lines, np.float64))
+        return np.asarray(NOISE_FLOOR * self.local_mean[number].take(near, mode="clip"), np.float64)
 
     def best(self, comb: Comb, slip: float) -> LineFamily:
         """Return the strongest family of the first spectrum; see `families`."""

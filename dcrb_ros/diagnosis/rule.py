@@ -186,7 +186,7 @@ class LineRule(BearingRule[Lines]):
 
     def bands(self, evidence: Evidence) -> Sequence[BandEvidence]:
         """Return the bands to look at: by default those within the detector's band that are loud enough."""
-        return [band for band in evidence.loud if band.band.low >= evidence.whole.low]
+        return evidence.within
 
     def finding(self, evidence: Evidence) -> Finding | None:
         """Return the evidence of the band in which it is strongest."""

@@ -39,33 +39,36 @@ TINY = 1e-30
 """Smallest number of which a logarithm is taken."""
 
 
-def hump(power: npt.NDArray[np.floating], step: float, order: float, ftf: float, slip: float) -> LineFamily:
-    """Return the most significant hump within ``slip`` (relative) of an ``order``, or `NO_LINES`.
+def humps(power: npt.NDArray[np.floating], step: float, order: float, ftf: float, slip: float) -> list[LineFamily]:
+    """Return the most significant hump within ``slip`` (relative) of an ``order`` in each spectrum, or `NO_LINES`.
 
-    ``power`` is the squared modulation depth over equally spaced orders with a ``step``, shape (values,) [-]; ``ftf`` is the order of the
-    cage. The significance is corrected for the middles and widths that are tried.
+    ``power`` is the squared modulation depth over equally spaced orders with a ``step``, shape (spectra, values) [-]; ``ftf`` is the order
+    of the cage. The significance is corrected for the middles and widths that are tried.
     """
     sides = [_slice(order + sign * BESIDE[0] * ftf, order + sign * BESIDE[1] * ftf, step) for sign in (-1.0, 1.0)]
-    around = [power[side] for side in sides]
-    if order - BESIDE[1] * ftf <= 0.0 or sides[1].stop > len(power) or min(len(values) for values in around) < FEWEST:
-        return NO_LINES
+    around = [power[:, side] for side in sides]
+    middles = order * (1.0 + slip * np.linspace(-1.0, 1.0, SLIPS))
+    windows = [(middle, power[:, _slice(middle - half * ftf, middle + half * ftf, step)]) for middle in middles for half in HALF_WIDTHS]
+    windows = [(middle, values) for middle, values in windows if values.shape[1] >= FEWEST]
+    outside = order - BESIDE[1] * ftf <= 0.0 or sides[1].stop > power.shape[1]
+    if outside or not windows or min(values.shape[1] for values in around) < FEWEST:
+        return [NO_LINES] * len(power)
     # The spectrum of an envelope falls or rises over the order: the background in the middle is the geometric mean of both sides.
-    background = math.sqrt(max(float(medians(around[0])) * float(medians(around[1])), TINY))
-    variance = INDEPENDENT / sum(len(values) for values in around)
-    best, chosen = 0.0, NO_LINES
-    for middle in order * (1.0 + slip * np.linspace(-1.0, 1.0, SLIPS)):
-        for half in HALF_WIDTHS:
-            values = power[_slice(middle - half * ftf, middle + half * ftf, step)]
-            if len(values) < FEWEST:
-                continue
-            median = float(medians(values))
-            score = math.log(max(median, TINY) / background) / (DEVIATION * math.sqrt(INDEPENDENT / len(values) + variance))
-            if score <= best:
-                continue
-            best, excess = score, (median - background) / math.log(2.0) * len(values) / INDEPENDENT
-            level = 10.0 * math.log10(max(median, TINY) / background)
-            chosen = LineFamily(float(middle), 0.0, math.sqrt(max(excess, 0.0)), level, _significance(score))
-    return chosen
+    before, after = (medians(values).astype(np.float64) for values in around)
+    background = np.sqrt(np.maximum(before * after, TINY))
+    variance = INDEPENDENT / sum(values.shape[1] for values in around)
+    sizes = np.array([[values.shape[1]] for _, values in windows])
+    median = np.array([medians(values) for _, values in windows], np.float64)
+    ratios = np.maximum(median, TINY) / background
+    scores = np.log(ratios) / (DEVIATION * np.sqrt(INDEPENDENT / sizes + variance))
+    depths = np.sqrt(np.maximum((median - background) / math.log(2.0) * sizes / INDEPENDENT, 0.0))
+    chosen = [(int(best), k) for k, best in enumerate(scores.argmax(axis=0))]
+    return [
+        LineFamily(float(windows[n][0]), 0.0, float(depths[n, k]), 10.0 * math.log10(ratios[n, k]), _significance(float(scores[n, k])))
+        if scores[n, k] > 0.0
+        else NO_LINES
+        for n, k in chosen
+    ]
 
 
 def _significance(score: float) -> float:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from dcrb_ros.schema.arrays import Floats
 
@@ -26,9 +25,9 @@ class Convolution:
         padded = np.zeros((2, (partitions + 1) * FRAME))
         padded[:, : response.shape[1]] = response
         self._near = padded[:, :FRAME].copy()
-        later = np.zeros((partitions, 2, 2 * FRAME))
-        later[:, :, :FRAME] = padded[:, FRAME:].reshape(2, partitions, FRAME).swapaxes(0, 1)
-        self._later = _parts(np.fft.rfft(later))
+        later = np.fft.rfft(padded[:, FRAME:].reshape(2, partitions, FRAME), 2 * FRAME).swapaxes(0, 1)
+        self._later = np.ascontiguousarray(np.stack([later.real, later.imag], axis=2))
+        """Spectra of the later taps, real and imaginary parts, shape (partitions, 2, 2, bins)."""
         self._spectra = np.zeros_like(self._later)
         self._newest = 0
         """Position of the newest frame in the ring of spectra."""
@@ -44,28 +43,21 @@ class Convolution:
         from dcrb_ros.measurement.kernels import near_sums  # importing numba takes long
 
         known, filled, before = np.concatenate([self._known, samples.T], axis=1), self._filled, self._known.shape[1]
-        filtered = near_sums(self._near, np.ascontiguousarray(known[:, before - (FRAME - 1) :]))
-        tails = np.concatenate([self._tail, *self._tails(known[:, before - FRAME - filled :])], axis=1)
+        filtered = near_sums(self._near, known, before)
+        tails = np.concatenate([self._tail, self._tails(known[:, before - FRAME - filled :])], axis=1)
         filtered += tails[:, filled : filled + len(samples)]
         self._filled = (filled + len(samples)) % FRAME
         self._known, self._tail = known[:, len(samples) :].copy(), tails[:, -FRAME:].copy()
         return np.ascontiguousarray(filtered.T)
 
     def _tails(self, known: Floats) -> Floats:
-        """Return what the frames that ``known`` completes add to the next ones, shape (frames, 2, FRAME); it begins with the one before."""
-        from dcrb_ros.measurement.kernels import product_sums
+        """Return what the frames that ``known`` completes add to the next ones, shape (2, samples); it begins with the one before."""
+        from dcrb_ros.measurement.kernels import later_spectra
 
-        pairs = [known[:, first : first + 2 * FRAME] for first in range(0, known.shape[1] - 2 * FRAME + 1, FRAME)]
-        if not pairs:
-            return np.zeros((0, 2, FRAME))
-        sums = np.empty((len(pairs), *self._later.shape[1:]))
-        for total, spectrum in zip(sums, _parts(np.fft.rfft(np.stack(pairs))), strict=True):
-            self._newest = (self._newest + 1) % len(self._spectra)
-            self._spectra[self._newest] = spectrum
-            total[:] = product_sums(self._later, self._spectra, self._newest)
-        return np.fft.irfft(sums[:, :, 0] + 1j * sums[:, :, 1], 2 * FRAME)[:, :, FRAME:]
-
-
-def _parts(spectrum: npt.NDArray[np.complex128]) -> Floats:
-    """Return real and imaginary parts, shape (..., 2, bins)."""
-    return np.stack([spectrum.real, spectrum.imag], axis=-2)
+        frames = known[:, : known.shape[1] // FRAME * FRAME].reshape(2, -1, FRAME)
+        if frames.shape[1] < 2:
+            return np.zeros((2, 0))
+        spectra = np.fft.rfft(np.concatenate([frames[:, :-1], frames[:, 1:]], axis=2))
+        sums = later_spectra(self._later, self._spectra, self._newest, spectra)
+        self._newest = (self._newest + sums.shape[1]) % len(self._spectra)
+        return np.fft.irfft(sums, 2 * FRAME)[:, :, FRAME:].reshape(2, -1)

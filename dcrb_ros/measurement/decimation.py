@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 import scipy  # its subpackages are imported on first use
 
@@ -16,6 +18,7 @@ LARGEST_STAGE = 16
 """Largest factor of a single stage [-]."""
 
 
+@functools.cache
 @cached_on_disk
 def anti_alias_taps(factor: int, *, between: bool) -> Floats:
     """Return the symmetric taps of a low-pass that passes up to 0.8 of the new Nyquist frequency.

@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 import dcrb_ros.core  # noqa: F401 - sets the folder of the compiled kernels
-from dcrb_ros.schema.arrays import Floats, Integers
+from dcrb_ros.schema.arrays import Complexes, Floats, Integers
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -34,32 +34,23 @@ def filtered(sections: Floats, memory: Floats, samples: Floats) -> Floats:
 def decimated(taps: Floats, known: Floats, first: int, factor: int, count: int) -> Floats:
     """Return ``count`` sums of ``taps`` times samples, the first at sample ``first``, the others ``factor`` apart, shape (count, 2).
 
-    Each sum adds its products in the order of time; four sums are computed at once to use the pipelines of the processor.
+    Each sum adds its products in the order of time. The samples are sorted by their place between two sums, so that the processor computes
+    sums side by side.
     """
-    sums = np.empty((count, 2))
-    whole = count - count % 4
-    for k in range(0, whole, 4):
-        a = first + k * factor
-        b, c, d = a + factor, a + 2 * factor, a + 3 * factor
-        ax = ay = bx = by = cx = cy = dx = dy = 0.0
-        for tap, weight in enumerate(taps):
-            ax += known[a + tap, 0] * weight
-            ay += known[a + tap, 1] * weight
-            bx += known[b + tap, 0] * weight
-            by += known[b + tap, 1] * weight
-            cx += known[c + tap, 0] * weight
-            cy += known[c + tap, 1] * weight
-            dx += known[d + tap, 0] * weight
-            dy += known[d + tap, 1] * weight
-        sums[k, 0], sums[k, 1], sums[k + 1, 0], sums[k + 1, 1] = ax, ay, bx, by
-        sums[k + 2, 0], sums[k + 2, 1], sums[k + 3, 0], sums[k + 3, 1] = cx, cy, dx, dy
-    for k in range(whole, count):
-        x = y = 0.0
-        for tap, weight in enumerate(taps):
-            x += known[first + k * factor + tap, 0] * weight
-            y += known[first + k * factor + tap, 1] * weight
-        sums[k, 0], sums[k, 1] = x, y
-    return sums
+    length = len(taps)
+    places = np.zeros((2, factor, count + (length - 1) // factor))
+    for k in range(places.shape[2]):
+        for place in range(min(factor, len(known) - first - k * factor)):
+            places[0, place, k], places[1, place, k] = known[first + k * factor + place, 0], known[first + k * factor + place, 1]
+    sums = np.zeros((2, count))
+    for axis in range(2):
+        total = sums[axis]
+        for tap in range(length):
+            weight, values = taps[tap], places[axis, tap % factor, tap // factor : tap // factor + count]
+            for k in range(count):
+                total[k] += values[k] * weight
+    due: Floats = sums.T.copy()
+    return due
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -83,13 +74,14 @@ def interpolated(known: Floats, at: Integers, position: Floats, weights: Floats,
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def near_sums(taps: Floats, known: Floats) -> Floats:
-    """Return the sums of ``taps``, shape (axes, taps), times the samples up to each one, shape (axes, samples - taps + 1).
+def near_sums(taps: Floats, known: Floats, before: int) -> Floats:
+    """Return the sums of ``taps``, shape (axes, taps), times the samples up to each one, shape (axes, samples - before).
 
-    Each sum adds its products from the newest sample back; parts of 512 sums stay in the cache of the processor.
+    ``known`` has shape (axes, samples) and begins so many samples ``before`` the first sum. Each sum adds its products from the newest
+    sample back; parts of 512 sums stay in the cache of the processor.
     """
     axes, length = taps.shape
-    count = known.shape[1] - length + 1
+    count = known.shape[1] - before
     sums = np.zeros((axes, count))
     for axis in range(axes):
         for first in range(0, count, 512):
@@ -97,14 +89,14 @@ def near_sums(taps: Floats, known: Floats) -> Floats:
             size = part.shape[0]
             for tap in range(0, length - length % 4, 4):
                 a, b, c, d = taps[axis, tap], taps[axis, tap + 1], taps[axis, tap + 2], taps[axis, tap + 3]
-                newest = first + length - 1 - tap
+                newest = before + first - tap
                 now, one = known[axis, newest : newest + size], known[axis, newest - 1 : newest - 1 + size]
                 two, three = known[axis, newest - 2 : newest - 2 + size], known[axis, newest - 3 : newest - 3 + size]
                 for i in range(size):
                     part[i] = part[i] + a * now[i] + b * one[i] + c * two[i] + d * three[i]
             for tap in range(length - length % 4, length):
                 for i in range(size):
-                    part[i] += taps[axis, tap] * known[axis, first + length - 1 - tap + i]
+                    part[i] += taps[axis, tap] * known[axis, before + first - tap + i]
     return sums
 
 
@@ -127,6 +119,21 @@ def product_sums(responses: Floats, inputs: Floats, newest: int) -> Floats:
                 real[i] = real[i] + (a[i] * c[i] - b[i] * d[i]) + (p[i] * r[i] - q[i] * s[i])
                 imaginary[i] = imaginary[i] + (a[i] * d[i] + b[i] * c[i]) + (p[i] * s[i] + q[i] * r[i])
     return sums
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def later_spectra(responses: Floats, ring: Floats, newest: int, spectra: Complexes) -> Complexes:
+    """Return the spectra of what frames and those before them add to the frame after each, shape (axes, frames, bins).
+
+    ``spectra`` are those of the frames, same shape. They are put into the ``ring`` of `product_sums` behind the ``newest``.
+    """
+    later = np.empty_like(spectra)
+    for f in range(spectra.shape[1]):
+        place = (newest + 1 + f) % ring.shape[0]
+        ring[place, :, 0], ring[place, :, 1] = spectra[:, f].real, spectra[:, f].imag
+        sums = product_sums(responses, ring, place)
+        later[:, f] = sums[:, 0] + 1j * sums[:, 1]
+    return later
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

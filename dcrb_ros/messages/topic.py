@@ -36,6 +36,10 @@ class Topic:
     decode: Callable[[bytes], Any] | None = None
     """Decodes a message; without it the message is decoded to the class of its type."""
 
+    def __hash__(self) -> int:
+        """Return the hash of the name: every message looks its topic up several times."""
+        return hash(self.name)
+
     @property
     def qos(self) -> dict[str, Any]:
         """Quality of service with which it is published and recorded: the policies as ROS names them."""
@@ -118,6 +122,8 @@ def always(configuration: Configuration) -> bool:
 class SimulatedTopic(Topic):
     """A topic of the simulator, encoded from the blocks of a simulation."""
 
+    __hash__ = Topic.__hash__
+
     encode: Callable[[Block, EncodedBench], Encoded] = lambda block, source: ()
     """Returns the messages of a block."""
     begin: Callable[[EncodedBench], Callable[[Block, EncodedBench], Encoded]] | None = None
@@ -131,6 +137,8 @@ class SimulatedTopic(Topic):
 @dataclass(frozen=True)
 class DetectedTopic(Topic):
     """A topic of the fault detector, encoded from its diagnoses."""
+
+    __hash__ = Topic.__hash__
 
     encode: Callable[[Diagnosis, str], bytes | None] = lambda diagnosis, frame: None
     """Returns the message of a diagnosis with a frame id, or none."""

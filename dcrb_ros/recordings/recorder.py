@@ -155,10 +155,11 @@ class RunRecorder(ABC, Generic[Made]):
     def _kept(self, messages: Iterable[Message]) -> Iterator[tuple[Channel, int, bytes]]:
         """Yield the messages on recorded topics; each counts after it is written, so that a split file states its own samples."""
         for message in messages:
-            if message.topic in self._topics:
-                if message.topic not in self._channels:
-                    self._channels[message.topic] = channel_of(message.topic, self._namespace)
-                yield self._channels[message.topic], message.time_ns, message.data
+            channel = self._channels.get(message.topic)
+            if channel is None and message.topic in self._topics:
+                channel = self._channels[message.topic] = channel_of(message.topic, self._namespace)
+            if channel is not None:
+                yield channel, message.time_ns, message.data
             self._counted.add(message)
 
     def close(self) -> None:

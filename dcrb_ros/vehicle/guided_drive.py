@@ -32,11 +32,10 @@ class GuidedDrive(Drive):
         """Set the targets at the start of a frame; return the payload with the ramps to them, and the step of the next frame."""
         since = step % FRAME
         if since == 0:
-            change = max(abs(self.load[0] - state.load[0]), abs(self.load[1] - state.load[1]))
-            turn = abs(self.speed - state.target[TARGET_SPEED])
-            state.target[TARGET_SPEED] = self.speed
-            state.target[TARGET_X], state.target[TARGET_Y] = self.load
-            self._load_ramp = float(ROUNDING * change / self._frame)
+            (x, y), (before_x, before_y) = self.load.tolist(), state.load.tolist()
+            turn = abs(self.speed - float(state.target[TARGET_SPEED]))
+            state.target[TARGET_SPEED], state.target[TARGET_X], state.target[TARGET_Y] = self.speed, x, y
+            self._load_ramp = ROUNDING * max(abs(x - before_x), abs(y - before_y)) / self._frame
             payload = payload._replace(speed_ramp=ROUNDING * turn / self._frame, load_ramp=self._load_ramp)
         return payload, step - since + FRAME
 

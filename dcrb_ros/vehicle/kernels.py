@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 
 import dcrb_ros.core  # noqa: F401 - sets the folder of the compiled kernels
-from dcrb_ros.schema.arrays import Complexes, Floats
+from dcrb_ros.schema.arrays import Complexes, Floats, Integers
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -21,22 +21,90 @@ def modal_outputs(
 
     ``state``, shape (modes,), is updated.
     """
-    ticks, modes = inputs.shape[0] - 1, growth.shape[0]
-    outputs = np.empty((ticks, read.shape[0]))
+    ticks, modes, count = inputs.shape[0] - 1, growth.shape[0], read.shape[0]
+    # Every sum keeps its order. What is innermost, modes or four outputs, is independent and in real numbers, and uses the pipelines.
+    read_real, read_imag, through = read.real.T.copy(), read.imag.T.copy(), direct.T.copy()
+    grow_real, grow_imag, real, imag = growth.real.copy(), growth.imag.copy(), state.real.copy(), state.imag.copy()
+    before_real, before_imag, after_real, after_imag = before.real.T.copy(), before.imag.T.copy(), after.real.T.copy(), after.imag.T.copy()
+    outputs = np.zeros((ticks, count))
     for n in range(ticks):
-        for o in range(read.shape[0]):
-            total = 0.0
+        for o in range(0, count - count % 4, 4):
+            a = b = c = d = 0.0
             for k in range(modes):
-                total += read[o, k].real * state[k].real - read[o, k].imag * state[k].imag
-            for i in range(inputs.shape[1]):
-                total += direct[o, i] * inputs[n, i]
-            outputs[n, o] = total
+                a += read_real[k, o] * real[k] - read_imag[k, o] * imag[k]
+                b += read_real[k, o + 1] * real[k] - read_imag[k, o + 1] * imag[k]
+                c += read_real[k, o + 2] * real[k] - read_imag[k, o + 2] * imag[k]
+                d += read_real[k, o + 3] * real[k] - read_imag[k, o + 3] * imag[k]
+            outputs[n, o], outputs[n, o + 1], outputs[n, o + 2], outputs[n, o + 3] = a, b, c, d
+        for o in range(count - count % 4, count):
+            for k in range(modes):
+                outputs[n, o] += read_real[k, o] * real[k] - read_imag[k, o] * imag[k]
+        for i in range(inputs.shape[1]):
+            for o in range(count):
+                outputs[n, o] += through[i, o] * inputs[n, i]
         for k in range(modes):
-            x = growth[k] * state[k]
-            for i in range(inputs.shape[1]):
-                x += before[k, i] * inputs[n, i] + after[k, i] * inputs[n + 1, i]
-            state[k] = x
+            turned = grow_real[k] * imag[k] + grow_imag[k] * real[k]
+            real[k] = grow_real[k] * real[k] - grow_imag[k] * imag[k]
+            imag[k] = turned
+        for i in range(inputs.shape[1]):
+            now, then = inputs[n, i], inputs[n + 1, i]
+            for k in range(modes):
+                real[k] += before_real[i, k] * now + after_real[i, k] * then
+                imag[k] += before_imag[i, k] * now + after_imag[i, k] * then
+    for k in range(modes):
+        state[k] = complex(real[k], imag[k])
     return outputs
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def add_motion_of_others(
+    growth: Complexes,
+    before: Complexes,
+    after: Complexes,
+    read: Complexes,
+    direct: Floats,
+    states: Complexes,
+    inputs: Floats,
+    last: Floats,
+    target: Floats,
+) -> None:
+    """Add what a linear system makes of the inputs of all other boxes, on straight lines between ticks, to ``target``, (boxes, steps).
+
+    ``before``, ``after`` and ``direct`` have shape (boxes, ..., 1), and ``inputs`` (boxes, ticks + 1, 1); see `modal_outputs`. The outputs
+    at the tick before the first one, ``last``, shape (boxes, boxes), and ``states``, shape (boxes, modes), are updated.
+    """
+    steps = target.shape[1] // (inputs.shape[1] - 1)
+    for source in range(inputs.shape[0]):
+        outputs = modal_outputs(growth, before[source], after[source], read, direct[source], states[source], inputs[source])
+        for box in range(target.shape[0]):
+            for n in range(outputs.shape[0] if box != source else 0):
+                first = outputs[n - 1, box] if n > 0 else last[source, box]
+                rise = outputs[n, box] - first
+                for s in range(steps):
+                    target[box, n * steps + s] += rise * (s / steps) + first
+        last[source] = outputs[-1]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def along_lines(ticks: Floats, steps: int) -> Floats:
+    """Return signals, shape (signals, ticks), on straight lines between their ticks, shape (signals, (ticks - 1) * steps)."""
+    result = np.empty((ticks.shape[0], (ticks.shape[1] - 1) * steps))
+    for j in range(ticks.shape[0]):
+        for n in range(ticks.shape[1] - 1):
+            rise = ticks[j, n + 1] - ticks[j, n]
+            for s in range(steps):
+                result[j, n * steps + s] = rise * (s / steps) + ticks[j, n]
+    return result
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def ramped(first: float, target: float, most: float, ticks: int) -> Floats:
+    """Return a value that moves to a ``target`` by ``most`` at most in each tick, shape (ticks + 1,)."""
+    result = np.empty(ticks + 1)
+    result[0] = first
+    for n in range(ticks):
+        result[n + 1] = result[n] + max(-most, min(most, target - result[n]))
+    return result
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -104,6 +172,18 @@ def add_path(sections: Floats, delays: Floats, memory: Floats, known: Floats, le
             target[n] += value
         memory[k, 0] = first
         memory[k, 1] = second
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def add_paths(ends: Integers, sections: Floats, delays: Floats, memory: Floats, known: Floats, lead: int, target: Floats) -> None:
+    """Add sources after the resonances of all paths to ``target``, shape (boxes, columns, steps), path by path.
+
+    ``ends``, shape (paths, 2), are the source and the box of each; ``sections``, ``delays`` and ``memory``, shape (paths, columns,
+    resonances, 2), are as in `add_path`; ``known``, shape (sources, columns, lead + steps), are the sources.
+    """
+    for p in range(ends.shape[0]):
+        for column in range(known.shape[1]):
+            add_path(sections[p], delays[p], memory[p, column], known[ends[p, 0], column], lead, target[ends[p, 1], column])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -15,13 +15,13 @@ from dcrb_ros.measurement.kernels import filtered
 from dcrb_ros.schema.arrays import Complexes, Floats
 from dcrb_ros.vehicle.description import Vehicle, Wheel
 from dcrb_ros.vehicle.frame import FRAME, TICK, TICKS, Plan, Rolling, TrackEvent
-from dcrb_ros.vehicle.kernels import add_path, between_ticks, modal_outputs
+from dcrb_ros.vehicle.kernels import add_motion_of_others, along_lines, between_ticks, modal_outputs, ramped
 from dcrb_ros.vehicle.loads import quasi_static
-from dcrb_ros.vehicle.paths import BANDS, bearing_paths, contact_paths
+from dcrb_ros.vehicle.paths import BANDS, Paths, bearing_paths, contact_paths
 from dcrb_ros.vehicle.structure import BOX_MASS, Structure
 from dcrb_ros.vehicle.track import Rails, Random, roughness
 from dcrb_ros.vehicle.traction import TractionForce
-from dcrb_ros.vehicle.wheels import WheelSurface
+from dcrb_ros.vehicle.wheels import WheelSurface, positions
 
 LOAD_CUTOFF = 20.0
 """Frequency above which dynamic loads do not reach the bearings [Hz]: above it, they resonate with the model's own housing."""
@@ -63,7 +63,11 @@ class VehicleModel:
         self._interval = TICK / self.rate
         self._weights = tick_weights()
         self._rails = Rails(vehicle.track)
-        self._sides = [[box.side for box in vehicle.boxes if box.axle == p] for p in range(len(vehicle.axles))]
+        self._sides = sorted({box.side for box in vehicle.boxes})
+        self._behind = np.array([[axle.x] for axle in vehicle.axles])
+        """Place of each wheelset from the middle of the bogie, shape (axles, 1) [m]."""
+        self._radius = np.array([[axle.radius] for axle in vehicle.axles])
+        self._creep = np.array([[axle.creep] for axle in vehicle.axles])
         self._wheels = [WheelSurface(vehicle, box) for box in vehicle.boxes]
         self._curvature = [
             Random(f"{vehicle.track.seed}/rail/{side}", 0.005, lambda w: roughness(vehicle.track.roughness)(w) * w**4)
@@ -77,23 +81,17 @@ class VehicleModel:
         self._traction = [TractionForce(axle, vehicle.journey.seed) for axle in vehicle.axles]
         self._read = np.ascontiguousarray(read)
         self._box_read = np.ascontiguousarray(read[:count])
-        self._bearing_systems = [_columns(before, after, np.ascontiguousarray(direct[:count]), [count + i]) for i in range(count)]
+        self._bearing_systems = [np.ascontiguousarray(part[:, count : 2 * count].T[:, :, None]) for part in (before, after, direct[:count])]
         self._track_state: Complexes = np.zeros(len(self._growth), np.complex128)
-        self._bearing_states = [np.zeros(len(self._growth), np.complex128) for _ in range(count)]
+        self._bearing_states = np.zeros((count, len(self._growth)), np.complex128)
         self._load_memory = np.zeros((1, 2, count))
         self._load_sections = _lowpass(2, LOAD_CUTOFF, 1.0 / self._interval)
         self._force_sections = _lowpass(4, FORCE_CUTOFF, 1.0 / self._interval)
         self._force_memory = np.zeros((len(self._force_sections), 2, count))
         grids = [np.geomspace(low, high, 40) for low, high in itertools.pairwise(BANDS)]
         gains = [math.sqrt(float(np.mean([abs(structure.response(f)[0, 0]) ** 2 for f in grid]))) for grid in grids]
-        self._bearing_paths = bearing_paths(vehicle, self.rate)
-        self._contact_paths = contact_paths(vehicle, self.rate, gains)
-        every = [*self._bearing_paths.values(), *self._contact_paths.values()]
-        self._lead = int(max(path.delays.max() for path in every)) + 2
-        self._bearing_memory = {pair: np.zeros((2, len(path.sections), 2)) for pair, path in self._bearing_paths.items()}
-        self._contact_memory = {pair: np.zeros((len(path.sections), 2)) for pair, path in self._contact_paths.items()}
-        self._ring_before = np.zeros((count, 2, self._lead))
-        self._jerked_before = np.zeros((count, self._lead))
+        self._bearing_paths = Paths(bearing_paths(vehicle, self.rate), count, 2)
+        self._contact_paths = Paths(contact_paths(vehicle, self.rate, gains), count, 1)
         self._ring_force = np.zeros(count)
         self._ring_motion = np.zeros((count, count))
         journey = vehicle.journey
@@ -178,12 +176,7 @@ class VehicleModel:
         """
         others = self._bearing_motion(ring)
         columns = np.ascontiguousarray(ring.transpose(0, 2, 1))
-        known = np.concatenate([self._ring_before, columns], axis=2)
-        for (source, box), path in self._bearing_paths.items():
-            memory = self._bearing_memory[source, box]
-            for column in (0, 1):
-                add_path(path.sections, path.delays, memory[column], known[source, column], self._lead, others[box, column])
-        self._ring_before = known[:, :, -self._lead :].copy()
+        self._bearing_paths.add(columns, others)
         mixed = columns + others
         mixed[:, 1] += plan.motion
         parts = np.column_stack([np.sqrt((part**2).mean(axis=(1, 2))) for part in (columns, others, plan.motion[:, None] * 0.5**0.5)])
@@ -194,50 +187,34 @@ class VehicleModel:
         count = len(self.vehicle.boxes)
         sampled = BOX_MASS * ring[:, :, 1].reshape(count, TICKS, TICK).mean(axis=2)
         force = filtered(self._force_sections, self._force_memory, np.ascontiguousarray(sampled.T)).T
-        motion, fine = np.zeros((count, 2, FRAME)), np.arange(FRAME) / TICK
-        for source in range(count):
-            inputs = np.concatenate([[self._ring_force[source]], force[source]])[:, None]
-            before, after, direct = self._bearing_systems[source]
-            outputs = modal_outputs(self._growth, before, after, self._box_read, direct, self._bearing_states[source], inputs)
-            ticks = np.vstack([self._ring_motion[source], outputs])
-            for box in range(count):
-                if box != source:
-                    motion[box, 1] += np.interp(fine, np.arange(TICKS + 1), ticks[:, box])
-            self._ring_motion[source] = outputs[-1]
+        motion, inputs = np.zeros((count, 2, FRAME)), np.concatenate([self._ring_force[:, None], force], axis=1)[:, :, None]
+        before, after, direct = self._bearing_systems
+        add_motion_of_others(
+            self._growth, before, after, self._box_read, direct, self._bearing_states, inputs, self._ring_motion, motion[:, 1]
+        )
         self._ring_force = force[:, -1].copy()
         return motion
 
     def _roll(self) -> Rolling:
         """Return the next frame of rolling and the motion by track and wheels."""
         vehicle, dt = self.vehicle, self._interval
-        speed = np.empty(TICKS + 1)
-        speed[0] = self._speed
-        target, step = self.targets["speed"], self.targets["ramp"] * dt
-        for n in range(TICKS):
-            speed[n + 1] = speed[n] + max(-step, min(step, target - speed[n]))
+        speed = ramped(self._speed, self.targets["speed"], self.targets["ramp"] * dt, TICKS)
         forward = 0.5 * (speed[:-1] + speed[1:]) * dt
         place = np.cumsum(np.concatenate([[self._place], forward]))
         slides, creep = self._slip(speed, float(place[0]))
-        angle = np.array(
-            [
-                np.cumsum(np.concatenate([[self._angle[p]], forward * (0.5 * (2.0 + creep[p, :-1] + creep[p, 1:]) / axle.radius)]))
-                for p, axle in enumerate(vehicle.axles)
-            ]
-        )
+        turned = forward * (0.5 * (2.0 + creep[:, :-1] + creep[:, 1:]) / self._radius)
+        angle = np.cumsum(np.concatenate([self._angle[:, None], turned], axis=1), axis=1)
         self._speed, self._place, self._angle = float(speed[-1]), float(place[-1]), angle[:, -1].copy()
         self._rolled += 1
         inputs = np.zeros((TICKS + 1, self._track_system[0].shape[1]))
-        rails = {
-            (p, side): rail
-            for p, axle in enumerate(vehicle.axles)
-            for side, rail in zip(self._sides[p], self._rails.displacements(place + axle.x, self._sides[p]), strict=True)
-        }
+        rails = self._rails.displacements((place + self._behind).ravel(), self._sides)
+        turning, at = speed * (1.0 + creep), positions(angle)
         for j, box in enumerate(vehicle.boxes):
-            axle, rail = vehicle.axles[box.axle], rails[box.axle, box.side]
-            turning = speed * (1.0 + creep[box.axle])
-            inputs[:, j] = rail + self._wheels[j].displacement(angle[box.axle], float(turning[0]))
+            p, wheel = box.axle, self._wheels[j]
+            rail = rails[box.side].reshape(angle.shape)[p]
+            inputs[:, j] = rail + wheel.displacement(angle[p], at[p], float(turning[p, 0]))
             if self._unbalanced:
-                force = self._wheels[j].unbalance(angle[box.axle], turning / axle.radius)
+                force = wheel.unbalance(angle[p], turning[p] / vehicle.axles[p].radius)
                 inputs[:, len(vehicle.boxes) + len(vehicle.axles) + j] = force
         for p, traction in enumerate(self._traction):
             if traction.active:
@@ -250,33 +227,30 @@ class VehicleModel:
 
     def _slip(self, speed: Floats, place: float) -> tuple[list[TrackEvent], Floats]:
         """Return the slides that begin or end with the frame to be rolled, and the creep of each wheelset at its ticks."""
-        events, shares, time = [], np.arange(TICKS + 1) / TICKS, self._rolled * FRAME / self.rate
-        creep = np.empty((len(self.vehicle.axles), TICKS + 1))
-        step = SLIDING / speed[0] * self._interval * TICKS
+        events, time = [], self._rolled * FRAME / self.rate
         for p, axle in enumerate(self.vehicle.axles):
-            wanted, present = float(self.slides[p]), float(self._slide[p])
+            wanted = float(self.slides[p])
             if self._rolled >= 0 and wanted != self._slid[p]:
                 cause = "slide" if wanted > 0.0 else "slide_end"
                 events.append(TrackEvent(time, place + axle.x, axle.name, cause, wanted * float(speed[0])))
                 self._slid[p] = wanted
-            change = max(-step, min(step, wanted - present))
-            self._slide[p] = present + change
-            creep[p] = axle.creep - (present + (self._slide[p] - present) * shares) if change else axle.creep - present
-        return events, creep
+        before, step = self._slide, SLIDING / speed[0] * self._interval * TICKS
+        self._slide = before + np.clip(self.slides - before, -step, step)
+        return events, self._creep - (before[:, None] + (self._slide - before)[:, None] * (np.arange(TICKS + 1) / TICKS))
 
     def _add_contacts(self, now: Rolling, motion: Floats, first: int) -> list[TrackEvent]:
         """Add to ``motion`` what the paths make of roughness and kinks beyond the structure's modes; return the kinks."""
-        vehicle, fine, ticks = self.vehicle, np.arange(FRAME) / TICK, np.arange(TICKS + 1)
-        speed, place = np.interp(fine, ticks, now.speed), np.interp(fine, ticks, now.place)
+        vehicle, ticks, count = self.vehicle, np.arange(TICKS + 1), len(self.vehicle.axles)
+        speed, place, *each = along_lines(np.vstack([now.speed, now.place, now.angle, now.creep]), TICK)
+        at, turning = positions(np.array(each[:count])), speed * (1.0 + np.array(each[count:]))
+        places = (place + self._behind).ravel()
+        rails = {side: -self._curvature[0 if side > 0 else 1].at(places).reshape(at.shape) for side in self._sides}
         events = []
         jerked = np.empty((len(vehicle.boxes), FRAME))
         for j, box in enumerate(vehicle.boxes):
-            at = place + vehicle.axles[box.axle].x
-            angle = np.interp(fine, ticks, now.angle[box.axle])
-            rail = -self._curvature[0 if box.side > 0 else 1].at(at)
-            turning = speed * (1.0 + np.interp(fine, ticks, now.creep[box.axle]))
-            jerked[j] = speed**2 * rail + turning**2 * self._wheels[j].curvature(angle)
-            x = vehicle.axles[box.axle].x
+            p = box.axle
+            jerked[j] = speed**2 * rails[box.side][p] + turning[p] ** 2 * self._wheels[j].curvature(at[p])
+            x = vehicle.axles[p].x
             kinks = [
                 (float(np.interp(kink - x, now.place, ticks)), cause, 2.0 * vehicle.track.joint_angle * float(now.speed[0]), kink)
                 for kink, cause in self._rails.kinks(float(now.place[0]) + x, float(now.place[-1]) + x, box.side)
@@ -291,10 +265,7 @@ class VehicleModel:
                 jerked[j, step] += (1.0 - share) * height * self.rate
                 jerked[j, min(step + 1, FRAME - 1)] += share * height * self.rate
                 events.append(TrackEvent((first + tick * TICK) / self.rate, where, box.name, cause, height))
-        known = np.concatenate([self._jerked_before, jerked], axis=1)
-        for (source, target), path in self._contact_paths.items():
-            add_path(path.sections, path.delays, self._contact_memory[source, target], known[source], self._lead, motion[target])
-        self._jerked_before = known[:, -self._lead :].copy()
+        self._contact_paths.add(jerked[:, None], motion[:, None])
         return events
 
 

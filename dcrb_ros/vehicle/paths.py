@@ -9,7 +9,7 @@ from __future__ import annotations
 import functools
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +18,7 @@ from dcrb_ros.measurement.random_streams import random_stream
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.vehicle.description import Vehicle, levels
+from dcrb_ros.vehicle.kernels import add_paths
 from dcrb_ros.vehicle.structure import BODY_DIAMETER, DENSITY, ELASTICITY
 
 BANDS = (200.0, 500.0, 1000.0, 2000.0, 5000.0, 20000.0)
@@ -53,6 +54,25 @@ class Path:
         for (gain, a1, a2), delay in zip(self.sections, self.delays, strict=True):
             whole += gain * (1.0 - z**2) / (1.0 - a1 * z - a2 * z**2) * z**delay
         return np.asarray(np.square(np.abs(whole)), np.float64)
+
+
+class Paths:
+    """Paths from sources to boxes, which are stepped together."""
+
+    def __init__(self, chosen: Mapping[tuple[int, int], Path], sources: int, columns: int) -> None:
+        """Start at rest with paths by source and box; each of the ``sources`` has so many ``columns``."""
+        self._ends = np.array(list(chosen), np.int64).reshape(-1, 2)
+        self._sections = np.array([path.sections for path in chosen.values()], np.float64).reshape(-1, RESONANCES, 3)
+        self._delays = np.array([path.delays for path in chosen.values()], np.float64).reshape(-1, RESONANCES)
+        self._memory = np.zeros((len(chosen), columns, RESONANCES, 2))
+        self._lead = int(self._delays.max(initial=0.0)) + 2
+        self._before = np.zeros((sources, columns, self._lead))
+
+    def add(self, source: Floats, target: Floats) -> None:
+        """Add what arrives of the next steps of the sources to ``target``; shapes (sources, columns, steps) and (boxes, columns, steps)."""
+        known = np.concatenate([self._before, source], axis=2)
+        add_paths(self._ends, self._sections, self._delays, self._memory, known, self._lead, target)
+        self._before = known[:, :, -self._lead :].copy()
 
 
 def group_velocity(frequency: Floats) -> Floats:

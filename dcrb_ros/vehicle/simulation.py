@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import deque
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -80,8 +80,9 @@ class VehicleSimulation:
     """Simulates the bearings of a vehicle and yields a block of each, with equal stamps.
 
     Every frame of `FRAME` steps has three phases. First the vehicle's model gives loads and speeds. Then each bearing is stepped, on its
-    thread. Last, the motion of every box is mixed in a fixed order and sensed, while the bearings step the next frame. The samples depend
-    on the vehicle and on the simulated times of commands only, not on threads or on the size of blocks.
+    thread. Last, the motion of every box is mixed in a fixed order and sensed, while the bearings step the next frame; behind the last
+    frame of a block, their threads sense the boxes side by side. The samples depend on the vehicle and on the simulated times of commands
+    only, not on threads or on the size of blocks.
 
     Examples
     --------
@@ -202,7 +203,7 @@ class VehicleSimulation:
             parts.append(levels)
             mixed.append(_Mixed(motion, stepped.angles))
             if len(mixed) == SENSED or stepping is None:
-                self._sense(mixed)
+                self._sense(mixed, map if stepping is not None else pool.map)
                 mixed = []
         if parts:  # a short block may lie within the last frame
             self._parts = np.sqrt(np.mean(np.square(parts), axis=0))
@@ -235,7 +236,7 @@ class VehicleSimulation:
             if box.name not in boxes or (box.swapped_with and box.swapped_with not in boxes):
                 continue
             block, other = boxes[box.name], boxes[box.swapped_with or box.name]
-            connected[box.name] = replace(block, **{name: getattr(other, name) for name in MEASURED})
+            connected[box.name] = block if other is block else replace(block, **{name: getattr(other, name) for name in MEASURED})
         if not connected:
             raise ModelFailure(f"every box has failed, or is swapped with one that has: {'; '.join(self._silent.values())}")
         return connected
@@ -296,13 +297,18 @@ class VehicleSimulation:
                 self._silent[name] = f"{name}: {failure}"
         return _Stepped(stepping.plan, ring, angles)
 
-    def _sense(self, frames: Sequence[_Mixed]) -> None:
-        """Measure some consecutive frames in every box that has not failed in them."""
-        for j, name in enumerate(self._names):
+    def _sense(
+        self, frames: Sequence[_Mixed], over: Callable[[Callable[[int, str], None], Iterable[int], Iterable[str]], Iterator[None]]
+    ) -> None:
+        """Measure some consecutive frames in every box that has not failed in them: ``over`` the boxes, in turn or on the free threads."""
+
+        def sense(j: int, name: str) -> None:
             present = [frame for frame in frames if name in frame.angles]
             if present:
                 motion, angle = ([frame.motion[j] for frame in present], [frame.angles[name] for frame in present])
                 self.simulations[name].sense(np.concatenate(motion), np.concatenate(angle))
+
+        deque(over(sense, range(len(self._names)), self._names), maxlen=0)
 
     @property
     def _names(self) -> list[str]:

@@ -155,12 +155,12 @@ class Rails:
 
     def displacement(self, place: Floats, side: int) -> Floats:
         """Return the height of the left (1) or right (-1) rail at places [m]."""
-        return self.displacements(place, (side,))[0]
+        return self.displacements(place, (side,))[side]
 
-    def displacements(self, place: Floats, sides: Sequence[int]) -> list[Floats]:
-        """Return the heights of rails at places [m]; both rails share the irregularity."""
+    def displacements(self, place: Floats, sides: Sequence[int]) -> dict[int, Floats]:
+        """Return the heights of rails at places [m] by side; both rails share the irregularity."""
         both = tuple(part.at(place) for part in self._irregularity) if self._irregularity is not None else None
-        return [self._displacement(place, side, both) for side in sides]
+        return {side: self._displacement(place, side, both) for side in sides}
 
     def _displacement(self, place: Floats, side: int, both: tuple[Floats, ...] | None) -> Floats:
         height = self._rough[0 if side > 0 else 1].at(place)

@@ -26,6 +26,11 @@ def jump(length: float, worn: float, radius: float, speed: float, load: float) -
     return worn * length / radius * min(speed, math.sqrt((GRAVITY + load / UNSPRUNG_MASS) * radius))
 
 
+def positions(angle: Floats) -> Floats:
+    """Return angles of a wheelset [rad] as positions in the points around its wheels [-], same shape."""
+    return np.asarray(np.mod(angle, 2.0 * np.pi) * (POINTS / (2.0 * np.pi)), np.float64)
+
+
 class WheelSurface:
     """The surface of a wheel as its angle passes the rail."""
 
@@ -59,15 +64,9 @@ class WheelSurface:
         turn = np.fft.irfft(spectrum, POINTS)
         return np.concatenate([turn[-1:], turn, turn[:3]])
 
-    @staticmethod
-    def _around(turn: Floats, angle: Floats) -> Floats:
-        """Return the values of a table at angles [rad]."""
-        position = np.asarray(np.mod(angle, 2.0 * np.pi) * (POINTS / (2.0 * np.pi)), np.float64)
-        return cubic(turn, position)
-
-    def displacement(self, angle: Floats, speed: float) -> Floats:
-        """Return the displacement at angles of the wheelset [m]."""
-        height = self._around(self._rough, angle)
+    def displacement(self, angle: Floats, positions: Floats, speed: float) -> Floats:
+        """Return the displacement at angles of the wheelset [rad], which are at `positions` of its tables [m]."""
+        height = cubic(self._rough, positions)
         for order, amplitude in self._polygon:
             height += amplitude * np.cos(order * angle)
         if self._wheel.flat > 0.0:
@@ -88,9 +87,9 @@ class WheelSurface:
         """Return the vertical force of the unbalance U on the axle, U w^2 sin(angle), at angles and speeds w [rad/s] of a wheelset [N]."""
         return np.asarray(self._wheel.unbalance * speed**2 * np.sin(angle + self._unbalance_angle), np.float64)
 
-    def curvature(self, angle: Floats) -> Floats:
-        """Return the second derivative of the roughness along the circumference at angles of the wheelset [1/m]."""
-        return self._around(self._curvature, angle)
+    def curvature(self, positions: Floats) -> Floats:
+        """Return the second derivative of the roughness along the circumference at `positions` [1/m]."""
+        return cubic(self._curvature, positions)
 
     def jump(self, speed: float) -> float:
         """Return the jump of velocity at the flat at a speed [m/s]; 0 without a flat."""

@@ -9,7 +9,7 @@ import pytest
 
 from dcrb_ros.diagnosis.line_search import NO_LINES, LineFamily
 from dcrb_ros.diagnosis.order_spectrum import order_spectra
-from dcrb_ros.diagnosis.wandering_lines import hump
+from dcrb_ros.diagnosis.wandering_lines import humps
 from dcrb_ros.schema.arrays import Floats
 
 FTF, MIDDLE, BINS = 0.4, 4.7, 48
@@ -20,7 +20,7 @@ def found(envelope: Floats, slip: float = 0.02) -> LineFamily:
     """Return the hump in a squared envelope with `BINS` values per turn."""
     (spectrum,) = order_spectra(envelope[None], np.zeros(len(envelope), np.bool_), BINS)
     depth = np.square(spectrum.amplitude / spectrum.mean)
-    return hump(depth, float(spectrum.orders[1]), MIDDLE, FTF, slip)
+    return humps(depth[None], float(spectrum.orders[1]), MIDDLE, FTF, slip)[0]
 
 
 def noise(turns: int, random: np.random.Generator) -> Floats:
@@ -77,5 +77,5 @@ def test_sharp_lines_are_no_hump() -> None:
 def test_a_short_spectrum_has_no_hump() -> None:
     """A window of 12 turns has 20 values in the widest hump, of which six are independent."""
     assert found(tone(12, np.random.default_rng(1), 0.8, 4.0)) == NO_LINES
-    assert hump(np.ones(100), 0.01, MIDDLE, FTF, 0.02) == NO_LINES
-    assert hump(np.ones(5000), 0.01, 1.5, FTF, 0.02) == NO_LINES
+    assert humps(np.ones((2, 100)), 0.01, MIDDLE, FTF, 0.02) == [NO_LINES] * 2
+    assert humps(np.ones((2, 5000)), 0.01, 1.5, FTF, 0.02) == [NO_LINES] * 2

@@ -44,17 +44,17 @@ def lead(own: TurnEnvelopes, other: TurnEnvelopes, orders: Floats, frequency: fl
     alike = own.values.shape == other.values.shape and own.bins_per_turn == other.bins_per_turn
     if not alike or not frequency * float(orders.mean()) > SLOWEST:
         return 0.0
-    cross = _lines(own, orders) * np.conj(_lines(other, orders))
+    bins = own.values.shape[1]
+    waves = np.exp(-2j * math.pi / own.bins_per_turn * np.outer(np.arange(bins), orders))
+    cross = _lines(own, waves) * np.conj(_lines(other, waves))
     differences = np.arange(-LATEST, LATEST + 0.5 * STEP, STEP)
     rotated = np.exp(-2j * math.pi * frequency * np.outer(differences, orders)) @ cross.sum(axis=0)
     best = int(np.argmax(rotated.real))
     return float(differences[best]) if rotated.real[best] >= AGREEMENT * float(np.abs(cross).sum()) else 0.0
 
 
-def _lines(envelopes: TurnEnvelopes, orders: Floats) -> Complexes:
-    """Return the complex amplitudes at orders relative to the mean of each band, shape (bands, orders) [-]."""
+def _lines(envelopes: TurnEnvelopes, waves: Complexes) -> Complexes:
+    """Return the complex amplitudes of waves, shape (bins, orders), relative to the mean of each band, shape (bands, orders) [-]."""
     mean = np.maximum(envelopes.values.mean(axis=1, dtype=np.float64), 1e-30)
-    bins = envelopes.values.shape[1]
-    relative = (envelopes.values / mean[:, None] - 1.0) * hann(bins)
-    waves = np.exp(-2j * math.pi / envelopes.bins_per_turn * np.outer(np.arange(bins), orders))
+    relative = (envelopes.values / mean[:, None] - 1.0) * hann(len(waves))
     return np.asarray(relative @ waves, np.complex128)

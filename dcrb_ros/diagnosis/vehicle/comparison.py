@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence
+from dcrb_ros.diagnosis.evidence import Evidence
 from dcrb_ros.diagnosis.line_search import GUARD
 from dcrb_ros.diagnosis.rule import Finding, modulation_excess
 from dcrb_ros.diagnosis.vehicle.arrival import LEAST, TurnEnvelopes, lead
@@ -144,20 +144,13 @@ def contrast(orders: Floats, own: Judgement, other: Judgement) -> float:
     # The other wheelset may turn faster or more slowly; its spectrum is over its own orders.
     elsewhere = orders * own.shaft_frequency / max(other.shaft_frequency, 1e-9)
     ratios = []
-    for here, there in zip(own.evidence.bands, other.evidence.bands, strict=True):
-        if here.band.low < own.evidence.whole.low or here not in own.evidence.loud:
-            continue
-        depths = _depth(here, orders), _depth(there, elsewhere)
-        if max(depths) < FAINTEST:
+    bands = zip(own.evidence.bands, other.evidence.bands, own.evidence.depths(orders), other.evidence.depths(elsewhere), strict=True)
+    for here, there, *depths in bands:
+        if here not in own.evidence.within or max(depths) < FAINTEST:
             continue
         size = _decibels(depths[0] * here.spectrum.mean, depths[1] * there.spectrum.mean)
         ratios.append(size if max(depths) > SATURATED else 0.5 * (size + _decibels(*(_modulation(depth) for depth in depths))))
     return float(np.median(ratios)) if ratios else 0.0
-
-
-def _depth(band: BandEvidence, orders: Floats) -> float:
-    """Return the modulation depth of lines in a band, without the noise [-]."""
-    return float(np.sqrt(band.at(orders).sum()))
 
 
 def _modulation(depth: float) -> float:
@@ -167,7 +160,7 @@ def _modulation(depth: float) -> float:
 def _decibels(first: float, second: float) -> float:
     """Return the ratio of two squared amplitudes [dB], limited."""
     tiny = 1e-12
-    return float(np.clip(10.0 * np.log10((first + tiny) / (second + tiny)), -LIMIT, LIMIT))
+    return min(max(float(10.0 * np.log10((first + tiny) / (second + tiny))), -LIMIT), LIMIT)
 
 
 def _of_wheel(finding: Finding, own: Judgement, judged: Mapping[str, Judgement]) -> bool:

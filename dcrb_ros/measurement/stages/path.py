@@ -70,6 +70,7 @@ class MeasuredPath(Stage):
         drawn = deviations(setup.parameters[StructureParameters].seed, path.path_spread, rate)
         axes = [[*pairs(text, key), *more] for key, text, more in zip(("x", "y"), (path.path_x, path.path_y), drawn, strict=True)]
         self._filters = [Filter(cascade(axis, rate), columns=1) if axis else None for axis in axes]
+        self._active = bool(np.any(self._gains != 1.0)) or any(self._filters)
 
     @classmethod
     def problems(cls, parameters: Parameters, step_rate: int) -> Iterator[str]:
@@ -79,7 +80,7 @@ class MeasuredPath(Stage):
 
     @property
     def active(self) -> bool:
-        return bool(np.any(self._gains != 1.0)) or any(self._filters)
+        return self._active
 
     def process(self, acceleration: Floats, span: Span) -> Floats:
         columns = []
