@@ -186,7 +186,11 @@ def test_a_slow_subscriber_does_not_slow_the_bench(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("values", [{}, {"time_scale": 1e-5}, {"time_scale": 0.0}], ids=["running", "in a long wait", "flat out"])
+@pytest.mark.parametrize(
+    "values",
+    [{}, {"time_scale": 1e-5, "publishing__listeners": 1, "publishing__wait": PATIENCE}, {"time_scale": 0.0}],
+    ids=["running", "in a long wait", "flat out"],
+)
 def test_signals_end_the_node_at_once(kind: signal.Signals, values: dict[str, float], tmp_path: Path) -> None:
     number, bag = domain(), tmp_path / "bag"
     given_values = {**values, "recording__path": bag}
