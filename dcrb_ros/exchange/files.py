@@ -182,7 +182,7 @@ def _read_mat(path: Path) -> ExternalFile:
         if matfile_version(path)[0] == 1:
             _check_loaded(path, LARGEST_ELEMENT * _unpacked_mat(path))
         variables = loadmat(path, squeeze_me=True, struct_as_record=False)
-    except NotImplementedError:
+    except NotImplementedError:  # so scipy answers files of version 7.3, which are HDF5
         return _read_hdf5(path)
     names = tuple(name for name in variables if not name.startswith("__"))
     return ExternalFile(names, lambda name: _nested(variables, str(name)))

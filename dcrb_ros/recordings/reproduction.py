@@ -180,11 +180,6 @@ class Reproduction(RunReproduction[Simulation, Block]):
         self.recording = recording
         self.configuration = recording.configuration
 
-    @property
-    def samples(self) -> RecordedSamples:
-        """The samples that are to be reproduced."""
-        return self.compared[""].recorded
-
     def simulation(self) -> Simulation:
         """Return the bench at the start of the run."""
         scenario = self.recording.manifest.get("scenario")

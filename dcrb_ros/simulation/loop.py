@@ -76,8 +76,7 @@ class Simulation:
         scenario
             Changes in the order of time, see `dcrb_ros.simulation.scenario`.
         waveform_only
-            Leave out states, preview and energy. Ground truth and samples are the same, but for the rounding of samples where rollers are
-            pinned.
+            Leave out states, preview and energy; samples and ground truth are the same.
         drive
             Drive and load of the shaft; those of the configuration by default.
         surroundings

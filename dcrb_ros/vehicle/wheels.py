@@ -64,9 +64,9 @@ class WheelSurface:
         turn = np.fft.irfft(spectrum, POINTS)
         return np.concatenate([turn[-1:], turn, turn[:3]])
 
-    def displacement(self, angle: Floats, positions: Floats, speed: float) -> Floats:
-        """Return the displacement at angles of the wheelset [rad], which are at `positions` of its tables [m]."""
-        height = cubic(self._rough, positions)
+    def displacement(self, angle: Floats, position: Floats, speed: float) -> Floats:
+        """Return the displacement at angles of the wheelset [rad], whose `positions` are given [m]."""
+        height = cubic(self._rough, position)
         for order, amplitude in self._polygon:
             height += amplitude * np.cos(order * angle)
         if self._wheel.flat > 0.0:
@@ -87,9 +87,9 @@ class WheelSurface:
         """Return the vertical force of the unbalance U on the axle, U w^2 sin(angle), at angles and speeds w [rad/s] of a wheelset [N]."""
         return np.asarray(self._wheel.unbalance * speed**2 * np.sin(angle + self._unbalance_angle), np.float64)
 
-    def curvature(self, positions: Floats) -> Floats:
+    def curvature(self, position: Floats) -> Floats:
         """Return the second derivative of the roughness along the circumference at `positions` [1/m]."""
-        return cubic(self._curvature, positions)
+        return cubic(self._curvature, position)
 
     def jump(self, speed: float) -> float:
         """Return the jump of velocity at the flat at a speed [m/s]; 0 without a flat."""

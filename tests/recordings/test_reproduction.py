@@ -99,7 +99,7 @@ def test_a_cut_off_recording_is_reproduced(bag: Path, tmp_path: Path) -> None:
     path = tmp_path / "cut.mcap"
     path.write_bytes(whole[: len(whole) - 9000])
     reproduction = Reproduction(Recording(path))
-    assert 0 < reproduction.samples.count <= 20480
+    assert 0 < reproduction.compared[""].recorded.count <= 20480
     simulation = Simulation(reproduction.configuration)
     for _ in reproduction.blocks(simulation):
         pass
@@ -113,7 +113,8 @@ def test_different_samples_are_reported_with_the_reason(tmp_path: Path) -> None:
     reproduction = Reproduction(recording)
     for _ in reproduction.blocks(Simulation(reproduction.configuration)):
         pass
-    with pytest.raises(NotReproduced, match=rf"instead of {reproduction.samples.sha256[:12]}.*with model 0123456789abcdef, this is"):
+    stated = reproduction.compared[""].recorded.sha256[:12]
+    with pytest.raises(NotReproduced, match=rf"instead of {stated}.*with model 0123456789abcdef, this is"):
         reproduction.check()
     done = dcrb("simulate", "--from", str(made_up))
     assert done.returncode == 1
