@@ -118,6 +118,8 @@ def measured(seconds: float, topics: Iterable[Topic], *settings: str, view: Path
             patience = time.monotonic() + PATIENCE
             while viewer and node.count_subscribers(VIBRATION.resolved(NAMESPACE)) < 1 and time.monotonic() < patience:
                 executor.spin_once(timeout_sec=0.1)
+            if viewer and viewer.poll() is not None:
+                raise RuntimeError(f"the viewer ended with status {viewer.poll()}")
             process = stack.enter_context(node_process("simulator", ["--ros-args", "--log-level", "warn", *arguments]))
             subscriber = Subscriber(node, process.pid, topics, viewer.pid if viewer else None)
             reports, last = subscriber.reports, time.monotonic()
@@ -187,13 +189,16 @@ def real_time(seconds: float, folder: Path) -> None:
 
 
 def views(rounds: int, seconds: float, folder: Path) -> None:
-    """Print the influence of a view at time scale 1.0: alternating runs without and with it, each measured for a wall time [s]."""
+    """Print the influence of a view at time scale 1.0: medians of runs in turn without and with it, each measured for a wall time [s]."""
+    shares: dict[str, list[tuple[float, float]]] = {"alone": [], "with viewer": []}
+    for number in range(rounds):
+        for name, runs in shares.items():
+            run = measured(seconds, (), "time_scale:=1.0", view=folder / f"{number}.rrd" if name == "with viewer" else None)
+            runs.append((sum(run.processor.values()) / run.wall, (run.end.viewer - run.begin.viewer) / run.wall))
     print("\n| at real time | simulator, % of a core | viewer, % of a core |\n|---|---|---|")
-    for view in [None, folder / "view.rrd"] * rounds:
-        run = measured(seconds, (), "time_scale:=1.0", view=view)
-        simulator, viewer = sum(run.processor.values()), run.end.viewer - run.begin.viewer
-        shares = f"{100.0 * simulator / run.wall:.1f} | {100.0 * viewer / run.wall:.1f}"
-        print(f"| {'with viewer' if view else 'alone'} | {shares} |", flush=True)
+    for name, runs in shares.items():
+        simulator, viewer = (100.0 * statistics.median(column) for column in zip(*runs, strict=True))
+        print(f"| {name} | {simulator:.1f} | {viewer:.1f} |", flush=True)
 
 
 def main() -> None:
@@ -201,7 +206,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--flat-out", type=float, default=4.0, help="wall time of each measurement at full speed [s]; 0 for none")
     parser.add_argument("--duration", type=float, default=20.0, help="wall time at time scale 1.0 [s]; 0 for none")
-    parser.add_argument("--views", type=int, default=3, help="runs without and with a view, each of the same wall time")
+    parser.add_argument("--views", type=int, default=3, help="runs without and with a view, each of the same wall time, at least 1")
     options = parser.parse_args()
     with observing(), tempfile.TemporaryDirectory(prefix="dcrb-") as folder:
         if options.flat_out > 0.0:
