@@ -29,8 +29,8 @@ from dcrb_ros.schema.refusal import Refusal
 
 LEAD = 0.5
 """Signal sent beyond the next expected diagnosis [s]: 25 blocks, which the queue of a subscriber should hold."""
-DIAGNOSIS_TIMEOUT = 2.0
-"""Wall time without a diagnosis after which no more are expected [s]."""
+DIAGNOSIS_TIMEOUT = 5.0
+"""Wall time without a diagnosis after which no more are expected [s]; DDS sends a lost last message again after up to 3 s."""
 SETTLING_TIME = 0.3
 """Wall time between the discovery of the detector and the first block [s]."""
 EXIT_TIMEOUT = 5.0
