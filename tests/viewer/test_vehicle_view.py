@@ -10,7 +10,10 @@ import numpy as np
 import pytest
 import rerun as rr
 from rerun_documents import rows
+from synthetic_bogie import DESCRIPTION as BOGIE
+from synthetic_bogie import SECONDS, bogie
 
+from dcrb_ros.diagnosis.vehicle.detector import BoxBlock, VehicleDetector
 from dcrb_ros.messages.joints import encode_features
 from dcrb_ros.messages.plain import encode_text
 from dcrb_ros.messages.points import encode_spectrum, encode_vibration
@@ -26,7 +29,7 @@ from dcrb_ros.vehicle.frame import TrackEvent
 from dcrb_ros.viewer import palette
 from dcrb_ros.viewer.content import Series, TimedWaveform
 from dcrb_ros.viewer.plan_view import DOUBTFUL, HEALTHY, WAITING, colour_of, text_of, worst
-from dcrb_ros.viewer.vehicle_content import VehicleContent, Verdicts, events_in, lead_times
+from dcrb_ros.viewer.vehicle_content import VehicleContent, Verdicts, diagnoses_of, events_in, lead_times
 from dcrb_ros.viewer.vehicle_document import picture_time, write_vehicle_document
 from dcrb_ros.viewer.vehicle_live import VehicleLiveView
 
@@ -118,6 +121,24 @@ def blocks(number: int) -> Block:
     last = slice(1024 * number, None)
     acceleration = whole.acceleration[last]
     return Block(1024 * number, RATE, acceleration, whole.shaft_angle[last], acceleration)
+
+
+def test_samples_after_a_gap_are_judged_at_their_own_time() -> None:
+    """Without the samples of 0.3 s, a hop later than the gap still ends where it does without one."""
+    signals, kept = bogie({"axle_1/right": {"outer": 900.0}}), np.ones(round(SECONDS * BOGIE.sampling_rate), bool)
+    kept[40000:55360] = False
+    time_ns = (np.flatnonzero(kept) * 1_000_000_000 + BOGIE.sampling_rate // 2) // BOGIE.sampling_rate
+    waveforms = {
+        name: TimedWaveform(time_ns, acceleration[kept], angle[kept], BOGIE.sampling_rate)
+        for name, (acceleration, angle) in signals.items()
+    }
+    detector, expected = VehicleDetector(BOGIE), []
+    for first, last in ((0, 40000), (55360, len(kept))):
+        part = {name: BoxBlock(first, acceleration[first:last], angle[first:last]) for name, (acceleration, angle) in signals.items()}
+        expected += [diagnosis] if (diagnosis := detector.add(part)) else []
+    shown = diagnoses_of(VehicleContent("gap", BOGIE, waveforms))
+    assert shown[-1].time == expected[-1].time
+    assert shown[-1].statuses == expected[-1].statuses
 
 
 def test_events_have_time_place_and_wheel() -> None:
