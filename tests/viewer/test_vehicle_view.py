@@ -17,9 +17,9 @@ from dcrb_ros.diagnosis.vehicle.detector import BoxBlock, VehicleDetector
 from dcrb_ros.messages.joints import encode_features
 from dcrb_ros.messages.plain import encode_text
 from dcrb_ros.messages.points import encode_spectrum, encode_vibration
-from dcrb_ros.messages.statuses import ERROR, OK, WARN, Status
+from dcrb_ros.messages.statuses import ERROR, OK, WARN, Status, encode_diagnostics
 from dcrb_ros.messages.topics import ENVELOPE_SPECTRUM, FEATURES, VIBRATION
-from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_TRUTH
+from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DIAGNOSIS, VEHICLE_TRUTH
 from dcrb_ros.messages.vehicle import encode_vehicle_truth
 from dcrb_ros.stream.block import Block
 from dcrb_ros.vehicle.block import VehicleTruth
@@ -200,6 +200,9 @@ def test_a_running_vehicle_is_shown_and_a_reset_begins_a_new_recording(tmp_path:
             spectrum = encode_spectrum(number * 20_000_000, np.arange(4000) * 0.01, amplitude, 10.0, BOXES[1])
             view.take(ENVELOPE_SPECTRUM.below(BOXES[1]), spectrum)
             view.take(VEHICLE_TRUTH, truth(number))
+            level, verdict = (ERROR, "outer_ring") if number > 1 else (OK, "healthy")
+            statuses = [Status(f"{BOXES[0]}/bearing", OK, "healthy", {}), Status(f"{BOXES[1]}/bearing", level, verdict, {})]
+            view.take(VEHICLE_DIAGNOSIS, encode_diagnostics(number * 20_000_000, statuses, "base"))
             view.flush()
     view.close()
     assert len(files) == 2
@@ -207,6 +210,7 @@ def test_a_running_vehicle_is_shown_and_a_reset_begins_a_new_recording(tmp_path:
         count = rows(file)
         assert {box.name: count[f"/aligned/{box.side}/{box.axle}"] for box in DESCRIPTION.boxes} == dict.fromkeys(BOXES, 4096)
         assert count["/events"] == 4
+        assert count["/verdicts"] == 3  # two at first, and one that changes
         assert count[f"/spectra/{BOXES[1]}/curve"] == 4
         assert count[f"/spectra/{BOXES[0]}/curve"] == 0
     assert len(warnings) == 1
