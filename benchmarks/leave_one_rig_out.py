@@ -29,7 +29,9 @@ from dcrb_ros.diagnosis.evidence import Evidence
 from dcrb_ros.diagnosis.hysteresis import Hysteresis, least_evidence
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.registry import BEARING_RULES
+from dcrb_ros.exam.exam_file import read_exam
 from dcrb_ros.exam.measured import LONGEST, read_measured
+from dcrb_ros.exam.recording_cache import cached_recording
 from dcrb_ros.recordings.reader import Recording as FileRecording
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.simulation.run import simulate
@@ -98,17 +100,15 @@ def measured(folder: Path) -> Iterator[Recording]:
 
 
 def recorded(folder: Path) -> Iterator[Recording]:
-    """Yield the last 4 s of the recordings of an exam, healthy or with a fault of the bearing."""
-    for path in sorted(folder.iterdir()):
-        name = path.name.split("-")[0]
-        if name not in CLASSES:
+    """Yield the last 4 s of the recordings of the exam ``standard``, healthy or with a fault of the bearing; missing ones are simulated."""
+    for case in read_exam("standard").cases:
+        if case.expectation.name.partition("/")[0] not in CLASSES:
             continue
-        recording = FileRecording(path)
+        recording = FileRecording(cached_recording(case, folder))
         pieces, samples = list(recording.pieces()), round(SECONDS * recording.sampling_rate)
         acceleration = np.concatenate([piece.acceleration for piece in pieces])[-samples:]
         angle = np.concatenate([piece.shaft_angle for piece in pieces])[-samples:]
-        truth = {"twin": "healthy", "outer": "outer_ring", "inner": "inner_ring"}.get(name, name)
-        yield Recording("simulated box", truth, acceleration, recording.sampling_rate, angle, recording.orders)
+        yield Recording("simulated box", case.expectation.verdict, acceleration, recording.sampling_rate, angle, recording.orders)
 
 
 def simulated() -> Iterator[Recording]:

@@ -1,8 +1,8 @@
 """Statistics of impacts of simulated bearings beside those of measured rigs, for docs/results/signals.md.
 
 ``python benchmarks/signal_realism.py MEASURED -o FOLDER [--page FILE] [--machines 16]``; MEASURED is a folder as for `realism.py`. The
-statistics of each variant are kept in FOLDER, and a second call continues. ``--page`` rewrites the part of a page between its marks. With
-``--pictures DIRECTORY`` it draws the pictures instead.
+statistics of each variant are kept in FOLDER, and a second call of the same model continues. ``--page`` rewrites the part of a page between
+its marks. With ``--pictures DIRECTORY`` it draws the pictures instead.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
 
+from kept_results import digest_of
 from realism import draw
 from signal_machines import (
     BENCHES,
@@ -34,6 +35,8 @@ from signal_machines import (
 )
 from signal_page import aims_table, table
 
+from dcrb_ros.exam.measured import TABLE, files_hash, read_measured
+from dcrb_ros.exam.replica import table_digest
 from dcrb_ros.text.writing import write_whole
 
 KINDS = {
@@ -62,7 +65,7 @@ def simulated(folder: Path, bearing: str, machines: int) -> dict[str, list[Row]]
     """Return the rows of all variants of a simulated bearing, continued from a folder."""
     groups: dict[str, list[Row]] = defaultdict(list)
     for seed, (drawing, variants) in itertools.product(range(1, machines + 1), VARIANTS.items()):
-        path = folder / f"{bearing.replace(' ', '-')}-{drawing}-{seed}.json"
+        path = folder / f"{bearing.replace(' ', '-')}-{drawing}-{seed}-{digest_of()}.json"
         if not path.exists():
             found: dict[str, list[Row]] = defaultdict(list)
             for place, kind, row in simulated_rows(bearing, seed, drawing):
@@ -76,7 +79,7 @@ def simulated(folder: Path, bearing: str, machines: int) -> dict[str, list[Row]]
 
 def measured(folder: Path, output: Path) -> dict[str, list[Row]]:
     """Return the rows of the measured rigs by rig and kind of defect."""
-    path = output / "measured.json"
+    path = output / f"measured-{digest_of(table_digest(folder / TABLE), files_hash(read_measured(folder)))}.json"
     if not path.exists():
         write_rows(path, {f"{rig}: {kind}": measured_rows(folder, rig, kind) for rig in RIGS for kind in KINDS})
     return read_rows(path)

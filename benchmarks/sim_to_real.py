@@ -1,8 +1,9 @@
 """The value of simulation on measured bearings: a classifier trained on simulated windows alone, tested on the faults of measured rigs.
 
 ``python benchmarks/sim_to_real.py MEASURED -o FOLDER``; MEASURED is a folder with ``recordings.csv`` and ``recordings/NAME.npz``, as for
-``benchmarks/realism.py``. The sweeps and a table are written to FOLDER; a second call continues. ``--machines 64 --seconds 8`` is the full
-size, hours of processor time. docs/explanation/sim-to-real.md states the protocol, docs/results/sim-to-real.md the result.
+``benchmarks/realism.py``. The sweeps and a table are written to FOLDER; a second call of the same model continues.
+``--machines 64 --seconds 8`` is the full size, hours of processor time. docs/explanation/sim-to-real.md states the protocol,
+docs/results/sim-to-real.md the result.
 """
 
 from __future__ import annotations

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from kept_results import digest_of
 from scipy import signal
 from scipy.stats import qmc
 from signal_draws import drawn
@@ -37,9 +38,9 @@ def drawn_windows(rig: Rig, bench: str, folder: Path, machines: int, seconds: fl
     strata = qmc.LatinHypercube(len(ranges), seed=1).random(machines)
     parts = []
     for number, quantiles in enumerate(strata):
-        path = folder / f"machine-{number}.npz"
+        machine = {key: within(one, share) for (key, one), share in zip(ranges.items(), quantiles, strict=True)}
+        path = folder / f"machine-{number}-{digest_of(bench, settings_of(rig), machine, seconds)}.npz"
         if not path.exists():
-            machine = {key: within(one, share) for (key, one), share in zip(ranges.items(), quantiles, strict=True)}
             saved(machine_windows(rig, bench, machine, number, seconds), path)
             print(f"{rig.name}, machine {number}", flush=True)
         with np.load(path) as content:

@@ -195,7 +195,7 @@ def run(name: str, scale: float, seconds: float, seed: int, late: int, machine: 
     stalls = [stall for stall in machine.stalls() if stall[1] > began]
     of_all, unexplained = int(monitor.values.get("late_blocks", 0)), monitor.unexplained_late_blocks(stalls)
     longest = max((end - begin for begin, end in stalls), default=0.0)
-    refused = f"{monitor.values.get('rejected_commands')} commands, {monitor.values.get('rejected_parameters')} parameters"
+    refusals = {kind: int(monitor.values.get(f"rejected_{kind}", 0)) for kind in ("commands", "parameters")}
     checks = {
         f"exit status 0 (was {status})": status == 0,
         f"{monitor.blocks} blocks, the last to {ends:.2f} s of {seconds:g} s": monitor.blocks > 0 and ends >= seconds,
@@ -203,7 +203,9 @@ def run(name: str, scale: float, seconds: float, seed: int, late: int, machine: 
         f"no stamp decreases ({dict(+monitor.backwards)})": not +monitor.backwards,
         f"no late block without a stall of the machine ({unexplained}; {of_all} including those)": unexplained <= late,
         f"no memory leak ({warm:.0f} MB after a tenth of the run, at most {largest:.0f} MB)": largest < warm * (1.0 + LEAK),
-        f"the simulator reports refusals ({refused})": bool(monitor.values),
+        f"the simulator refuses what is invalid, {commands.counts['invalid']} times ({refusals})": (
+            all(refusals.values()) or not commands.counts["invalid"]
+        ),
     }
     sent = f"{sum(commands.counts.values())} commands {dict(commands.counts)}, seed {seed}"
     print(f"\n{name}: {monitor.simulated:.1f} s simulated in {wall:.1f} s, {sent}")

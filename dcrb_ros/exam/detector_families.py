@@ -52,6 +52,10 @@ class BrokenFamily:
     reason: str
 
 
+class NoFamily(Refusal):
+    """A file cannot be imported, or is no family."""
+
+
 def families_of(folder: Path, kept: Path | None = None) -> tuple[list[Member], list[BrokenFamily]]:
     """Return the members of all families of a folder, and the files that cannot be used.
 
@@ -59,7 +63,7 @@ def families_of(folder: Path, kept: Path | None = None) -> tuple[list[Member], l
     in a process of its own, unless what it contains is read from the folder ``kept``.
 
     Raises:
-        Refusal: there is no such folder, or it has no family.
+        Refusal: there is no such folder, it has no family, or the folder ``kept`` cannot be written.
     """
     if not folder.is_dir():
         raise Refusal(f"there is no folder {folder}: give a folder of detectors, one family in each file")
@@ -69,7 +73,7 @@ def families_of(folder: Path, kept: Path | None = None) -> tuple[list[Member], l
         digest = _file_digest(file)
         try:
             about = _kept_about(file, digest, kept)
-        except Refusal as refusal:
+        except NoFamily as refusal:
             broken.append(BrokenFamily(file.stem, str(refusal)))
             continue
         members += _members(file.stem, f"{file}:{about['class']}", about, digest) if about["class"] else []
@@ -108,7 +112,11 @@ def _kept_about(file: Path, digest: str, kept: Path | None) -> dict[str, Any]:
 
 
 def _about(file: str) -> dict[str, Any]:
-    """Return class and variants of a file, imported in a process of its own."""
+    """Return class and variants of a file, imported in a process of its own.
+
+    Raises:
+        NoFamily: it cannot be imported, or has several detectors.
+    """
     try:
         done = subprocess.run(
             [sys.executable, "-c", PROGRAM.format(path=sys.path), file],
@@ -122,7 +130,7 @@ def _about(file: str) -> dict[str, Any]:
     except (subprocess.TimeoutExpired, json.JSONDecodeError):
         about = {}
     if "class" not in about:
-        raise Refusal(about.get("refusal") or f"{file} cannot be imported")
+        raise NoFamily(about.get("refusal") or f"{file} cannot be imported")
     return about
 
 
@@ -158,13 +166,13 @@ def class_and_variants(name: str) -> dict[str, Any]:
 
 def _file_digest(file: Path) -> str:
     """Return the digest of a file, of the files in its folder that it imports, and of all data in the folder."""
-    sources = sorted(_imported(file, {file}))
+    sources = sorted(_imported(file, {file}, file.parent))
     data = sorted(path for path in file.parent.iterdir() if path.is_file() and path.suffix not in (".py", ".pyc"))
     return _digest_of([*sources, *data])
 
 
-def _imported(file: Path, known: set[Path]) -> set[Path]:
-    """Add the files of a folder that a file imports, directly or not, to the known ones."""
+def _imported(file: Path, known: set[Path], folder: Path) -> set[Path]:
+    """Add the files of a folder that a file imports, directly or not, to the known ones; of a package in the folder, all of them."""
     try:
         tree = ast.parse(file.read_text(encoding="utf-8"))
     except (SyntaxError, ValueError):
@@ -173,10 +181,11 @@ def _imported(file: Path, known: set[Path]) -> set[Path]:
         names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
         names += [node.module] if isinstance(node, ast.ImportFrom) and node.module else []
         for name in names:
-            path = file.parent / f"{name.partition('.')[0]}.py"
-            if path.is_file() and path not in known:
-                known.add(path)
-                _imported(path, known)
+            package = folder / name.partition(".")[0]
+            for path in (package.with_suffix(".py"), *package.rglob("*.py")):
+                if path.is_file() and path not in known:
+                    known.add(path)
+                    _imported(path, known, folder)
     return known
 
 

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import hashlib
 import math
+import zipfile
+import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -73,12 +75,15 @@ class MeasuredRecording(JudgedRecording):
             Refusal: the file is missing, is no NPZ file with one array ``a`` of numbers, or has values that are not finite.
         """
         try:
-            with np.load(self.file, allow_pickle=False) as arrays:
-                values = np.asarray(arrays["a"], np.float64)
-        except (OSError, ValueError, KeyError, TypeError) as error:
+            with self.file.open("rb") as stream, np.load(stream, allow_pickle=False) as arrays:
+                given = arrays["a"]
+        except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
             raise Refusal(f"{self.file} cannot be read ({error}): it must be an NPZ file with one array 'a'") from None
-        if values.ndim != 1 or not np.isfinite(values).all():
-            raise Refusal(f"{self.file}: 'a' has shape {values.shape} or values that are not finite: it must be one row of numbers")
+        if given.ndim != 1 or given.dtype.kind not in "iuf" or not np.isfinite(given).all():
+            raise Refusal(
+                f"{self.file}: 'a' has shape {given.shape}, type {given.dtype} or values that are not finite: it must be one row of numbers"
+            )
+        values = np.asarray(given, np.float64)
         if len(values) < SHORTEST * self.rate:
             raise Refusal(f"{self.file} has {len(values) / self.rate:.2f} s, but a verdict needs {SHORTEST:g} s: leave it out of the table")
         return values * ACCELERATION_UNITS[self.unit]

@@ -61,7 +61,9 @@ def load_module(given: str, name: str) -> Any:
         # Modules beside the file can be imported, as if it were run.
         if str(path.parent) not in sys.path:
             sys.path.insert(0, str(path.parent))
-        return importlib.import_module(path.stem) if path.stem.isidentifier() else _from_file(path)
+        module = importlib.import_module(path.stem) if path.stem.isidentifier() else None
+        # Another module may have been imported under this name, such as one of the standard library.
+        return module if module is not None and Path(module.__file__ or "").resolve() == path else _from_file(path)
     except Refusal:
         raise
     except (Exception, SystemExit) as error:

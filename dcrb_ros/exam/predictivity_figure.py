@@ -41,7 +41,7 @@ def write_predictivity_figure(comparison: Comparison, file: Path) -> None:
     low = max(0.0, 10.0 * math.floor(min(float(exam.min()), float(field.min())) / 10.0) - 5.0)
     best = comparison.families[0].statistics
     axes.set_title(
-        f"{len(set(comparison.marks.families))} families: SRCC {best['srcc'].value:.2f}, tau-b {best['tau_b'].value:.2f}", fontsize=11
+        f"{comparison.families[0].detectors} families: SRCC {best['srcc'].value:.2f}, tau-b {best['tau_b'].value:.2f}", fontsize=11
     )
     axes.set(xlabel="right in the exam of replicas [%]", ylabel="right on measured recordings [%]", xlim=(low, 102.0), ylim=(low, 102.0))
     axes.legend(fontsize=8, loc="lower right")

@@ -105,11 +105,10 @@ def _marks(members: Sequence[Member], answers: Any, measured: Sequence[Task[Any]
         Compared(task.original.name, task.original.machine, task.original.truth, task.original.bearing, task.signal.lead is not None)
         for task in kept
     )
-    published = {member.family: member.name for member in reversed(members)}
     return Marks(
         tuple(member.name for member in members),
         tuple(member.family for member in members),
-        tuple(published[member.family] == member.name for member in members),
+        tuple(member.published for member in members),
         recordings,
         np.array(field),
         np.array(exam),
@@ -179,7 +178,7 @@ def markdown(comparison: Comparison) -> str:
         f"(seed {origin.seed}{without}), {families} families with {len(exam)} members. Each cell: value "
         f"[{CONFIDENCE:.0%} interval over bearings; over families], ceiling of measured halves.",
         "",
-        f"Over the {families} families, each with its published settings:",
+        f"Over the {comparison.families[0].detectors} families, each with its published settings:",
         "",
         markdown_table(HEADS, rows(comparison.families)),
         "",

@@ -60,8 +60,9 @@ def checked_folder(folder: Path) -> Path:
         with tempfile.TemporaryFile(dir=folder):
             pass
         for unfinished in folder.glob(".making-*"):
-            if time.time() - unfinished.stat().st_mtime > ABANDONED:
-                shutil.rmtree(unfinished, ignore_errors=True)
+            with contextlib.suppress(FileNotFoundError):  # another process may have finished it
+                if time.time() - unfinished.stat().st_mtime > ABANDONED:
+                    shutil.rmtree(unfinished, ignore_errors=True)
         return folder
     except OSError as error:
         raise Refusal(f"{folder} cannot hold the exam's recordings: {error.strerror}; give another folder with --recordings") from None

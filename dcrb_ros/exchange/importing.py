@@ -19,6 +19,7 @@ from dcrb_ros.exchange.description import Description, read_description
 from dcrb_ros.exchange.joining import JoinedFiles
 from dcrb_ros.exchange.pulse_train import PulseTrain, counted_pulses, joined_turns, pulse_train, turns_at_speed, wrapped, wrapped_angle
 from dcrb_ros.exchange.temperatures import CHANNELS, checked_channels, readings_of
+from dcrb_ros.exchange.temperatures import LATEST as LATEST_STAMP
 from dcrb_ros.messages.cdr import FRAME
 from dcrb_ros.messages.description import PULSES_PER_TURN
 from dcrb_ros.messages.joints import encode_features
@@ -40,8 +41,6 @@ from dcrb_ros.text.files import open_regular
 
 MOST_ROUNDED = 1e-4
 """Largest relative change of a sampling rate by rounding [-]: the clocks of data acquisition are as accurate, and lines are as wide."""
-LATEST_STAMP = 2**31
-"""Time from which on a ROS time stamp overflows [s]."""
 
 
 class WaveformImport:

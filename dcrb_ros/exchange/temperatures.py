@@ -20,6 +20,8 @@ TIME = "temperature_time"
 """Channel with the times of the readings [s]."""
 LEAST_INTERVAL_NS = 100_000_000
 """Time from a reading to the next that is kept [ns]: a channel may have one at every sample."""
+LATEST = 2**31
+"""Time from which on a ROS time stamp overflows [s]."""
 COLDEST = -273.15
 """Absolute zero [deg C]."""
 
@@ -57,12 +59,16 @@ def readings_of(
         source: name of the channel in error messages.
 
     Raises:
-        Refusal: there are more readings than samples or other numbers of readings than times, or one is below absolute zero.
+        Refusal: there are more readings than samples or other numbers of readings than times, a time is negative or beyond the range of
+            time stamps, or a reading is below absolute zero.
     """
     values = np.concatenate(parts)
     if times is None:
         time_ns = np.concatenate([_spread(len(part), index, rate, source) for part, index in zip(parts, indices, strict=True)])
     elif len(times) == len(values):
+        wrong = times[(times < 0.0) | (times >= LATEST)]
+        if len(wrong):
+            raise Refusal(f"{source}: {TIME} has {wrong[0]:g} s, outside 0 .. {LATEST} s: give the times in seconds since the first sample")
         time_ns = np.rint(times * 1e9).astype(np.int64)
     else:
         raise Refusal(f"{source} has {len(values)} readings for {len(times)} times in {TIME}: give a time for each reading")

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import heapq
+import itertools
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -24,8 +26,8 @@ from dcrb_ros.viewer.content import Series, TimedWaveform, Times
 from dcrb_ros.viewer.reader import series_of
 from dcrb_ros.viewer.spectrum import spectra_in
 
-CHUNK = 25600
-"""Samples of each box that the detector takes at once [-]."""
+CHUNK = 0.1
+"""Signal of a box that the detector takes at once [s]: it waits for the others for `VehicleDetectorParameters.patience`."""
 
 
 @dataclass(frozen=True)
@@ -156,19 +158,23 @@ def verdicts_in(messages: Iterable[bytes]) -> list[Verdicts]:
 def diagnoses_of(content: VehicleContent) -> list[VehicleDiagnosis]:
     """Return the diagnoses of the waveforms by the shipped comparing detector, with its default parameters."""
     detector, listed = VehicleDetector(content.description), list[VehicleDiagnosis]()
-    rate = content.description.sampling_rate
-    longest = max(len(waveform.shaft_angle) for waveform in content.waveforms.values())
-    for first in range(0, longest, CHUNK):
-        blocks = {}
-        for name, waveform in content.waveforms.items():
-            piece = slice(first, min(first + CHUNK, len(waveform.shaft_angle)))
-            if piece.start < piece.stop:
-                index = (int(waveform.time_ns[first]) * rate + 500_000_000) // 1_000_000_000
-                blocks[name] = BoxBlock(index, waveform.acceleration[piece], waveform.shaft_angle[piece])
-        diagnosis = detector.add(blocks)
+    boxes = (blocks_of(name, waveform) for name, waveform in content.waveforms.items())
+    for name, block in heapq.merge(*boxes, key=lambda named: named[1].index):
+        diagnosis = detector.add({name: block})
         if diagnosis is not None:
             listed.append(diagnosis)
     return listed
+
+
+def blocks_of(name: str, waveform: TimedWaveform) -> Iterator[tuple[str, BoxBlock]]:
+    """Yield the name of a box with each block of its waveform, of at most `CHUNK` and none of them across missing samples."""
+    rate, size = waveform.rate, max(1, round(CHUNK * waveform.rate))
+    index = np.rint(waveform.time_ns * (1e-9 * rate)).astype(np.int64)
+    runs = [0, *(np.flatnonzero(np.diff(index) != 1) + 1).tolist(), len(index)]
+    for begin, end in itertools.pairwise(runs):
+        for first in range(begin, end, size):
+            piece = slice(first, min(first + size, end))
+            yield name, BoxBlock(int(index[first]), waveform.acceleration[piece], waveform.shaft_angle[piece])
 
 
 def joined(before: TimedWaveform, after: TimedWaveform) -> TimedWaveform:

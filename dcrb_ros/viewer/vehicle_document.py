@@ -42,7 +42,12 @@ def write_vehicle_document(content: VehicleContent, path: Path, *, native: tuple
 
 
 def log_vehicle(
-    content: VehicleContent, *, fixed: bool = True, before: Mapping[str, TimedWaveform] | None = None, largest: float | None = None
+    content: VehicleContent,
+    *,
+    fixed: bool = True,
+    before: Mapping[str, TimedWaveform] | None = None,
+    largest: float | None = None,
+    verdicts: dict[str, str] | None = None,
 ) -> None:
     """Log everything but spectra to the current recording.
 
@@ -51,6 +56,7 @@ def log_vehicle(
         fixed: whether to log what does not move; false for later parts.
         before: the waveforms before this part.
         largest: the level of the brightest colour [m/s^2]; that of this part by default.
+        verdicts: the verdicts before this part by the names of the parts of the vehicle, which are replaced by the last ones of this part.
     """
     if fixed:
         plan_view.log_fixed(content.description)
@@ -58,7 +64,7 @@ def log_vehicle(
     plan_view.log_verdicts(content.description, content.verdicts, content.start_ns if fixed else None)
     plan_view.log_events(content.description, content.events)
     log_waveforms(content, fixed=fixed, before=before or {})
-    log_texts(content.verdicts, content.events)
+    log_texts(content.verdicts, content.events, {} if verdicts is None else verdicts)
 
 
 def largest_level(content: VehicleContent) -> float:
@@ -86,13 +92,12 @@ def leading_first(description: VehicleDescription) -> list[AxleDescription]:
     return sorted(description.axles, key=lambda axle: -axle.x)
 
 
-def log_texts(verdicts: Sequence[Verdicts], events: Sequence[TrackEvent]) -> None:
-    """Log the events on the track, and each verdict when it changes."""
+def log_texts(verdicts: Sequence[Verdicts], events: Sequence[TrackEvent], before: dict[str, str]) -> None:
+    """Log the events on the track, and each verdict when it changes; ``before`` has those logged last, by the names of their parts."""
     for event in events:
         rr.set_time(TIMELINE, timestamp=np.datetime64(event.time_ns, "ns"))
         text = f"{event.cause} at {event.where}, {event.place:.2f} m: {event.jump:.3f} m/s"
         rr.log("events", rr.TextLog(text, level=rr.TextLogLevel.INFO))
-    before: dict[str, str] = {}
     levels = {OK: rr.TextLogLevel.INFO, ERROR: rr.TextLogLevel.ERROR}
     for verdict in verdicts:
         rr.set_time(TIMELINE, timestamp=np.datetime64(verdict.time_ns, "ns"))

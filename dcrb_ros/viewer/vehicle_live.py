@@ -37,6 +37,8 @@ class VehicleLiveView(ReceivedMessages):
         self._recent: dict[str, TimedWaveform] = {}
         self._spectra: dict[str, GrowingSpectra] = {}
         self._largest = 0.0
+        self._verdicts: dict[str, str] = {}
+        """The verdicts logged last, by the names of the parts of the vehicle."""
 
     @property
     def description(self) -> VehicleDescription | None:
@@ -85,7 +87,7 @@ class VehicleLiveView(ReceivedMessages):
             self._stream.send_blueprint(compose(content, live=True))
         self._largest = max(self._largest, largest_level(content))
         with as_current(self._stream):
-            log_vehicle(content, fixed=begins, before=self._recent, largest=self._largest)
+            log_vehicle(content, fixed=begins, before=self._recent, largest=self._largest, verdicts=self._verdicts)
             self._log_spectra(content)
         for name, waveform in content.waveforms.items():
             self._recent[name] = recent(self._recent.get(name), waveform)
@@ -103,7 +105,7 @@ class VehicleLiveView(ReceivedMessages):
         if self._stream is not None:
             self._stream.flush()
             self._stream.disconnect()
-        self._stream, self._recent, self._spectra, self._largest = None, {}, {}, 0.0
+        self._stream, self._recent, self._spectra, self._largest, self._verdicts = None, {}, {}, 0.0, {}
 
     def close(self) -> None:
         """Log the remaining messages and close the recording."""

@@ -234,6 +234,11 @@ def test_a_recording_has_temperatures_where_the_bench_has_them(law: str, tempera
     assert named - own == ({"outer_ring/temperature", "box/temperature", "ambient/temperature"} if temperatures else set())
 
 
+def test_an_unfinished_recording_may_vanish_while_the_folder_is_checked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Path, "glob", lambda self, pattern: iter([self / ".making-finished"]))
+    assert checked_folder(tmp_path) == tmp_path
+
+
 def test_a_recording_that_cannot_be_put_in_its_place_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def simulate(case: Any, target: Path) -> None:
         target.mkdir()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
 from pathlib import Path
 from typing import Any
@@ -113,6 +114,32 @@ def test_a_folder_without_table_or_column_is_refused(tmp_path: Path) -> None:
         read_measured(tmp_path, "none")
     with pytest.raises(Refusal, match="lacks the columns name"):
         read_measured(tmp_path, "documented")
+
+
+def npz(**arrays: Any) -> bytes:
+    """Return the content of an NPZ file."""
+    stream = io.BytesIO()
+    np.savez_compressed(stream, **arrays)
+    return stream.getvalue()
+
+
+WHOLE = npz(a=np.random.default_rng(1).normal(size=12000))
+DAMAGED = {
+    "empty": b"",
+    "cut": WHOLE[: len(WHOLE) // 2],
+    "changed": WHOLE[: len(WHOLE) // 2] + bytes([WHOLE[len(WHOLE) // 2] ^ 0xFF]) + WHOLE[len(WHOLE) // 2 + 1 :],
+    "text": b"no numbers",
+    "complex": npz(a=np.ones(12000) + 1j),
+    "words": npz(a=np.full(12000, "one")),
+}
+
+
+@pytest.mark.filterwarnings("error")  # numpy would warn of an imaginary part that is lost
+@pytest.mark.parametrize("damage", DAMAGED)
+def test_a_damaged_recording_is_refused_by_its_name(damage: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder(tmp_path) / "recordings" / "struck.npz").write_bytes(DAMAGED[damage])
+    assert dcrb("score", "--measured", str(tmp_path), "--workers", "1", "--quiet") == 2
+    assert "struck.npz" in capsys.readouterr().err
 
 
 def test_options_that_do_not_apply_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

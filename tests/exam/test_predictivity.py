@@ -177,6 +177,30 @@ def test_a_changed_file_or_helper_is_another_detector(tmp_path: Path) -> None:
     assert first["failing"] == second["failing"]
 
 
+def test_a_changed_module_of_a_package_beside_it_is_another_detector(tmp_path: Path) -> None:
+    folder = folder_of_detectors(tmp_path / "detectors")
+    (folder / "filters").mkdir()
+    (folder / "filters" / "__init__.py").write_text("")
+    (folder / "filters" / "bands.py").write_text("ANSWER = 'healthy'\n")
+    source = folder / "calm.py"
+    source.write_text(source.read_text().replace("from shared_code", "from filters.bands"))
+    first = {one.name: one.digest for one in families_of(folder)[0]}
+    (folder / "filters" / "bands.py").write_text("ANSWER = 'inner_ring'\n")
+    second = {one.name: one.digest for one in families_of(folder)[0]}
+    assert [first[name] != second[name] for name in ("published", "failing")] == [True, False]
+
+
+def test_a_family_may_have_the_name_of_a_module_of_the_standard_library(tmp_path: Path) -> None:
+    folder = folder_of_detectors(tmp_path / "detectors")
+    (folder / "calm.py").rename(folder / "json.py")
+    assert [one.name for one in families_of(folder)[0]] == ["failing", "published", "other"]
+
+
+def test_what_cannot_be_kept_is_no_broken_family(tmp_path: Path) -> None:
+    with pytest.raises(Refusal, match="cannot be written"):
+        families_of(folder_of_detectors(tmp_path / "detectors"), tmp_path / "absent")
+
+
 def test_the_shipped_detector_is_a_family() -> None:
     members = shipped_members()
     assert members[0].name == "shipped detector"
@@ -241,6 +265,15 @@ def test_the_answers_of_another_detector_are_not_taken(tmp_path: Path, capsys: p
     one.write_bytes(contents[1])
     assert answers_of(members, tasks, tmp_path, Limits(), 1, no_progress("judged", 2)).answers == first
     assert capsys.readouterr().err.count("is damaged, or was written under another name") == 2
+
+
+def test_the_unit_of_the_healthy_recording_is_part_of_the_task(tmp_path: Path) -> None:
+    table = measured_folder(tmp_path / "measured") / "recordings.csv"
+    first = measured_tasks(read_measured(tmp_path / "measured"), 1.0)
+    table.write_text(table.read_text().replace("calm_1,rig,healthy,2000,g", "calm_1,rig,healthy,2000,m/s^2"))
+    second = measured_tasks(read_measured(tmp_path / "measured"), 1.0)
+    assert [one.original.name for one in first] == ["calm_1", "struck_1"]
+    assert all(one.digest != two.digest for one, two in zip(first, second, strict=True))
 
 
 def test_a_recording_that_is_not_there_is_refused(tmp_path: Path) -> None:
@@ -313,6 +346,16 @@ def test_a_full_disk_fails_and_leaves_no_file(
     assert {path.name for path in tmp_path.iterdir()} == {"measured", "replica.yaml", "kept"}
     assert dcrb(*command, str(tmp_path / "absent" / name)) == 2
     assert "there is no folder" in capsys.readouterr().err
+
+
+def test_a_family_whose_published_member_is_left_out_has_no_representative(tmp_path: Path) -> None:
+    folder = folder_of_detectors(tmp_path / "detectors")
+    tasks = measured_tasks(read_measured(measured_folder(tmp_path / "measured")), 1.0)
+    members = [member for member in families_of(folder)[0] if member.name in ("other", "failing")]
+    answers = {member.name: {task.digest: "healthy" for task in tasks} for member in members}
+    found = predictivity_report._marks(members, answers, tasks, tasks)
+    assert found.detectors == ("other", "failing")
+    assert found.representatives.detectors == ("failing",)
 
 
 def test_the_json_has_every_figure() -> None:

@@ -30,12 +30,15 @@ from dcrb_ros.exam.vehicle.evaluation import (
     scored_boxes,
     vehicle_scenarios,
 )
-from dcrb_ros.exam.vehicle.exam_file import VehicleCase, VehicleExam, read_vehicle_exam
+from dcrb_ros.exam.vehicle.exam_file import VehicleCase, VehicleExam, read_vehicle_exam, vehicle_exam_of
 from dcrb_ros.exam.vehicle.signals import VehicleSignal, keep_signal, kept_signal, signal_path
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.simulation.failure import ModelFailure
+from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.stream.vehicle_diagnosis import Status, VehicleDiagnosis
 from dcrb_ros.vehicle.block import VehicleBlock
+from dcrb_ros.vehicle.description import described
 from dcrb_ros.vehicle.file import read_parameters, vehicle_of
 from dcrb_ros.vehicle.simulation import VehicleSimulation
 
@@ -214,6 +217,10 @@ def test_the_shipped_exam_covers_boxes_components_and_cross_talk() -> None:
         ({"scenarios": [{"name": "x", "set": {"vehicle.seed": []}}]}, "has an empty list"),
         ({"scenarios": []}, "defines no scenario"),
         ({"vehicle": "no_such"}, "no_such"),
+        (
+            {"scenarios": [{"name": "x", "boxes": ["axle_1.left", "axle_1.lefd"], "damaged": {"box": "roller"}}]},
+            "names the box 'axle_1.lefd'; did you mean 'axle_1.left'",
+        ),
     ],
 )
 def test_an_invalid_file_is_refused_in_one_sentence(change: dict[str, object], sentence: str, tmp_path: Path) -> None:
@@ -221,6 +228,22 @@ def test_an_invalid_file_is_refused_in_one_sentence(change: dict[str, object], s
     file.write_text(yaml.safe_dump({"exam": "x", "vehicle": "healthy_bogie", "scenarios": [{"name": "x"}], **change}), encoding="utf-8")
     with pytest.raises(Refusal, match=sentence):
         read_vehicle_exam(file)
+
+
+def test_speed_and_seed_of_a_vehicle_may_be_the_default_ones(tmp_path: Path) -> None:
+    (tmp_path / "vehicle.yaml").write_text("axle_1: {left: {}, right: {}}\n", encoding="utf-8")
+    exam = vehicle_exam_of({"exam": "x", "vehicle": str(tmp_path / "vehicle.yaml"), "scenarios": [{"name": "x"}]}, "the test")
+    (case,) = exam.cases
+    assert exam.seeds == (1,)
+    results = scored_boxes(case, described(case.vehicle()), VehicleOutcome(), CRITERIA)
+    assert [result.expectation.tags["speed"] for result in results] == pytest.approx([120.0 / 3.6 / 0.46] * 2)
+
+
+def test_a_seed_that_is_none_is_refused() -> None:
+    scenario = {"name": "x", "set": {"vehicle.seed": [1, "two"]}}
+    exam = vehicle_exam_of({"exam": "x", "vehicle": "healthy_bogie", "scenarios": [scenario]}, "the test")
+    with pytest.raises(Refusal, match=r"scenario 'x/seed=two', vehicle: seed"):
+        _ = exam.seeds
 
 
 def test_the_exam_of_a_bearing_does_not_read_that_of_a_vehicle() -> None:
@@ -261,6 +284,35 @@ def test_a_kept_signal_that_is_not_as_it_was_written_is_made_again(
     for found in (again, repaired):
         for box in BOXES:
             assert np.array_equal(found.acceleration[box], first.acceleration[box])
+
+
+def test_a_motion_is_long_enough_for_every_clock() -> None:
+    """With 2023 samples, a clock that is slow by 500 ppm needs a frame more; the motion does not depend on the clock."""
+    memory, duration = signals.MotionMemory(), 2023 / 51200
+    slow, swapped = {"axle_1.left.sensor.clock_offset_ppm": -500.0}, {"axle_1.left.sensor.swapped_with": "axle_2.left"}
+    vehicles = [vehicle_of(read_parameters("healthy_bogie", given), "the test") for given in ({}, slow, {**slow, **swapped}, {})]
+    for vehicle in vehicles:
+        found, own = (signals.simulated_signal(vehicle, duration, of) for of in (memory, signals.MotionMemory()))
+        for box in BOXES:
+            assert len(own.acceleration[box]) == 2023
+            assert np.array_equal(found.acceleration[box], own.acceleration[box])
+
+
+def test_a_vehicle_with_a_box_that_failed_is_not_evaluated(monkeypatch: pytest.MonkeyPatch) -> None:
+    step_to, failing = Simulation.step_to, [True]
+
+    def fails_once(self: Simulation, end: int) -> Any:
+        if failing and self.configuration.publishing.frame.startswith("axle_2/left") and end > signals.FRAME:
+            failing.pop()
+            raise ModelFailure("a roller left its race")
+        return step_to(self, end)
+
+    monkeypatch.setattr(Simulation, "step_to", fails_once)
+    vehicle = vehicle_of(read_parameters("healthy_bogie", {"vehicle.on_failure": "continue"}), "the test")
+    memory = signals.MotionMemory()
+    with pytest.raises(ModelFailure, match=r"axle_2\.left: a roller left its race"):
+        signals.simulated_signal(vehicle, 0.03, memory)
+    assert {len(samples) for samples in signals.simulated_signal(vehicle, 0.03, memory).acceleration.values()} == {round(0.03 * 51200)}
 
 
 def test_an_interrupted_simulation_leaves_no_part_of_a_motion(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -126,6 +126,16 @@ def test_a_reading_at_every_sample_is_thinned(tmp_path: Path) -> None:
         ({"box_temperature": "t"}, {"t": np.full(4 * RATE, 20.0)}, "has 48000 readings for 36000 samples"),
         ({"box_temperature": "t", "temperature_time": "u"}, {"t": np.ones(3), "u": np.ones(2)}, "has 3 readings for 2 times"),
         ({"box_temperature": "t", "temperature_time": "u"}, {"t": np.ones(2), "u": np.array([2.0, 1.0])}, "must increase"),
+        (
+            {"box_temperature": "t", "temperature_time": "u"},
+            {"t": np.ones(2), "u": np.array([-1.0, 1.0])},
+            "-1 s, outside 0 .. 2147483648 s",
+        ),
+        (
+            {"box_temperature": "t", "temperature_time": "u"},
+            {"t": np.ones(1), "u": np.array([3e9])},
+            "3e\\+09 s, outside 0 .. 2147483648 s",
+        ),
         ({"temperature_time": "u"}, {"u": np.ones(2)}, "gives temperature_time, but no temperature"),
     ],
 )

@@ -40,6 +40,7 @@ from dcrb_ros.messages.topics import (
 )
 from dcrb_ros.messages.topics.diagnosis import encode_diagnosis
 from dcrb_ros.messages.topics.fault_indicators import encode_indicators
+from dcrb_ros.nodes import bench
 from dcrb_ros.nodes.bench import Observer
 from dcrb_ros.nodes.publisher import message_class, qos
 from dcrb_ros.nodes.ros import spin
@@ -240,6 +241,12 @@ def test_bench_command_ends_with_the_verdict(tmp_path: Path) -> None:
     # The detector hears the signal from its first sample on: its window of 2 s is full at 2.0 s.
     first = next(recording.messages((DIAGNOSIS,)))
     assert decode_diagnostics(first.data)[0] <= 500_000_000
+
+
+@pytest.mark.parametrize(("returncode", "status"), [(0, 0), (2, 2), (-signal.SIGINT, 0), (-signal.SIGKILL, 1)])
+def test_a_simulator_that_had_to_be_killed_has_failed(returncode: int, status: int) -> None:
+    """It may not have finished its recording; one that a signal ends before it handles signals has none."""
+    assert bench._failed(returncode) == status
 
 
 def processes(module: str, variable: str) -> list[str]:

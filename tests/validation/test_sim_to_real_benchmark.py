@@ -6,11 +6,13 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
 
 import sim_to_real_data
 import sim_to_real_scores
+import sim_to_real_trainings
 
 
 def test_a_bearing_is_scored_by_a_forest_of_the_others() -> None:
@@ -32,3 +34,24 @@ def test_a_bearing_is_scored_by_a_forest_of_the_others() -> None:
     assert (named == truth)[~rollers].all()
     # There is one bearing with a damaged roller, and no forest without it knows the class.
     assert (scores[rollers, sim_to_real_data.CLASSES.index("roller")] == 0.0).all()
+
+
+def test_kept_windows_are_those_of_the_same_machines_and_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[tuple[int, float]] = []
+
+    def windows(rig: object, bench: str, machine: object, number: int, seconds: float) -> sim_to_real_data.Windows:
+        made.append((number, seconds))
+        return sim_to_real_data.Windows(("y_depth",), np.full((1, 1), seconds), ["healthy"], [str(number)])
+
+    monkeypatch.setattr(sim_to_real_trainings, "machine_windows", windows)
+
+    def values(machines: int, seconds: float) -> list[float]:
+        found = sim_to_real_trainings.drawn_windows(sim_to_real_data.RIGS[0], "ball_bearing_6205", tmp_path, machines, seconds)
+        return found.values[:, 0].tolist()
+
+    assert values(2, 1.0) == values(2, 1.0) == [1.0, 1.0]
+    assert made == [(0, 1.0), (1, 1.0)]
+    assert values(2, 2.0) == [2.0, 2.0]
+    made.clear()
+    values(3, 2.0)  # another number of machines has other strata
+    assert made == [(0, 2.0), (1, 2.0), (2, 2.0)]

@@ -10,13 +10,16 @@ import numpy as np
 import pytest
 import rerun as rr
 from rerun_documents import rows
+from synthetic_bogie import DESCRIPTION as BOGIE
+from synthetic_bogie import SECONDS, bogie
 
+from dcrb_ros.diagnosis.vehicle.detector import BoxBlock, VehicleDetector
 from dcrb_ros.messages.joints import encode_features
 from dcrb_ros.messages.plain import encode_text
 from dcrb_ros.messages.points import encode_spectrum, encode_vibration
-from dcrb_ros.messages.statuses import ERROR, OK, WARN, Status
+from dcrb_ros.messages.statuses import ERROR, OK, WARN, Status, encode_diagnostics
 from dcrb_ros.messages.topics import ENVELOPE_SPECTRUM, FEATURES, VIBRATION
-from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_TRUTH
+from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DIAGNOSIS, VEHICLE_TRUTH
 from dcrb_ros.messages.vehicle import encode_vehicle_truth
 from dcrb_ros.stream.block import Block
 from dcrb_ros.vehicle.block import VehicleTruth
@@ -26,7 +29,7 @@ from dcrb_ros.vehicle.frame import TrackEvent
 from dcrb_ros.viewer import palette
 from dcrb_ros.viewer.content import Series, TimedWaveform
 from dcrb_ros.viewer.plan_view import DOUBTFUL, HEALTHY, WAITING, colour_of, text_of, worst
-from dcrb_ros.viewer.vehicle_content import VehicleContent, Verdicts, events_in, lead_times
+from dcrb_ros.viewer.vehicle_content import VehicleContent, Verdicts, diagnoses_of, events_in, lead_times
 from dcrb_ros.viewer.vehicle_document import picture_time, write_vehicle_document
 from dcrb_ros.viewer.vehicle_live import VehicleLiveView
 
@@ -120,6 +123,24 @@ def blocks(number: int) -> Block:
     return Block(1024 * number, RATE, acceleration, whole.shaft_angle[last], acceleration)
 
 
+def test_samples_after_a_gap_are_judged_at_their_own_time() -> None:
+    """Without the samples of 0.3 s, a hop later than the gap still ends where it does without one."""
+    signals, kept = bogie({"axle_1/right": {"outer": 900.0}}), np.ones(round(SECONDS * BOGIE.sampling_rate), bool)
+    kept[40000:55360] = False
+    time_ns = (np.flatnonzero(kept) * 1_000_000_000 + BOGIE.sampling_rate // 2) // BOGIE.sampling_rate
+    waveforms = {
+        name: TimedWaveform(time_ns, acceleration[kept], angle[kept], BOGIE.sampling_rate)
+        for name, (acceleration, angle) in signals.items()
+    }
+    detector, expected = VehicleDetector(BOGIE), []
+    for first, last in ((0, 40000), (55360, len(kept))):
+        part = {name: BoxBlock(first, acceleration[first:last], angle[first:last]) for name, (acceleration, angle) in signals.items()}
+        expected += [diagnosis] if (diagnosis := detector.add(part)) else []
+    shown = diagnoses_of(VehicleContent("gap", BOGIE, waveforms))
+    assert shown[-1].time == expected[-1].time
+    assert shown[-1].statuses == expected[-1].statuses
+
+
 def test_events_have_time_place_and_wheel() -> None:
     (event,) = events_in(truth(2))
     assert (event.time_ns, event.cause, event.where, event.place, event.jump) == (45_000_000, "flat", "axle_1/right", 50.0, 0.2)
@@ -179,6 +200,9 @@ def test_a_running_vehicle_is_shown_and_a_reset_begins_a_new_recording(tmp_path:
             spectrum = encode_spectrum(number * 20_000_000, np.arange(4000) * 0.01, amplitude, 10.0, BOXES[1])
             view.take(ENVELOPE_SPECTRUM.below(BOXES[1]), spectrum)
             view.take(VEHICLE_TRUTH, truth(number))
+            level, verdict = (ERROR, "outer_ring") if number > 1 else (OK, "healthy")
+            statuses = [Status(f"{BOXES[0]}/bearing", OK, "healthy", {}), Status(f"{BOXES[1]}/bearing", level, verdict, {})]
+            view.take(VEHICLE_DIAGNOSIS, encode_diagnostics(number * 20_000_000, statuses, "base"))
             view.flush()
     view.close()
     assert len(files) == 2
@@ -186,6 +210,7 @@ def test_a_running_vehicle_is_shown_and_a_reset_begins_a_new_recording(tmp_path:
         count = rows(file)
         assert {box.name: count[f"/aligned/{box.side}/{box.axle}"] for box in DESCRIPTION.boxes} == dict.fromkeys(BOXES, 4096)
         assert count["/events"] == 4
+        assert count["/verdicts"] == 3  # two at first, and one that changes
         assert count[f"/spectra/{BOXES[1]}/curve"] == 4
         assert count[f"/spectra/{BOXES[0]}/curve"] == 0
     assert len(warnings) == 1

@@ -155,7 +155,7 @@ def vehicle_scenarios(exam: VehicleExam, folder: Path, workers: int = 1) -> Scen
 
 def scored_boxes(case: VehicleCase, description: VehicleDescription, outcome: VehicleOutcome, criteria: Criteria) -> list[ScenarioResult]:
     """Return the result of every box of a vehicle."""
-    speed = float(case.parameters["vehicle.speed_kmh"]) / 3.6
+    speed = case.journey.speed_kmh / 3.6
     results = []
     for box in description.boxes:
         expectation = Expectation(

@@ -21,11 +21,11 @@ from dcrb_ros.schema.fields import Group, choice, quantity
 from dcrb_ros.schema.parameter_field import first_problem
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.schema.verdicts import FaultClass
-from dcrb_ros.settings.files import flatten
+from dcrb_ros.settings.files import flatten, validated
 from dcrb_ros.settings.shipped import find_shipped
 from dcrb_ros.text.yaml import read_yaml
-from dcrb_ros.vehicle.description import Vehicle
-from dcrb_ros.vehicle.file import read_parameters, vehicle_of
+from dcrb_ros.vehicle.description import Journey, Vehicle
+from dcrb_ros.vehicle.file import as_floats, read_parameters, vehicle_of
 
 PLACEHOLDER = "box"
 """In the keys of a scenario, the box in question."""
@@ -84,6 +84,17 @@ class VehicleCase:
     required: bool = True
     tags: Mapping[str, str] = field(default_factory=dict)
 
+    @property
+    def journey(self) -> Journey:
+        """How the vehicle runs, without reading its boxes.
+
+        Raises:
+            Refusal: a parameter of this group is invalid.
+        """
+        prefix = "vehicle."
+        given = {key.removeprefix(prefix): value for key, value in self.parameters.items() if key.startswith(prefix)}
+        return validated(as_floats(given, Journey), Journey, f"scenario '{self.name}', vehicle")
+
     def vehicle(self) -> Vehicle:
         """Return the vehicle.
 
@@ -112,7 +123,7 @@ class VehicleExam:
     @property
     def seeds(self) -> tuple[int, ...]:
         """Seeds of the vehicles in increasing order."""
-        return tuple(sorted({int(case.parameters.get("vehicle.seed", 1)) for case in self.cases}))
+        return tuple(sorted({case.journey.seed for case in self.cases}))
 
 
 def read_vehicle_exam(source: str | Path) -> VehicleExam:
@@ -158,7 +169,7 @@ def _cases(file: VehicleExamFile, entry: VehicleEntry, base: Mapping[str, Any], 
     if empty is not None:
         raise Refusal(f"{where}: {empty} has an empty list: give at least one value")
     varied = {key: value for key, value in changes.items() if isinstance(value, list)}
-    checked: set[tuple[str, str]] = set()
+    checked: dict[tuple[str, str], list[str]] = {}
     for point, variant, box, values in itertools.product(
         (entry.points if entry.points is not None else [*file.points]) or [""],
         entry.variants or [""],
@@ -172,9 +183,9 @@ def _cases(file: VehicleExamFile, entry: VehicleEntry, base: Mapping[str, Any], 
         damaged = {_placed(key, box, where): verdict for key, verdict in entry.damaged.items() if verdict != "healthy"}
         tags = {**({"point": point} if point else {}), **({"variant": variant} if variant else {}), "kind": entry.name, **entry.tags}
         case = VehicleCase("/".join(filter(None, words)), parameters, file.duration, damaged, entry.required, tags)
-        if (point, variant) not in checked:  # the other values are checked when the vehicle is simulated
-            checked.add((point, variant))
-            names = [name.name for name in case.vehicle().boxes]
+        names = checked.get((point, variant), [])  # the other values are checked when the vehicle is simulated
+        if not names or not set(damaged) <= set(names):
+            names = checked[point, variant] = [box_of.name for box_of in case.vehicle().boxes]
             stranger = next((name for name in damaged if name not in names), None)
             if stranger is not None:
                 raise Refusal(f"{where}: damaged names the box '{stranger}'{nearest(stranger, names)} (known: {', '.join(names)})")

@@ -25,6 +25,7 @@ from dcrb_ros.recordings.manifest import model_fingerprint, software, vehicle_fi
 from dcrb_ros.runtime.exit_status import print_error
 from dcrb_ros.schema.arrays import Floats, Samples
 from dcrb_ros.simulation.block_queue import wrapped
+from dcrb_ros.simulation.failure import ModelFailure
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.stream.block import Block
 from dcrb_ros.stream.vehicle_description import VehicleDescription
@@ -115,12 +116,19 @@ class RememberedBearing:
 
 
 def simulated_signal(vehicle: Vehicle, duration: float, memory: MotionMemory, threads: int | None = None) -> VehicleSignal:
-    """Return the signal of a vehicle over a time [s]; a remembered motion must be as long."""
-    remembered = [memory.motion(vehicle, box) for box in vehicle.boxes]
+    """Return the signal of a vehicle over a time [s]; bearings whose remembered motion is too short are stepped again.
+
+    Raises:
+        ModelFailure: the model of a box failed.
+    """
+    remembered, frames = [memory.motion(vehicle, box) for box in vehicle.boxes], _frames(vehicle, duration)
+    for motion in remembered:
+        if len(motion) < frames:
+            motion.clear()
     if any(box.configuration.thermal.law != "none" for box in vehicle.boxes):
         memory = MotionMemory()  # only bearings that are stepped become warm
     elif all(remembered) and not any(box.swapped_with for box in vehicle.boxes):
-        return _mixed(vehicle, duration, remembered)
+        return _mixed(vehicle, duration, [motion[:frames] for motion in remembered])
     simulation = VehicleSimulation(vehicle, threads=threads)
     for box in vehicle.boxes:
         bearing: Any = RememberedBearing(simulation.simulations[box.name], memory.motion(vehicle, box))
@@ -130,6 +138,8 @@ def simulated_signal(vehicle: Vehicle, duration: float, memory: MotionMemory, th
         for block in simulation.blocks(duration):
             for name, box_block in block.boxes.items():
                 pieces[name].append(box_block)
+        if simulation.silent:
+            raise ModelFailure("; ".join(simulation.silent.values()))
     except BaseException:
         for box in vehicle.boxes:
             memory.motion(vehicle, box).clear()  # a part of a motion would be taken for the whole
@@ -140,6 +150,12 @@ def simulated_signal(vehicle: Vehicle, duration: float, memory: MotionMemory, th
         {_topic(name): np.concatenate([block.shaft_angle for block in blocks]) for name, blocks in pieces.items()},
         {_topic(name): rows for name, blocks in pieces.items() if len(rows := _readings(blocks))},
     )
+
+
+def _frames(vehicle: Vehicle, duration: float) -> int:
+    """Return the frames after which every box has the samples of a time [s]; a clock that is slow needs more of them [-]."""
+    count = round(duration * vehicle.boxes[0].configuration.sensor.sampling_rate)
+    return -(-max(Sensor(box.configuration.measurement).steps(count) for box in vehicle.boxes) // FRAME)
 
 
 def _readings(blocks: Sequence[Block]) -> Floats:
