@@ -16,7 +16,7 @@ from dcrb_ros.bearing.waveform import Piece, Signal, signal_of
 from dcrb_ros.diagnosis.baseline_learning import BaselineLearner
 from dcrb_ros.diagnosis.healthy_baseline import HealthyBaseline, axes, rules_hash
 from dcrb_ros.diagnosis.parameters import DetectorParameters
-from dcrb_ros.diagnosis.thermal_detector import TemperatureFeed, ThermalFaultDetector
+from dcrb_ros.diagnosis.thermal_detector import TemperatureFeed, ThermalFaultDetector, temperatures_of
 from dcrb_ros.runtime.frames import pandas
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.verdicts import Verdict
@@ -157,7 +157,7 @@ def watch(
 ) -> DetectionResult:
     """Return the diagnoses of a signal as `detect` does, also if all of them are ``waiting``."""
     chosen, described = _checked(signal, parameters), _described(signal if bearing is None else bearing)
-    readings = _temperatures(signal) if temperatures is None else temperatures
+    readings = temperatures_of(signal) if temperatures is None else temperatures
     history, samples = _diagnoses(_detector(signal, chosen, described, baseline), signal.pieces(), readings)
     duration = samples / signal.sampling_rate
     if duration >= SHORT and all(diagnosis.verdict == "waiting" for diagnosis in history):
@@ -270,13 +270,6 @@ def _described(source: object) -> object:
     if hasattr(source, "bearing"):
         return source.bearing
     return getattr(getattr(source, "configuration", None), "bearing", source)
-
-
-def _temperatures(signal: object) -> TemperatureReadings:
-    """Return the readings of temperature in a run or recording; none in anything else."""
-    readings = getattr(signal, "temperatures", None)
-    given: TemperatureReadings | None = readings() if callable(readings) else readings
-    return TemperatureReadings.none() if given is None else given
 
 
 def _diagnoses(detector: ThermalFaultDetector, pieces: Iterable[Piece], readings: TemperatureReadings) -> tuple[list[Diagnosis], int]:

@@ -129,6 +129,13 @@ class TemperatureFeed:
             take(*self._waiting.popleft())
 
 
+def temperatures_of(signal: object) -> TemperatureReadings:
+    """Return the readings of temperature in a run or recording; none in anything else."""
+    readings = getattr(signal, "temperatures", None)
+    given: TemperatureReadings | None = readings() if callable(readings) else readings
+    return TemperatureReadings.none() if given is None else given
+
+
 def _with_trouble(diagnosis: Diagnosis, finding: HeatFinding) -> Diagnosis:
     """Return a diagnosis with a trouble beside what it says so far."""
     damaged = diagnosis.verdict in (*COMPONENTS, "compound")

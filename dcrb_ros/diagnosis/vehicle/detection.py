@@ -5,10 +5,12 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Protocol
 
 from dcrb_ros.bearing.waveform import Piece, Signal
 from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.diagnosis.thermal_detector import TemperatureFeed, temperatures_of
 from dcrb_ros.diagnosis.vehicle.detector import BoxBlock, VehicleDetector
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
 from dcrb_ros.schema.arguments import checked_arguments, with_attributes
@@ -72,7 +74,8 @@ def detect_vehicle(
     Parameters
     ----------
     signals
-        A `VehicleRecording`, or an object with a ``description`` and the signals of its ``boxes``.
+        A `VehicleRecording`, or an object with a ``description`` and the signals of its ``boxes``. A signal with ``temperatures`` is also
+        judged by these.
     parameters, box_parameters
         Parameters of the comparison and of the fault detector of each box; the defaults otherwise.
 
@@ -95,15 +98,17 @@ def detect_vehicle(
     """
     detector = VehicleDetector(signals.description, parameters or VehicleDetectorParameters(), box_parameters or DetectorParameters())
     boxes = {name.replace(".", "/"): signal for name, signal in signals.boxes.items()}
-    history, seconds = [], 0.0
-    for pieces in itertools.zip_longest(*(signal.pieces() for signal in boxes.values())):
-        blocks = {name: _block(piece) for name, piece in zip(boxes, pieces, strict=True) if piece is not None}
-        diagnosis = detector.add(blocks)
-        seconds = max(seconds, *(block.index + len(block.acceleration) for block in blocks.values()), 0.0)
+    feeds = {name: TemperatureFeed(temperatures_of(signal)) for name, signal in boxes.items()}
+    rate, history, held = signals.description.sampling_rate, [], 0.0
+    for each in itertools.zip_longest(*(signal.pieces() for signal in boxes.values())):
+        pieces = {name: piece for name, piece in zip(boxes, each, strict=True) if piece is not None}
+        diagnosis = detector.add({name: _block(piece) for name, piece in pieces.items()})
+        for name, piece in pieces.items():
+            held = max(held, piece.end_index / rate)
+            feeds[name].give(partial(detector.take_temperature, name), piece.end_index / rate)
         if diagnosis is not None:
             history.append(diagnosis)
     if not history:
-        held = seconds / signals.description.sampling_rate
         raise Refusal(f"the signals end at {held:.2f} s, too early for a diagnosis of the vehicle: record some seconds")
     return VehicleDetectionResult(tuple(history))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -9,8 +10,11 @@ import pytest
 from synthetic_bearing import ORDERS
 from synthetic_bogie import BOXES, DESCRIPTION, FREQUENCY, LAG, SECONDS, Boxes, bogie, diagnosed
 
+from dcrb_ros.bearing.temperature_readings import TemperatureReadings
+from dcrb_ros.bearing.waveform import Piece
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.vehicle.causes import correlated_lag
+from dcrb_ros.diagnosis.vehicle.detection import detect_vehicle
 from dcrb_ros.diagnosis.vehicle.detector import BoxBlock, VehicleDetector
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
 from dcrb_ros.schema.refusal import Refusal
@@ -248,3 +252,20 @@ def test_the_width_of_whitening_is_not_that_of_tones(whitening: float) -> None:
     last = diagnosed(bogie({"axle_1/left": SPALLS["outer_ring"]}), detector=detector)[-1]
     verdicts = {name: status.verdict for name, status in last.statuses.items() if name.endswith("/bearing") and status.verdict != "healthy"}
     assert verdicts == {"axle_1/left/bearing": "outer_ring"}
+
+
+def test_the_temperatures_of_a_box_are_judged() -> None:
+    """Readings at 170 degrees C from 1 s on; the detector of the box has them by the end of the signal."""
+    hot, time = "axle_2/right", np.arange(1.0, SECONDS, 0.2)
+    readings = TemperatureReadings(time=time, outer_ring=np.full(len(time), 170.0), box=time * np.nan, ambient=np.full(len(time), 20.0))
+    boxes = {
+        name.replace("/", "."): SimpleNamespace(
+            pieces=lambda signal=signal: iter(
+                [Piece(k, *(part[k : k + 5120] for part in signal), 0.0) for k in range(0, len(signal[1]), 5120)]
+            ),
+            **({"temperatures": readings} if name == hot else {}),
+        )
+        for name, signal in bogie().items()
+    }
+    found = detect_vehicle(SimpleNamespace(description=DESCRIPTION, boxes=boxes))  # type: ignore[arg-type]
+    assert verdicts(found.last, "bearing") == {hot: "overheating"}
