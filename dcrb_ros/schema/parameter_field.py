@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple, get_args, get_origin
@@ -170,5 +171,7 @@ def _aside(description: str) -> str:
 def _millimetres(field: ParameterField, value: Any) -> str:
     """Return the length in metres if a value would be in range as millimetres."""
     if field.unit != "m" or not isinstance(value, (int, float)) or field.low is None or field.high is None:
+        return ""
+    if abs(value) > sys.float_info.max:  # a whole number that no float can hold
         return ""
     return f" (did you mean {value / 1000.0:g}?)" if field.low <= value / 1000.0 <= field.high else ""

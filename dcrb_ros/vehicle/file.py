@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -262,7 +263,7 @@ def seed_of(seed: int, *names: str) -> int:
 
 
 def as_floats(flat: Mapping[str, Any], model: type[Group]) -> dict[str, Any]:
-    """Return values with whole numbers as floats where the model has floats, as ROS writes them."""
+    """Return values with whole numbers as floats where the model has floats, as ROS writes them, unless they are beyond all floats."""
     floats = {key for key, field in model.model_fields.items() if field.annotation is float}
     whole = {key for key, value in flat.items() if key in floats and isinstance(value, int) and not isinstance(value, bool)}
-    return {key: float(value) if key in whole else value for key, value in flat.items()}
+    return {key: float(value) if key in whole and abs(value) <= sys.float_info.max else value for key, value in flat.items()}

@@ -6,6 +6,7 @@ The files are those of a bench (`dcrb_ros.simulation.scenario`) with keys as the
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
@@ -125,12 +126,16 @@ class _Course:
         """The wheel under each box."""
         self._present: dict[str, Any] = {f"{PREFIX}{name}": getattr(vehicle.journey, name) for name in RANGES}
         self._present |= {f"{axle.name}.slide": axle.slide for axle in vehicle.axles}
+        self._last_speed = (0, vehicle.journey.speed_kmh, vehicle.journey.speed_kmh)
+        """Frame of the latest change of the speed, the speed at this frame and the commanded one [km/h]."""
 
     def settings(self, entry: Entry, key: str, value: Any) -> Iterator[ScheduledSetting]:
         """Yield the settings by which an entry changes a value, at once or gradually."""
         first, last = (-(-step // FRAME) for step in (entry.first, entry.last))
-        before = self._before(key)
+        before = self._speed_at(first) if key == SPEED else self._before(key)
         self._present[key] = value
+        if key == SPEED:
+            self._last_speed = (first, before, value) if last == first else (last, value, value)
         if last == first:
             yield ScheduledSetting(first, key, value)
         elif key == SPEED:
@@ -146,6 +151,12 @@ class _Course:
             count = min(MAX_TICKS, last - first)
             for k in range(1, count + 1):
                 yield ScheduledSetting(first + (last - first) * k // count, key, before + k / count * (value - before))
+
+    def _speed_at(self, frame: int) -> float:
+        """Return the speed at a frame [km/h], which may still be on its way to the commanded one."""
+        begun, speed, commanded = self._last_speed
+        change = 3.6 * self._ramp * (frame - begun) * self._frame
+        return commanded if abs(commanded - speed) <= change else speed + math.copysign(change, commanded - speed)
 
     def _before(self, key: str) -> Any:
         """Return the present value of a key."""

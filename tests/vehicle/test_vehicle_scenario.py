@@ -71,6 +71,15 @@ def test_settings_are_at_whole_frames_and_the_speed_has_the_slope_of_its_duratio
     assert list(scenario.boxes) == ["axle_1.left"]
 
 
+def test_a_gradual_change_begins_at_the_speed_that_the_vehicle_has() -> None:
+    """From 72 km/h on the way to 36 km/h at 0.5 m/s^2, 7.2 km/h are lost in 4 s; then 64.8 km/h are to be 36 km/h after 4 s."""
+    start = vehicle(vehicle__ramp=0.5)
+    entries = [{"at": 1.0, "set": {"vehicle.speed_kmh": 36.0}}, {"at": 5.0, "over": 4.0, "set": {"vehicle.speed_kmh": 36.0}}]
+    scenario = vehicle_scenario({"timeline": entries}, start, "ride.yaml")
+    ramps = [setting.value for setting in scenario.settings if setting.key == "vehicle.ramp"]
+    assert ramps == pytest.approx([28.8 / 3.6 / 4.0, 0.5], rel=2e-3)
+
+
 def test_the_start_replaces_parameters_of_the_vehicle() -> None:
     start = vehicle()
     assert start.journey.speed_kmh == 72.0

@@ -559,3 +559,9 @@ def test_a_changed_outcome_is_reported_and_not_used(run: Path, tmp_path: Path) -
     recording = VehicleRecording(changed)
     assert any("is damaged or was changed: the commands are read from the ground truth" in sentence for sentence in recording.damage)
     assert recording.commands() == VehicleRecording(run).commands()
+
+
+@pytest.mark.parametrize("key", ["body.mass", "vehicle.speed_kmh", "axle_1.radius", "axle_1.left.bearing.pitch_radius"])
+def test_a_whole_number_beyond_all_floats_is_refused(key: str) -> None:
+    with pytest.raises(Refusal, match=r"= 9{400} "):
+        vehicle_of(read_parameters("healthy_bogie", {key: 10**400 - 1}), "mine.yaml")
