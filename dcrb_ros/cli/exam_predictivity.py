@@ -10,7 +10,7 @@ import typer
 
 from dcrb_ros.cli.literal_help import Commands
 from dcrb_ros.cli.options import Force, JsonOutput, Quiet, Workers, worker_count
-from dcrb_ros.cli.output_file import PICTURES, check_output, replacing
+from dcrb_ros.cli.output_file import PICTURES, check_free, check_output, replacing
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.writing import write_whole
 
@@ -39,6 +39,8 @@ def replica(
     from dcrb_ros.exam.replica import ReplicaPlan, replica_tree
     from dcrb_ros.text.yaml import yaml_text
 
+    check_output("--output", output, (".yaml", ".yml"))
+    check_free("--output", output, force=force)
     _check_speed(speed)
     plan = ReplicaPlan(seed, machines, counterparts, longest, bench, tuple(without or ()))
     tree = replica_tree(_checked(table), plan, speed)

@@ -113,7 +113,9 @@ def test_the_command_writes_the_page_beside_its_answer(tmp_path: Path, capsys: p
     assert [answer["verdict"] for answer in answers] == ["healthy", "cage"]
     assert "cage fault" in Page(file.read_text(encoding="utf-8")).text
     assert dcrb("detect", *bags, "--report", str(file)) == 2
-    assert "exists: give another name, or --force" in capsys.readouterr().err
+    out, err = capsys.readouterr()
+    assert "exists: give another name, or --force" in err
+    assert out == "", "it must be refused before the detection"
 
 
 def test_two_runs_of_the_command_write_the_same_bytes(tmp_path: Path) -> None:
