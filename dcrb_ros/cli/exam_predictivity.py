@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -46,7 +47,8 @@ def replica(
     tree = replica_tree(_checked(table), plan, speed)
     with replacing("--output", output, force=force):
         write_whole(output, yaml_text(tree))
-    print(f"{output}: {len(tree['scenarios'])} scenarios; compare it with dcrb exam predictivity {table} --replica {output}")
+    command = shlex.join(("dcrb", "exam", "predictivity", str(table), "--replica", str(output)))
+    print(f"{output}: {len(tree['scenarios'])} scenarios; compare it with {command}")
 
 
 def predictivity(
