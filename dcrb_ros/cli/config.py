@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -134,7 +135,7 @@ def new(
     print(f"{output}: the comments say where these values come from; replace them by those of a drawing")
     for entry in filled:
         print(f"  {entry.key:28s} {entry.value:<12.6g} {entry.source}")
-    print(f"next: dcrb config check {output}")
+    print(f"next: dcrb config check {shlex.quote(str(output))}")
 
 
 Group = Annotated[

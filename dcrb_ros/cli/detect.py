@@ -11,7 +11,7 @@ import typer
 
 from dcrb_ros.cli.detect_vehicle import diagnosed_vehicle, print_vehicle, vehicle_as_object
 from dcrb_ros.cli.options import DetectorFile, Force, JsonOutput, detector_parameters, warn_of_digest
-from dcrb_ros.cli.output_file import check_output, replacing
+from dcrb_ros.cli.output_file import check_free, check_output, replacing
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.writing import write_whole
 
@@ -59,6 +59,7 @@ def detect(
 
     if report is not None:
         check_output("--report", report, (".html", ".htm"))
+        check_free("--report", report, force=force)
     parameters = detector_parameters(detector)
     if baseline is not None:
         parameters = parameters.model_copy(update={"baseline": str(baseline)})
@@ -187,6 +188,7 @@ def _learned(
         raise Refusal(f"--healthy and the baseline {parameters.baseline} in --detector both give a baseline: leave out one of them")
     if save is not None:
         check_output("--save-baseline", save, (".yaml", ".yml"))
+        check_free("--save-baseline", save, force=force)
     recording = Recording(healthy)
     learned = learn_baseline(recording, name=healthy.name, parameters=parameters)
     warn_of_digest(recording, str(healthy))

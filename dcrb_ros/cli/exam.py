@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import Annotated
 
@@ -71,7 +72,7 @@ def open_(
     opened = open_exam(read_sealed(sealed), read_secret(secret), str(sealed))
     with replacing("--output", file, force=force):
         write_whole(file, yaml_text(dict(opened.tree)))
-    print(f"{file}: {len(opened.exam.cases)} scenarios; score it with dcrb score {file}")
+    print(f"{file}: {len(opened.exam.cases)} scenarios; score it with dcrb score {shlex.quote(str(file))}")
 
 
 @app.command()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -10,7 +11,7 @@ import typer
 
 from dcrb_ros.cli.literal_help import Commands
 from dcrb_ros.cli.options import Force, JsonOutput, Quiet, Workers, worker_count
-from dcrb_ros.cli.output_file import PICTURES, check_output, replacing
+from dcrb_ros.cli.output_file import PICTURES, check_free, check_output, replacing
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.writing import write_whole
 
@@ -39,12 +40,15 @@ def replica(
     from dcrb_ros.exam.replica import ReplicaPlan, replica_tree
     from dcrb_ros.text.yaml import yaml_text
 
+    check_output("--output", output, (".yaml", ".yml"))
+    check_free("--output", output, force=force)
     _check_speed(speed)
     plan = ReplicaPlan(seed, machines, counterparts, longest, bench, tuple(without or ()))
     tree = replica_tree(_checked(table), plan, speed)
     with replacing("--output", output, force=force):
         write_whole(output, yaml_text(tree))
-    print(f"{output}: {len(tree['scenarios'])} scenarios; compare it with dcrb exam predictivity {table} --replica {output}")
+    command = shlex.join(("dcrb", "exam", "predictivity", str(table), "--replica", str(output)))
+    print(f"{output}: {len(tree['scenarios'])} scenarios; compare it with {command}")
 
 
 def predictivity(

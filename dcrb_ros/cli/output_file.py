@@ -32,6 +32,16 @@ def check_output(option: str, file: Path, suffixes: Sequence[str] = ()) -> None:
         raise Refusal(f"{option} {file} cannot be written: permission denied; give another file")
 
 
+def check_free(option: str, path: Path, *, force: bool) -> None:
+    """Refuse an existing file or recording unless ``force`` is given.
+
+    Raises:
+        Refusal: ``path`` exists and ``force`` is not given.
+    """
+    if not force and os.path.lexists(checked_path(path)):
+        raise Refusal(f"{option} {path} exists: give another name, or --force to replace it")
+
+
 @contextmanager
 def replacing(option: str, path: Path, *, force: bool, source: Path | None = None) -> Iterator[None]:
     """Refuse an existing file or recording; with ``force`` replace it by what is written in the context.
@@ -47,8 +57,7 @@ def replacing(option: str, path: Path, *, force: bool, source: Path | None = Non
         return
     if source is not None and path.resolve() in (source.resolve(), *source.resolve().parents):
         raise Refusal(f"{option} {path} contains the recording that is read: give another name")
-    if not force:
-        raise Refusal(f"{option} {path} exists: give another name, or --force to replace it")
+    check_free(option, path, force=force)
     if path.is_dir():
         _check_recording(option, path)
     old = _put_aside(option, path)

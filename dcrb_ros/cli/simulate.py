@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
+import shlex
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
@@ -184,7 +185,7 @@ def _print_written(path: Path, progress: Progress, outcomes: Mapping[str, Outcom
         return
     print(f"{path}: {progress}" + ("" if "" in outcomes else f", {len(outcomes)} boxes"))
     if not quiet:
-        print(f"open it with: dcrb view {path}")
+        print(f"open it with: dcrb view {shlex.quote(str(path))}")
 
 
 def _print_object(path: Path | None, progress: Progress, samples: Mapping[str, RecordedSamples]) -> None:

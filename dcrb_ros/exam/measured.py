@@ -122,11 +122,17 @@ def read_table(table: Path, speed: str = "lines") -> list[MeasuredRecording]:
 
 
 def _row(table: Path, line: int, row: dict[str, str], speed: str) -> MeasuredRecording:
+    numbers = {}
+    for column in (*CHARACTERISTIC_FREQUENCIES, speed, "sampling_rate"):
+        try:
+            numbers[column] = float(row[column])
+        except (TypeError, ValueError):
+            raise Refusal(f"{table}, line {line}: {column} = {row[column] or 'nothing'} is not a number: give one") from None
+    frequency = numbers[speed] / 60.0
     try:
-        orders = Orders.from_dict({name: float(row[name]) for name in CHARACTERISTIC_FREQUENCIES})
-        frequency = float(row[speed]) / 60.0
-        rate = sampling_rate(float(row["sampling_rate"]), str(table))
-    except (TypeError, ValueError, Refusal) as error:
+        orders = Orders.from_dict({name: numbers[name] for name in CHARACTERISTIC_FREQUENCIES})
+        rate = sampling_rate(numbers["sampling_rate"], str(table))
+    except Refusal as error:
         raise Refusal(f"{table}, line {line}: {error}") from None
     if not (math.isfinite(frequency) and frequency > 0.0):
         raise Refusal(f"{table}, line {line}: {speed} = {row[speed]} is not a speed: give it in rpm, above 0")

@@ -5,7 +5,7 @@ SRCC is Pearson's correlation (Kadian et al. 2020), MMRV the mean maximum rank v
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -126,15 +126,26 @@ def scopes(recordings: Sequence[Compared]) -> Iterator[tuple[str, list[int]]]:
         yield f"class {truth}", [k for k in everything if recordings[k].truth == truth]
 
 
+def check_families(families: Iterable[str], left_out: Sequence[str] = ()) -> None:
+    """Refuse fewer families than an order takes; the sentence has the first reason why a detector is ``left_out``.
+
+    Raises:
+        Refusal: there are fewer than three families of detectors.
+    """
+    count = len(set(families))
+    if count < FEWEST:
+        because = f" ({len(left_out)} left out, such as {left_out[0]})" if left_out else ""
+        few = "1 family of detectors is" if count == 1 else f"{count} families of detectors are"
+        raise Refusal(f"{few} left{because}, but an order takes {FEWEST}: give a folder with more of them")
+
+
 def predictivities(marks: Marks) -> list[Predictivity]:
     """Return how well the exam predicts the field in every scope.
 
     Raises:
         Refusal: there are fewer than three families of detectors.
     """
-    count = len(set(marks.families))
-    if count < FEWEST:
-        raise Refusal(f"{count} families of detectors are left, but an order takes {FEWEST}: give a folder with more of them")
+    check_families(marks.families)
     return [_predictivity(scope, marks, members) for scope, members in scopes(marks.recordings)]
 
 

@@ -15,7 +15,7 @@ from dcrb_ros.exam.evaluation import OnDone
 from dcrb_ros.exam.exam_file import Exam, ReplicaOrigin
 from dcrb_ros.exam.limits import Limits
 from dcrb_ros.exam.measured import read_table
-from dcrb_ros.exam.predictivity import Compared, Marks, Predictivity, class_mean, predictivities
+from dcrb_ros.exam.predictivity import Compared, Marks, Predictivity, check_families, class_mean, predictivities
 from dcrb_ros.exam.predictivity_marks import answers_of
 from dcrb_ros.exam.predictivity_task import Task, measured_tasks, simulate_missing, simulated_tasks
 from dcrb_ros.exam.replica import table_digest
@@ -73,6 +73,7 @@ def compare_with_field(
     Raises:
         Refusal: a recording is not there, the replica is one of another table, or fewer than three families are left.
     """
+    check_families([member.family for member in members], _reasons(broken))
     origin = origin_of(exam, table)
     measured = read_table(table, origin.speed)
     first = measured_tasks(measured, origin.longest)
@@ -82,10 +83,13 @@ def compare_with_field(
     found = answers_of(members, tasks, recordings, limits, workers, progress("judged", len(members)))
     kept = [member for member in members if member.name in found.answers]
     both = [*broken, *found.broken]
-    if not kept:
-        raise Refusal("; ".join(["no detector is left to compare", *(f"{one.name}: {one.reason}" for one in both[:1])]))
+    check_families([member.family for member in kept], _reasons(both))
     marks = _marks(kept, found.answers, first, second)
     return Comparison(marks, tuple(predictivities(marks)), tuple(predictivities(marks.representatives)), tuple(both), origin, len(second))
+
+
+def _reasons(broken: Sequence[BrokenFamily]) -> list[str]:
+    return [f"{one.name}: {one.reason}" for one in broken]
 
 
 def _marks(members: Sequence[Member], answers: Any, measured: Sequence[Task[Any]], simulated: Sequence[Task[Any]]) -> Marks:

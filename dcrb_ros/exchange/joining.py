@@ -55,9 +55,12 @@ class JoinedFiles:
                     continue
                 if name.lower() in RATES and values.size == 1 and not np.isclose(values[0], rate, rtol=1e-3):
                     return f"'{name}' is {values[0]:g} in {file}"
-                step = float(np.median(np.diff(values))) if name.lower() in TIMES and values.size > 2 else 0.0
-                if step > 0.0 and not any(np.isclose(step * rate, scale, rtol=1e-2) for scale in (1.0, 1e3, 1e6)):
-                    return f"'{name}' advances by {step:g} for each sample in {file}"
+                if name.lower() not in TIMES or values.size < 3:
+                    continue
+                # The median bridges gaps in the time, the mean its rounding to a few digits.
+                steps = float(np.median(np.diff(values))), float((values[-1] - values[0]) / (values.size - 1))
+                if steps[0] > 0.0 and not any(np.isclose(np.multiply(steps, rate), scale, rtol=1e-2).any() for scale in (1.0, 1e3, 1e6)):
+                    return f"'{name}' advances by {steps[0]:g} for each sample in {file}"
         return ""
 
     def parts(self, name: str | int, *, nan: bool = False) -> list[Floats]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+import shlex
 import signal
 import subprocess
 import sys
@@ -324,7 +325,7 @@ def _conclude(observer: Observer, recorded: str, console: Console, status: int) 
     if recorded:
         path = Path(recorded)
         print(f"recording: {path}")
-        print(f"open it with: dcrb view {path}   or: rerun {path / (path.name + '_0.mcap')}")
+        print(f"open it with: {shlex.join(('dcrb', 'view', str(path)))}   or: {shlex.join(('rerun', str(path / f'{path.name}_0.mcap')))}")
     if observer.refused:
         console.print(f"{observer.refused} invalid messages on the topics of the bench were ignored")
     verdicts = observer.verdicts()

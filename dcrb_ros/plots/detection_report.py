@@ -237,11 +237,13 @@ def _spectrum_figure(entry: DiagnosedRecording, waveform: Waveform) -> tuple[str
 
 
 def _history(entry: DiagnosedRecording) -> str:
+    """Return the picture of the levels over time; a judgement that still waits has none."""
     figure = Figure(figsize=(9.0, 2.4), dpi=RESOLUTION, layout="constrained")
     ax = figure.subplots()
     time = [diagnosis.time for diagnosis in entry.result.history]
     for (line, colour), frequency in zip(FAULT_LINES.items(), CHARACTERISTIC.values(), strict=True):
-        ax.plot(time, [diagnosis.levels.get(frequency, 0.0) for diagnosis in entry.result.history], color=colour, marker=".", label=line)
+        levels = [diagnosis.levels.get(frequency, 0.0) if diagnosis.scores else math.nan for diagnosis in entry.result.history]
+        ax.plot(time, levels, color=colour, marker=".", label=line)
     legend_above(ax)
     labelled(ax, "time [s]", "level [dB]")
     return _picture(figure)

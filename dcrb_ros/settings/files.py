@@ -28,6 +28,8 @@ MOST_UNKNOWN = 20
 """Unknown parameters for which those that may be meant are searched, which takes a millisecond each."""
 LEAST = sys.float_info.min
 """Smallest magnitude of a number other than zero: quotients of smaller numbers overflow."""
+VEHICLE_GROUPS = ("vehicle", "track", "axle_1", "axle_2")
+"""Groups of the file of a vehicle, which is no configuration."""
 OTHER_UNITS = {"rpm": math.pi / 30.0, "hz": 2.0 * math.pi}
 """Units in which speeds are often given [rad/s]."""
 
@@ -113,7 +115,7 @@ def checked(flat: Mapping[str, Any], model: type[Model]) -> tuple[Model | None, 
     """
     known, fields = _without_empty_groups(flat, model), fields_by_key(model)
     unknown = [key for key in known if key not in fields]
-    wrong = [unknown_parameter(key, model, known[key]) for key in unknown[:MOST_UNKNOWN]]
+    wrong = list(dict.fromkeys(unknown_parameter(key, model, known[key]) for key in unknown[:MOST_UNKNOWN]))
     wrong += [f"unknown parameter '{key}'" for key in unknown[MOST_UNKNOWN:]]
     for key, value in known.items():
         if key in fields and isinstance(value, float) and 0.0 < abs(value) < LEAST:
@@ -145,6 +147,8 @@ def unknown_parameter(key: str, model: type[Group] = Configuration, value: objec
     if key in groups:
         example = next(known for known in fields if known.startswith(f"{key}."))
         return f"{key} is a group of parameters: give them below it, such as {example}, or leave it out"
+    if model is Configuration and (group := key.partition(".")[0]) in VEHICLE_GROUPS:
+        return f"the group '{group}' belongs to a vehicle: give its file with --vehicle, in a sweep with the key vehicle"
     if model is Configuration and (speed := _in_other_unit(key, value)):
         return f"unknown parameter '{key}'{speed}"
     alike = [group for group in groups if len(group.split(".")) == len(key.split("."))]

@@ -121,6 +121,8 @@ def starting_configuration(tree: Any, configuration: Configuration, source: str)
         raise Refusal(f"{source}: 'start' must name parameters and their values, such as operating.speed_kmh: 20.0")
     values = _values(start, configuration, f"{source}: start")
     for key in values:
+        if key.startswith("vehicle."):
+            raise Refusal(f"{source} is a scenario of a vehicle: it needs --vehicle")
         if not key.startswith(tuple(f"{group}." for group in START_GROUPS)):
             raise Refusal(f"{source}: start: {key} cannot be set by a scenario; give keys of {', '.join(START_GROUPS)}")
     return changed(configuration, values, f"{source}: start") if values else configuration

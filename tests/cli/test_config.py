@@ -162,6 +162,16 @@ def test_all_errors_of_a_file_are_listed_whatever_else_is_misplaced(config: Comm
         assert line.startswith(f"dcrb: {mine}: {sentence}")
 
 
+def test_the_file_of_a_vehicle_is_no_configuration(config: Command, tmp_path: Path) -> None:
+    file = tmp_path / "my_bogie.yaml"
+    file.write_text("/**:\n  ros__parameters:\n    vehicle: {bench: healthy, seed: 1}\n    axle_1: {right: {wheel.flat: 0.02}}\n")
+    wrong = config("check", str(file))
+    lines = wrong.err.splitlines()
+    assert [line.partition(" belongs to a vehicle: give its file with --vehicle")[0] for line in lines] == [
+        f"dcrb: {file}: the group '{group}'" for group in ("vehicle", "axle_1")
+    ]
+
+
 @pytest.mark.parametrize(
     ("setting", "words"),
     [

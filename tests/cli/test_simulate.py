@@ -114,6 +114,6 @@ def test_a_quiet_run_prints_the_result_only(tmp_path: Path, capsys: pytest.Captu
 
 
 def test_the_recording_is_opened_with_the_view(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    bag = tmp_path / "bag"
+    bag = tmp_path / "my bag"
     assert dcrb("simulate", "healthy", "-o", str(bag), "--duration", "0.01") == 0
-    assert capsys.readouterr().out.splitlines()[-1] == f"open it with: dcrb view {bag}"
+    assert capsys.readouterr().out.splitlines()[-1] == f"open it with: dcrb view '{bag}'"

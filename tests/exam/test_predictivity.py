@@ -323,6 +323,24 @@ def test_a_replica_is_compared_on_the_command_line(tmp_path: Path, capsys: pytes
     assert "was made from another table" in capsys.readouterr().err
 
 
+def test_too_few_families_are_refused_with_the_reason_before_anything_is_simulated(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder, made, kept = measured_folder(tmp_path / "measured"), tmp_path / "replica.yaml", tmp_path / "kept"
+    assert dcrb("exam", "replica", str(folder), "--without", "background", "-o", str(made)) == 0
+    detectors = folder_of_detectors(tmp_path / "detectors")
+    (detectors / "failing.py").unlink()
+    command = ("exam", "predictivity", str(folder), "--replica", str(made), "--recordings", str(kept), "--workers", "1", "--quiet")
+    assert dcrb(*command, "--detectors", str(detectors)) == 2
+    err = capsys.readouterr().err
+    assert "2 families of detectors are left (1 left out, such as broken: " in err
+    assert "not today" in err
+    assert err.count("\n") == 1
+    assert not [path for path in kept.iterdir() if not path.name.startswith("family-")]
+    assert dcrb(*command) == 2
+    assert "1 family of detectors is left, but an order takes 3" in capsys.readouterr().err
+
+
 def made_up_comparison() -> Comparison:
     origin = ReplicaOrigin(table_sha256="", speed="lines", seed=1, machines=1, counterparts=1, longest=5.0, without=[], dcrb_ros="")
     found = marks(noise=0.3)

@@ -96,6 +96,8 @@ def test_config_check_warns_of_negative_and_very_small_loads(load: str, words: s
     [
         ({"fs": 25600}, "'fs' is 25600"),
         ({"time": np.arange(2400) / 25600}, "'time' advances by 3.90625e-05"),
+        ({"time": np.round(np.arange(2400) / 12000, 5)}, ""),
+        ({"time": np.arange(2400) / 12000 + (np.arange(2400) > 1200)}, ""),
         ({"fs": 12000.0, "time": np.arange(2400) / 12.0}, ""),
     ],
 )

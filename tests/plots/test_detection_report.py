@@ -13,10 +13,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from same_process import dcrb
 
 from dcrb_ros.diagnosis.detection import detect
 from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.plots import detection_report as report_module
 from dcrb_ros.plots.detection_report import LIMITS, DiagnosedRecording, Samples, detection_report, read_content
 from dcrb_ros.recordings.reader import Recording
 
@@ -113,7 +115,20 @@ def test_the_command_writes_the_page_beside_its_answer(tmp_path: Path, capsys: p
     assert [answer["verdict"] for answer in answers] == ["healthy", "cage"]
     assert "cage fault" in Page(file.read_text(encoding="utf-8")).text
     assert dcrb("detect", *bags, "--report", str(file)) == 2
-    assert "exists: give another name, or --force" in capsys.readouterr().err
+    out, err = capsys.readouterr()
+    assert "exists: give another name, or --force" in err
+    assert out == "", "it must be refused before the detection"
+
+
+def test_the_picture_of_the_levels_begins_with_the_first_judgement(monkeypatch: pytest.MonkeyPatch) -> None:
+    figures: list[Figure] = []
+    monkeypatch.setattr(report_module, "_picture", lambda figure: figures.append(figure) or "")
+    entry = diagnosed("outer_ring_defect")
+    report_module._history(entry)
+    judged = [bool(diagnosis.scores) for diagnosis in entry.result.history]
+    assert judged[0] is False
+    for line in figures[0].axes[0].lines:
+        assert np.isfinite(np.asarray(line.get_ydata(), float)).tolist() == judged
 
 
 def test_two_runs_of_the_command_write_the_same_bytes(tmp_path: Path) -> None:

@@ -313,6 +313,7 @@ timeline:
     [
         ([1], "'start' must name parameters"),
         ({"simulation.seed": 3}, "simulation.seed cannot be set by a scenario; give keys of operating"),
+        ({"vehicle.speed_kmh": 80.0}, "scenario.yaml is a scenario of a vehicle: it needs --vehicle"),
         ({"operating.sped": 3.0}, "unknown parameter 'operating.sped'; did you mean 'operating.speed'"),
         ({"operating": {"speed_kmh": 5000.0}}, r"operating.speed_kmh = 5000.0 km/h is outside -1000"),
         ({"operating.load": 5e6}, "operating.load = .* presses the rings .* towards each other"),
