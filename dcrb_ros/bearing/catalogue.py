@@ -58,6 +58,8 @@ TOLERANCE_DIAMETER = 30.0
 """Diameter of the rollers for which the tolerances of `healthy` hold [mm]."""
 LARGEST_ANGLE = 57.0
 """Largest contact angle [degrees]."""
+LENGTHS = (0.5, 1e4)
+"""Range of all lengths [mm]; those of a catalogue in metres are below it."""
 AGREEMENT = 0.02
 """Largest departure of the outer raceway from inner raceway and rollers, over the diameter of the rollers [-]."""
 
@@ -104,8 +106,9 @@ class CatalogueBearing:
         if self.rollers < 1 or self.rows not in (1, 2):
             raise Refusal(f"{self.rows} x {self.rollers} rollers: give 1 or 2 rows, and the rollers of one row from the catalogue")
         for name, value in self._lengths().items():
-            if not (math.isfinite(value) and 0.0 < value < 1e4):
-                raise Refusal(f"{name} = {value:g} mm is outside 0 .. 10000 mm: give the diameter or length from the catalogue")
+            if not LENGTHS[0] <= value <= LENGTHS[1]:
+                span = f"{LENGTHS[0]:g} .. {LENGTHS[1]:g} mm"
+                raise Refusal(f"{name} = {value:g} mm is outside {span}: give the length from the catalogue in millimetres")
         if not 0.0 <= self.contact_angle <= LARGEST_ANGLE:
             raise Refusal(
                 f"the contact angle of {self.contact_angle:g} degrees is outside 0 .. {LARGEST_ANGLE:g}: give degrees from the catalogue; "

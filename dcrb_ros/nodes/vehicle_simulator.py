@@ -25,9 +25,9 @@ from dcrb_ros.recordings.recorder_thread import RecorderThread
 from dcrb_ros.recordings.vehicle_recorder import BoxCommand, VehicleCommand, VehicleRecorder, commands_of
 from dcrb_ros.runtime.prefetch import prefetch
 from dcrb_ros.schema.parameter_field import ParameterField, wrong_type
-from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal, nearest_key
 from dcrb_ros.schema.simulated_time import checked_duration
-from dcrb_ros.settings.files import flatten, parameter_fields, validated
+from dcrb_ros.settings.files import fields_by_key, flatten, parameter_fields, validated
 from dcrb_ros.simulation.scenario import read_scenario_file
 from dcrb_ros.stream.vehicle_description import SIDES
 from dcrb_ros.vehicle.description import Wheel
@@ -224,6 +224,8 @@ class VehicleSimulatorNode(SimulatingNode):
         if group == "vehicle" and name in VEHICLE_COMMANDS:
             raise Refusal(f"parameters: {key} changes by the topic {VEHICLE_COMMANDS[name].name}; the parameter is its value at the start")
         box = next((box.name for box in self._vehicle.boxes if key.startswith(f"{box.name}.")), None)
+        if box is not None and key.removeprefix(f"{box}.") not in fields_by_key():
+            raise Refusal(f"parameters: unknown parameter '{key}'{nearest_key(key, self._fields)}")
         if box is not None and made_by_vehicle(key.removeprefix(f"{box}.")):
             topics = ", ".join(topic.name for topic in VEHICLE_COMMANDS.values())
             raise Refusal(f"parameters: {key} follows from the vehicle: publish on {topics}")

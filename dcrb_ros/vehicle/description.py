@@ -32,7 +32,7 @@ class Journey(Group):
 
     bench: str = choice("healthy", "Configuration of every box that names no other one")
     seed: int = quantity(1, "-", "Seed; each box has a hash of it and of its name", 0, 2**31 - 1)
-    speed_kmh: float = quantity(120.0, "km/h", "Speed at the start", 5.0, 300.0, remedy="the model has no standing vehicle")
+    speed_kmh: float = quantity(120.0, "km/h", "Speed at the start; a vehicle always moves", 5.0, 300.0)
     ramp: float = quantity(0.5, "m/s^2", "Rate at which a commanded speed is approached", 0.01, 3.0)
     curvature: float = quantity(0.0, "1/m", "Curvature of the track, positive to the left", -0.01, 0.01)
     cant: float = length(0.0, "Height of the outer rail over the inner one", 0.0, 0.18)

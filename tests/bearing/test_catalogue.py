@@ -92,7 +92,8 @@ def test_the_file_is_read_back_as_it_was_meant() -> None:
     [
         ({"outer_raceway": 48.0}, "the outer raceway of 48 mm does not fit an inner raceway of 31.5 mm and rollers of 7.5 mm"),
         ({"bore": 33.0}, "bore 33 mm is not below inner raceway 31.5 mm"),
-        ({"roller_length": -8.0}, "roller length = -8 mm is outside 0 .. 10000 mm"),
+        ({"roller_length": -8.0}, r"roller length = -8 mm is outside 0\.5 \.\. 10000 mm"),
+        ({"inner_raceway": 0.0315}, r"inner raceway = 0\.0315 mm is outside 0\.5 \.\. 10000 mm: .* in millimetres"),
         ({"roller_diameter": float("nan")}, "roller diameter = nan mm is outside"),
         ({"rollers": -7}, "1 x -7 rollers: give 1 or 2 rows"),
         ({"rows": -1}, "-1 x 13 rollers: give 1 or 2 rows"),

@@ -188,7 +188,7 @@ def track(kinks: Kinks | None) -> Status:
     if not len(kinks.first):
         return Status("healthy", "no impact meets one wheelset after the other")
     difference, score = float(np.median(kinks.louder)), 3.0 * len(kinks.first)
-    again = f"{len(kinks.first)} impacts that the other wheelset repeats {kinks.lag * 1e3:.1f} ms later"
+    again = f"{len(kinks.first)} impact{'s' * (len(kinks.first) > 1)} that the other wheelset repeats {kinks.lag * 1e3:.1f} ms later"
     if abs(difference) < ONE_RAIL:
         return Status("joint", f"{again}, on both sides alike", probability(score), score)
     side = SIDES[0] if difference > 0.0 else SIDES[1]
