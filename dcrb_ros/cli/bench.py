@@ -11,7 +11,7 @@ import typer
 
 from dcrb_ros.cli import completion
 from dcrb_ros.cli.options import DetectorFile, Duration, Force, Scenario, Settings, detector_parameters
-from dcrb_ros.cli.output_file import replacing
+from dcrb_ros.cli.output_file import check_force, replacing
 from dcrb_ros.schema.refusal import Refusal
 
 
@@ -64,6 +64,7 @@ def bench(
         if tree is not None:
             vehicle_scenario(tree, described, str(scenario))
         recorded = described.boxes[0].configuration.recording.path
+        check_force("--record", recorded, force=force)
         with replacing("--record" if record else "recording.path =", Path(recorded), force=force) if recorded else nullcontext():
             from dcrb_ros.nodes.vehicle_bench import run as run_vehicle
 
@@ -76,6 +77,7 @@ def bench(
         read_scenario(scenario, configuration)
     parameters = detector_parameters(detector)
     recorded = configuration.recording.path
+    check_force("--record", recorded, force=force)
     with replacing("--record" if record else "recording.path =", Path(recorded), force=force) if recorded else nullcontext():
         from dcrb_ros.nodes.bench import run
 

@@ -11,7 +11,7 @@ import typer
 
 from dcrb_ros.cli.detect_vehicle import diagnosed_vehicle, print_vehicle, vehicle_as_object
 from dcrb_ros.cli.options import DetectorFile, Force, JsonOutput, detector_parameters, warn_of_digest
-from dcrb_ros.cli.output_file import check_free, check_output, replacing
+from dcrb_ros.cli.output_file import check_force, check_free, check_output, replacing
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.writing import write_whole
 
@@ -57,6 +57,7 @@ def detect(
     from dcrb_ros.recordings.reader import Recording
     from dcrb_ros.recordings.vehicle_folder import vehicle_boxes
 
+    check_force("--report or --save-baseline", report, save_baseline, force=force)
     if report is not None:
         check_output("--report", report, (".html", ".htm"))
         check_free("--report", report, force=force)

@@ -42,6 +42,16 @@ def check_free(option: str, path: Path, *, force: bool) -> None:
         raise Refusal(f"{option} {path} exists: give another name, or --force to replace it")
 
 
+def check_force(outputs: str, *given: object, force: bool) -> None:
+    """Refuse ``force`` if none of the options for an output, which ``outputs`` names, is given.
+
+    Raises:
+        Refusal: ``force`` would have no effect.
+    """
+    if force and not any(given):
+        raise Refusal(f"--force has no effect without {outputs}: leave it out, or name what is to be replaced")
+
+
 @contextmanager
 def replacing(option: str, path: Path, *, force: bool, source: Path | None = None) -> Iterator[None]:
     """Refuse an existing file or recording; with ``force`` replace it by what is written in the context.

@@ -16,7 +16,7 @@ import typer
 from dcrb_ros.cli import completion
 from dcrb_ros.cli.first_start import compilation_shown
 from dcrb_ros.cli.options import Duration, Force, JsonOutput, Quiet, Scenario, Settings, refuse_given, refuse_node_settings
-from dcrb_ros.cli.output_file import replacing
+from dcrb_ros.cli.output_file import check_force, replacing
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.simulated_time import checked_duration
 
@@ -84,6 +84,7 @@ def simulate(
         if config or settings or scenario or vehicle:
             raise Refusal("--from reads configuration and scenario from the recording: leave out CONFIG, --vehicle, --set and --scenario")
         refuse_given(context, "does not apply to --from, which simulates all of the recording: leave it out", "duration")
+        check_force("-o", output, force=force)
         reproduce(source, output, force=force, quiet=quiet, as_json=as_json)
         return
     refuse_node_settings(settings)

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from dcrb_ros.cli.options import Bag, Force, warn_of_digests
-from dcrb_ros.cli.output_file import replacing
+from dcrb_ros.cli.output_file import check_force, replacing
 from dcrb_ros.schema.refusal import Refusal
 
 
@@ -26,6 +26,7 @@ def view(
     """
     if web and (save is not None or screenshot is not None):
         raise Refusal("--web opens a viewer, and --save and --screenshot write files instead: give one or the other")
+    check_force("--save or --screenshot", save, screenshot, force=force)
     from dcrb_ros.viewer.show import view_recording
 
     with ExitStack() as stack:

@@ -48,6 +48,11 @@ LIST, RECORDED, VEHICLE = ("score", "smoke", "--list"), ("score", "bag"), ("dete
         (("view", "bag", "--save", "new.rrd"), ("--web",), "--web opens a viewer"),
         (("view", "bag", "--screenshot", "new.png"), ("--web",), "--web opens a viewer"),
         (("view", "run", "--save", "new.rrd"), ("--web",), "--web opens a viewer"),
+        (("view", "bag"), ("--force",), "--force has no effect without --save or --screenshot"),
+        (FROM, ("--force",), "--force has no effect without -o"),
+        (("detect", "bag"), ("--force",), "--force has no effect without --report or --save-baseline"),
+        (("bench", "dry"), ("--force",), "--force has no effect without --record"),
+        (("bench", "--vehicle", "bogie"), ("--force",), "--force has no effect without --record"),
         (("detect", "bag"), ("--save-baseline", "new.yaml"), "--save-baseline needs --healthy"),
         (("detect", "bag", "--healthy", "bag"), ("--baseline", "new.yaml"), "both give a baseline"),
         (
