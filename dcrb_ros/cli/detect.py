@@ -165,7 +165,7 @@ def _print_table(bag: Path, recording: Recording, result: DetectionResult, param
     for sentence in (f"{last.verdict}, confidence {last.confidence:.2f}, {when}: {last.reason}", *last.remarks):
         shown.print(sentence, soft_wrap=True)
     if not recording.complete:
-        shown.print("the recording is truncated; the verdict is based on its readable part")
+        shown.print("the recording is truncated or damaged; the verdict is based on its readable part")
 
 
 def _learned(

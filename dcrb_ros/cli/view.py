@@ -37,7 +37,7 @@ def view(
     warn_of_digests(bag)  # it reads all samples
     if not complete:
         seconds = (content.end_ns - content.start_ns) / 1e9
-        typer.echo(f"dcrb: {bag} is truncated; its readable part of {seconds:.2f} s was shown", err=True)
+        typer.echo(f"dcrb: {bag} is truncated or damaged; its readable part of {seconds:.2f} s was shown", err=True)
     for path in (save, screenshot):
         if path is not None:
             typer.echo(str(path))
