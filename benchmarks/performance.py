@@ -1,7 +1,7 @@
 """The measured parts of docs/results/performance.md: ``python benchmarks/performance.py [PART ...]``, without names all of them.
 
 Each part is what a script of this folder prints, between two marks of the page, under a line that says when, at which commit and on which
-machine it was made. ``--keep FOLDER`` takes ``FOLDER/PART.md`` where it exists instead of measuring.
+machine it was made.
 """
 
 from __future__ import annotations
@@ -65,13 +65,11 @@ def main() -> None:
     """Measure parts and rewrite them in the page."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("parts", nargs="*", metavar="PART", help=", ".join(PARTS))
-    parser.add_argument("--keep", type=Path, help="folder with parts that have been measured")
     options = parser.parse_args()
     if unknown := set(options.parts) - set(PARTS):
         parser.error(f"there is no part {', '.join(sorted(unknown))}: give {', '.join(PARTS)}")
     for part in options.parts or PARTS:
-        kept = options.keep / f"{part}.md" if options.keep else None
-        text = kept.read_text() if kept is not None and kept.exists() else measured(part)
+        text = measured(part)
         PAGE.write_text(replaced(PAGE.read_text(), part, f"{about()}\n\n{text.strip()}"))
         print(f"{part}: written", flush=True)
 
