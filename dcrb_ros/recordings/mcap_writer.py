@@ -135,11 +135,13 @@ class McapFile:
         self._valid_size, self._flushed_ns = self._stream.tell(), self.span.last_ns
 
     def close(self, closing: Mapping[str, Mapping[str, str]]) -> None:
-        """Write the last metadata records and the summary."""
+        """Write the last metadata records and the summary, and wait until the file is on the disk."""
         self.flush()
         for name, record in closing.items():
             self._writer.add_metadata(name, dict(record))
         self._writer.finish()
+        self._stream.flush()
+        os.fsync(self._stream.fileno())
         self._stream.close()
         self._complete = True
 

@@ -17,6 +17,7 @@ from dcrb_ros.recordings.mcap_writer import Channel, McapFile, Span
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.files import checked_path
+from dcrb_ros.text.writing import sync
 
 SECOND = 1_000_000_000
 METADATA = "metadata.yaml"
@@ -218,7 +219,9 @@ class Bag:
         temporary = self.path / f".{METADATA}"
         document = {"rosbag2_bagfile_information": self._metadata(self._all())}
         temporary.write_text(yaml.safe_dump(document, sort_keys=False), encoding="utf-8")
+        sync(temporary)
         os.replace(temporary, self.path / METADATA)
+        sync(self.path)
 
 
 def _topic(channel: Channel, count: int) -> dict[str, Any]:

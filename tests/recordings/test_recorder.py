@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import resource
 import signal
@@ -244,6 +245,21 @@ def test_a_disk_that_is_full_at_a_split_leaves_the_earlier_files_complete(tmp_pa
     recording = Recording(bag)
     assert sum(1 for _ in recording.vibrations()) == 25
     assert recording.complete
+
+
+def test_an_error_that_the_disk_reports_late_fails_the_recording(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A file system may accept a write that it cannot carry out, and say so only when it is asked for the data on the disk."""
+
+    def fsync(_descriptor: int) -> None:
+        raise OSError(errno.EIO, os.strerror(errno.EIO))
+
+    encoder, recorder = BlockEncoder(Configuration(), BODIES), Recorder(tmp_path / "bag", Configuration(), BODIES)
+    recorder.write_messages(message for block in blocks(10) for message in encoder.encode(block))
+    monkeypatch.setattr(os, "fsync", fsync)
+    with pytest.raises(RecordingFailed, match="could not be finished: Input/output error"):
+        recorder.close()
+    monkeypatch.undo()
+    assert sum(1 for _ in Recording(tmp_path / "bag").vibrations()) == 10
 
 
 def test_a_disk_that_is_full_at_the_beginning_is_refused_and_nothing_is_left(tmp_path: Path) -> None:
