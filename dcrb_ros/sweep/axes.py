@@ -64,6 +64,8 @@ def span_of(key: str, tree: Mapping[str, Any], field: ParameterField, design: st
         raise Refusal(f"{source}: {key}: low = {low!r} is not below high = {high!r}: swap them, or give a list of values")
     if scale == "log" and not float(low) > 0.0:
         raise Refusal(f"{source}: {key}: low = {low!r} is not above 0: a logarithmic scale needs a positive lower limit")
+    if design != GRID and "count" in tree:
+        raise Refusal(f"{source}: {key}: count = {count!r} applies to a grid only: remove it, the design has 'points'")
     if type(count) is not int or (design == GRID and not 1 <= count <= MOST_VALUES):
         raise Refusal(f"{source}: {key}: a grid needs the number of values of a range: give count, 1 .. {MOST_VALUES}, not {count!r}")
     return Span(float(low), float(high), scale == "log", field.kind is int, count)

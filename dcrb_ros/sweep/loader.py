@@ -172,6 +172,10 @@ def _check_design(sweep: Sweep, source: str) -> None:
             f"{source}: points = {file.points} applies to the designs random and latin_hypercube only: remove it, "
             "the values of a grid determine its points"
         )
+    if file.design == GRID and "seed" in file.model_fields_set:
+        raise Refusal(
+            f"{source}: seed = {file.seed} is that of the designs random and latin_hypercube: remove it, or give 'seeds' of the noise"
+        )
     if file.design != GRID and not file.points:
         raise Refusal(f"{source}: a {file.design} design needs 'points': give the number of conditions, above 0")
     seeds = [file.seeds] if isinstance(file.seeds, int) else file.seeds

@@ -554,6 +554,11 @@ def test_the_disk_space_is_estimated(tmp_path: Path) -> None:
         ({"design": "latin_hypercube"}, "needs 'points'"),
         ({"design": "sobol"}, "design = 'sobol'"),
         ({"points": 10}, "the values of a grid determine its points"),
+        ({"seed": 1}, "seed = 1 is that of the designs random and latin_hypercube: remove it, or give 'seeds'"),
+        (
+            {"design": "random", "points": 3, "vary": {"operating.load": {"low": 1e4, "high": 1e5, "count": 3}}},
+            "operating.load: count = 3 applies to a grid only",
+        ),
         ({"seeds": 0}, "seeds = 0"),
         ({"seeds": []}, "seeds = []"),
         ({"cases": {"fast": {"operating.speed": 200.0}}}, "move it to 'vary'"),
