@@ -12,7 +12,7 @@ from dcrb_ros.sweep.axes import choice_of, span_of
 from dcrb_ros.sweep.design import Axes, Axis, Choice, Span, Value
 from dcrb_ros.sweep.machine import flatten_axes
 from dcrb_ros.sweep.sweep_file import LONGEST_RUN, SweepFile
-from dcrb_ros.sweep.vehicles.sweep import BOX, VEHICLE, VehicleSweep, placed
+from dcrb_ros.sweep.vehicles.sweep import BOX, VEHICLE, VEHICLE_SEED, VehicleSweep, placed
 from dcrb_ros.text.files import checked_path, is_file
 from dcrb_ros.vehicle.file import read_parameters, vehicle_of
 
@@ -59,6 +59,10 @@ def vehicle_sweep_of(given: Any, file: SweepFile, source: str, folder: Path, tex
     if BOX in vary or any(key.startswith(f"{BOX}.") for key in vary):
         raise Refusal(f"{source}: vary: '{BOX}' is for cases: name the box, such as {names[0]}.surfaces.waviness")
     for name, axes in cases.items():
+        if VEHICLE_SEED in axes:
+            raise Refusal(
+                f"{source}: cases.{name}: another {VEHICLE_SEED} is another vehicle, which may be in another split: move it to 'vary'"
+            )
         _check_boxes(axes, names, f"{source}: cases.{name}")
     for where, axes in (("vary", vary), *((f"cases.{name}", axes) for name, axes in cases.items())):
         for values in _tried(axes):

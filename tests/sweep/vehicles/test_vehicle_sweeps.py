@@ -134,6 +134,7 @@ def test_shipped_vehicles_and_their_cost() -> None:
         ({"cases": {"outer": {"box.bench": "outer_ring_defect"}}}, "needs both the boxes and a parameter"),
         ({"cases": {"outer": {"box": [*BOXES]}}}, "needs both the boxes and a parameter"),
         ({"cases": {"outer": {"axle_1.left.bench": "outer_ring"}}}, "cases.outer"),
+        ({"cases": {"other": {"vehicle.seed": 3}}}, "cases.other: another vehicle.seed is another vehicle"),
         ({"set": {"operating.speed": 90.0}}, "unknown group 'operating'"),
         ({"windows": {"length": 100000}}, "is longer than a run"),
         ({"lives": 3}, "unknown key 'lives'"),
