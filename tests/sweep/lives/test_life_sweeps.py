@@ -296,6 +296,7 @@ def test_shipped_sweeps_can_be_planned(path: Path) -> None:
         ({"set": OILED, "climate": {"season": -1.0}}, "season = -1.0 K is outside 0 .. 50 K"),
         ({"lives": 0}, "lives = 0 is outside 1 .. 1000000"),
         ({"start": {"slope": 0.0}}, "slope = 0.0 is outside 0.3 .. 20"),
+        ({"base": "ball_bearing_6205", "set": {}}, "contact.law = hertz is that of balls"),
         ({"duration": 4000.0, "output": "bag"}, "an inspection of 4000 s is longer than every stretch"),
     ],
 )
