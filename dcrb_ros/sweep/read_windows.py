@@ -128,7 +128,13 @@ class ReadWindows(Sequence[tuple[Samples, int]]):
         return x, np.array([self.classes.index(name) for name in faults], np.int64)
 
     def _cut(self, row: Mapping[str, Any]) -> tuple[Samples, list[str]]:
-        x = cut_windows(self._data_set.waveform(str(row["run"])).acceleration, self._shape)
+        waveform = self._data_set.waveform(str(row["run"]))
+        if (np.diff(waveform.index) != 1).any():
+            raise Refusal(
+                f"samples of the run {row['run']} in {self._data_set.folder} are missing, which new windows would bridge: leave out length "
+                "and hop"
+            )
+        x = cut_windows(waveform.acceleration, self._shape)
         return x, [str(row["fault"])] * len(x)
 
     def _stored_windows(self, row: Mapping[str, Any]) -> tuple[Samples, list[str]]:

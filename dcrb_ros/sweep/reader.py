@@ -29,6 +29,7 @@ from dcrb_ros.sweep.schema import SPLITS, healthy_first
 from dcrb_ros.sweep.store import Store, record_of
 from dcrb_ros.sweep.sums import SUMS, read_sums
 from dcrb_ros.sweep.table import LABELS
+from dcrb_ros.sweep.windows import INDEX
 from dcrb_ros.text.files import read_bytes
 
 if TYPE_CHECKING:
@@ -152,13 +153,14 @@ class DataSet:
             return Recording(self.folder / name).waveform()
         columns = _arrays(self.content(row, name), name)
         values = [np.asarray(columns[key], np.float32) for key in ("ax", "ay", "shaft_angle")]
-        if {len(value) for value in values} != {row["samples"]}:
+        index = columns.get(INDEX, np.arange(len(values[0]), dtype=np.int64) + int(row.get("first_index") or 0))
+        if {len(value) for value in (*values, index)} != {row["samples"]}:
             raise Refusal(f"{self.folder / name} has {len(values[0])} samples instead of {row['samples']}: {REMEDY}")
         return Waveform(
             acceleration=np.column_stack(values[:2]),
             shaft_angle=values[2],
             sampling_rate=int(row["sampling_rate"]),
-            index=np.arange(len(values[0]), dtype=np.int64) + int(row.get("first_index") or 0),
+            index=np.asarray(index, np.int64),
             orders=_orders(row),
         )
 
@@ -271,7 +273,7 @@ def _arrays(data: bytes, name: str) -> Mapping[str, Any]:
     try:
         if name.endswith(".npz"):
             with np.load(io.BytesIO(data), allow_pickle=False) as content:
-                return {key: content[key] for key in ("ax", "ay", "shaft_angle")}
+                return {key: content[key] for key in ("ax", "ay", "shaft_angle", *({INDEX} & set(content.files)))}
         from pyarrow import parquet
 
         table = parquet.read_table(io.BytesIO(data))

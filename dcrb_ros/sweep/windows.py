@@ -11,10 +11,12 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.faults.ground_truth import class_of
-from dcrb_ros.schema.arrays import Samples
+from dcrb_ros.schema.arrays import Integers, Samples
 from dcrb_ros.stream.block import Truth
 from dcrb_ros.sweep.sweep_file import Windows
 
+INDEX = "index"
+"""Array of a waveform file with the index of each sample, where samples are missing."""
 COLUMNS: Mapping[str, str] = {
     "run": "name of the run, as in the labels",
     "case": "name of its case",
@@ -92,7 +94,9 @@ def windows_file(x: Samples, labels: dict[str, Any], about: dict[str, str], kind
     return stream.getvalue()
 
 
-def waveform_file(acceleration: Samples, shaft_angle: Samples, rate: int, first_index: int, kind: str) -> bytes:
+def waveform_file(
+    acceleration: Samples, shaft_angle: Samples, rate: int, first_index: int, kind: str, *, index: Integers | None = None
+) -> bytes:
     """Return a waveform as the bytes of a file, npz or Parquet; equal samples give equal bytes.
 
     Args:
@@ -101,11 +105,13 @@ def waveform_file(acceleration: Samples, shaft_angle: Samples, rate: int, first_
         rate: sampling rate [Hz].
         first_index: index of the first sample since the start of the simulation or the recording [-].
         kind: ``npz`` or ``parquet``.
+        index: index of each sample, shape (samples,), where some are missing; npz only.
     """
     stream = io.BytesIO()
     columns: dict[str, Any] = {"ax": acceleration[:, 0], "ay": acceleration[:, 1], "shaft_angle": shaft_angle}
     if kind == "npz":
-        np.savez(stream, **columns, sampling_rate=np.array(rate), first_index=np.array(first_index))
+        columns |= {"sampling_rate": np.array(rate), "first_index": np.array(first_index)} | ({} if index is None else {INDEX: index})
+        np.savez(stream, **columns)
     else:
         import pyarrow
         from pyarrow import parquet
