@@ -50,18 +50,21 @@ def cut_windows(acceleration: Samples, windows: Windows) -> Samples:
 def window_labels(begin: npt.NDArray[np.int64], first_index: int, rate: int, windows: Windows, truths: list[Truth]) -> dict[str, Any]:
     """Return the label columns of windows that start at the samples ``begin`` of a run.
 
-    A window is labelled with the faults present at its first sample; ``mixed`` is true if they change within the window.
+    A window is labelled with the faults, the speed and the load at its first sample; ``mixed`` is true if the faults change within it.
     """
     times = [truth.time_ns for truth in truths]
-    first = [index_at(times, (first_index + int(sample)) * 1_000_000_000 // rate) for sample in begin]
+    begin_ns = [(first_index + int(sample)) * 1_000_000_000 // rate for sample in begin]
+    first = [index_at(times, time_ns) for time_ns in begin_ns]
+    # Speed and load change gradually between two instants of the ground truth.
+    speed, across, along = (np.interp(begin_ns, times, values) for values in zip(*((t.speed, *t.load) for t in truths), strict=True))
     ends = [index_at(times, (first_index + int(sample) + windows.length) * 1_000_000_000 // rate - 1) for sample in begin]
     return {
         "start": begin + first_index,
         "time": (begin + first_index) / rate,
         "fault": np.array([class_of(truths[k].faults) for k in first]),
         "width": np.array([max((f.get("width", 0.0) for f in truths[k].faults.values()), default=0.0) for k in first]),
-        "speed": np.array([truths[k].speed for k in first]),
-        "load": np.array([float(np.hypot(*truths[k].load)) for k in first]),
+        "speed": speed,
+        "load": np.hypot(across, along),
         "mixed": np.array([fault_fields(truths[k]) != fault_fields(truths[end]) for k, end in zip(first, ends, strict=True)]),
     }
 
