@@ -142,7 +142,7 @@ class DataSet:
         Refusal
             There is no such run, or its file is damaged.
         """
-        if run not in self._rows:
+        if not isinstance(run, str) or run not in self._rows:
             raise Refusal(f"{self.folder} has no run '{run}'{nearest(str(run), self._rows)}: its runs are in DataSet.runs")
         row = self._rows[run]
         name = str(row["file"])
@@ -259,7 +259,7 @@ class DataSet:
         return {name: in_several((row.get(name), row["split"]) for row in self._rows.values()) for name in REMEDIES}
 
     def _split(self, split: str) -> str:
-        if split not in self.splits:
+        if not isinstance(split, str) or split not in self.splits:
             raise Refusal(f"{self.folder} has no split '{split}'{nearest(str(split), self.splits)}: it has {', '.join(self.splits)}")
         return split
 

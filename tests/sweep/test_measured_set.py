@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -58,3 +59,17 @@ def test_a_whole_recording_needs_no_index(tmp_path: Path) -> None:
 @pytest.mark.parametrize("stretches", [((0, 1), (5, 6)), ((0, 1),)])
 def test_single_samples_have_no_speed(stretches: tuple[tuple[int, int], ...], tmp_path: Path) -> None:
     assert stored(recorded(*stretches), tmp_path / "set").labels()["speed"].isna().all()
+
+
+@pytest.mark.parametrize("wrong", [None, 3, [], ["test"], {}, np.array([1, 2])])
+def test_names_and_lengths_of_wrong_types_are_refused(wrong: Any, tmp_path: Path) -> None:
+    data_set = stored(recorded((0, 2000)), tmp_path / "set")
+    with pytest.raises(Refusal, match="has no run"):
+        data_set.waveform(wrong)
+    with pytest.raises(Refusal, match="has no split"):
+        data_set.windows(wrong)
+    if not isinstance(wrong, int | None):
+        with pytest.raises(Refusal, match=r"length = .* is not a number of samples"):
+            data_set.windows("test", wrong)
+        with pytest.raises(Refusal, match="has no split"):
+            data_set.labels(wrong)

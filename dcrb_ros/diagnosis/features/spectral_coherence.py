@@ -24,7 +24,7 @@ from scipy import fft
 
 from dcrb_ros.diagnosis.features.family import FAULTS, SLIP, FeatureFamily, Windows, fault_orders
 from dcrb_ros.diagnosis.line_search import local_mean
-from dcrb_ros.schema.arguments import checked_arguments, numbers
+from dcrb_ros.schema.arguments import checked_arguments, number, numbers
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.numbers import finite_number
 from dcrb_ros.schema.refusal import Refusal
@@ -64,7 +64,7 @@ class SpectralCoherence(NamedTuple):
         return np.asarray(np.mean(np.abs(self.coherence[inside]) ** 2, axis=0, dtype=np.float64), np.float64)
 
 
-@checked_arguments(signal=numbers, turns=numbers)
+@checked_arguments(signal=numbers, turns=numbers, highest_order=number)
 def spectral_coherence(
     signal: npt.ArrayLike, sampling_rate: float, turns: npt.ArrayLike, highest_order: float, *, resolution: float | None = None
 ) -> SpectralCoherence:
