@@ -89,7 +89,14 @@ class Calibration:
 
         `load_configuration(calibration.configuration, calibration.draw(3))` is the third machine. In a housing, machines differ by its seed
         alone, without ``structure.path_spread``.
+
+        Raises
+        ------
+        Refusal
+            The seed is not a whole number from 0 on.
         """
+        if not isinstance(seed, (int, np.integer)) or isinstance(seed, bool) or seed < 0:
+            raise Refusal(f"seed = {seed!r} is not a whole number from 0 on: give the number of the machine")
         random = np.random.default_rng([seed, 21])
         drawn: dict[str, float | int] = {}
         for estimate in self.estimates:

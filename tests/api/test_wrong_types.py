@@ -19,6 +19,7 @@ TURNS = 20.0 * np.arange(SAMPLES) / RATE
 ANGLE = np.mod(2.0 * np.pi * TURNS, 2.0 * np.pi)
 ORDERS = dcrb_ros.Orders(0.4, 3.6, 5.4, 2.4)
 WAVEFORM = Waveform.from_arrays(SIGNAL, RATE, shaft_angle=ANGLE, bearing=ORDERS)
+READING = {"time": 0.0, "bearing": 40.0, "ambient": 20.0, "load": 1e5}
 HOURS = np.arange(20.0)
 TREND = {"hours": HOURS, "severity": np.exp(HOURS / 20.0), "coverage": 0.9}
 MEASURED = {"signal": SIGNAL, "sampling_rate": float(RATE), "shaft_angle": ANGLE, "bearing": ORDERS}
@@ -130,9 +131,21 @@ def test_the_other_arguments_are_taken(name: str) -> None:
 def test_blocks_and_names_of_wrong_types_are_refused_in_one_sentence() -> None:
     extractor = dcrb_ros.FeatureExtractor(ORDERS, RATE, families=["statistics"])
     block = {"index": 0, "acceleration": np.zeros((8, 2)), "shaft_angle": np.zeros(8)}
-    answers = {
+    answers: dict[tuple[str, ...], str] = {
         (argument, label): outcome(extractor.update, {**block, argument: value}) for argument in block for label, value in WRONG.items()
     }
+    detector = dcrb_ros.ThermalFaultDetector(ORDERS, RATE)
+    answers |= {
+        ("detector", argument, label): outcome(detector.update, {**block, argument: v}) for argument in block for label, v in WRONG.items()
+    }
+    detector.update(**block)
+    answers |= {
+        (argument, label): outcome(detector.take_temperature, {**READING, argument: value})
+        for argument in READING
+        for label, value in WRONG.items()
+    }
+    coherence = dcrb_ros.spectral_coherence(**CALLS["spectral_coherence"])
+    answers |= {("low", label): outcome(coherence.enhanced_envelope_spectrum, {"low": value}) for label, value in WRONG.items()}
     table = dcrb_ros.extract_features(WAVEFORM, families=["statistics"])
     answers |= {("name", label): outcome(table.__getitem__, {"name": value}) for label, value in WRONG.items()}
     assert {place: answer for place, answer in answers.items() if answer} == {}

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
-from dcrb_ros import load_configuration
+from dcrb_ros import Refusal, load_configuration
 from dcrb_ros.bearing.waveform import Waveform
 from dcrb_ros.calibration.calibration import Calibration
 from dcrb_ros.calibration.estimate import EstimatedParameter, PathLevel
@@ -38,3 +39,10 @@ def test_an_interval_that_vanishes_by_rounding_is_no_axis(other: float, varied: 
     axes = vary(replace(calibration("none"), estimates=(speed,)))
     assert ("operating.speed" in axes) is varied
     assert all(axis["low"] < axis["high"] for axis in axes.values())
+
+
+@pytest.mark.parametrize("seed", [-1, 1.0, True, "3", None])
+def test_a_machine_has_a_whole_number(seed: Any) -> None:
+    with pytest.raises(Refusal, match="is not a whole number from 0 on"):
+        calibration("none").draw(seed)
+    assert calibration("none").draw(int(np.int64(3))) == calibration("none").draw(3)

@@ -50,6 +50,7 @@ class SpectralCoherence(NamedTuple):
     coherence: npt.NDArray[np.complex64]
     """gamma, shape (frequencies, orders) [-]: 0 without a correlation, at most about 1; its phase is that of the modulation at turn 0."""
 
+    @checked_arguments(low=number, high=number)
     def enhanced_envelope_spectrum(self, low: float = 0.0, high: float = math.inf) -> Floats:
         """Return the mean of ``|gamma|^2`` over the carriers from ``low`` to ``high`` [Hz], shape (orders,) [-].
 
