@@ -82,7 +82,7 @@ def _group(tree: Any, kind: type[Model], source: str, name: str = "") -> Model:
 
 def _growth(tree: Any, source: str) -> Growth:
     law = tree.get("law", "paris") if isinstance(tree, Mapping) else "paris"
-    if law not in GROWTH_LAWS:
+    if not isinstance(law, str) or law not in GROWTH_LAWS:
         raise Refusal(f"{source}: growth.law = {law!r} is not one of {', '.join(GROWTH_LAWS)}{nearest(str(law), GROWTH_LAWS)}")
     return _group(tree, GROWTH_LAWS[law], source, "growth")
 

@@ -283,6 +283,7 @@ def test_shipped_sweeps_can_be_planned(path: Path) -> None:
         ({"line": {"stations": []}}, "the duty is given twice"),
         ({"growth": {"revolutions": 1e13}}, "the growth of the damage takes"),
         ({"growth": {"law": "pairs"}}, "did you mean 'paris'"),
+        ({"growth": {"law": ["paris"]}}, r"growth.law = \['paris'\] is not one of"),
         ({"growth": {"law": "gamma", "exponent": 2.0}}, "unknown parameter 'exponent'"),
         ({"damage": {"last_width": 0.001}}, "damage.last_width = 0.001 m is not above damage.first_width"),
         ({"damage": {"outer": 0.9}}, "add up to 1.4"),
