@@ -327,6 +327,7 @@ def test_messages_are_those_of_the_topics_in_the_namespace(tmp_path: Path) -> No
     recording = made(tmp_path / "bag", {})
     assert {message.topic for message in recording.messages()} == {VIBRATION, FEATURES, GROUND_TRUTH}
     assert {message.topic for message in recording.messages((FEATURES,))} == {FEATURES}
+    assert list(recording.messages(())) == list(recording.messages([])) == []
     assert list(recording.messages(namespace="/other")) == []
     assert [message.time_ns for message in recording.messages((VIBRATION,))] == [0, 20_000_000, 40_000_000]
     assert made(tmp_path / "elsewhere", {}, namespace="/other").counts() == recording.counts()
