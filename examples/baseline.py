@@ -18,7 +18,7 @@ def features(data_set: dcrb_ros.DataSet, row: pd.Series) -> list[float]:
     """Return level, kurtosis and the envelope lines relative to their background, as logarithms."""
     waveform = data_set.waveform(row["run"])
     found: list[float] = []
-    turns = np.unwrap(waveform.shaft_angle) / (2.0 * np.pi)
+    turns = np.abs(waveform.turns)  # whichever way the shaft turns
     for axis in np.ascontiguousarray(waveform.acceleration.T):
         filtered = signal.sosfiltfilt(signal.butter(4, 2000.0, "highpass", fs=row["sampling_rate"], output="sos"), axis)
         envelope = np.abs(signal.hilbert(filtered))

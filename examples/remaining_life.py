@@ -29,8 +29,9 @@ FEWEST = 4
 
 def inspections(folder: Path) -> pd.DataFrame:
     """Return the labels with the severity of each inspection: the root mean square of the vertical acceleration [m/s^2]."""
-    table = pd.read_parquet(folder / "labels.parquet")
-    table["severity"] = [float(np.std(np.load(folder / file)["ay"])) for file in table["file"]]
+    data_set = dcrb_ros.DataSet(folder)
+    table = data_set.labels()
+    table["severity"] = [float(np.std(data_set.waveform(run).acceleration[:, 1])) for run in table["run"]]
     return table
 
 

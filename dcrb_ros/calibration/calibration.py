@@ -23,6 +23,7 @@ from dcrb_ros.calibration.identified_path import identified_path
 from dcrb_ros.calibration.simulated_bearing import RingAcceleration, bench_of, individuals_of, ring_acceleration
 from dcrb_ros.calibration.speed_and_background import background_of, hum_of, modulation_of, speed_of, tones_of, unbalance_of
 from dcrb_ros.measurement.stages.structure import StructureParameters
+from dcrb_ros.schema.arguments import checked_arguments, texts
 from dcrb_ros.schema.numbers import duration_within
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
@@ -88,7 +89,14 @@ class Calibration:
 
         `load_configuration(calibration.configuration, calibration.draw(3))` is the third machine. In a housing, machines differ by its seed
         alone, without ``structure.path_spread``.
+
+        Raises
+        ------
+        Refusal
+            The seed is not a whole number from 0 on.
         """
+        if not isinstance(seed, (int, np.integer)) or isinstance(seed, bool) or seed < 0:
+            raise Refusal(f"seed = {seed!r} is not a whole number from 0 on: give the number of the machine")
         random = np.random.default_rng([seed, 21])
         drawn: dict[str, float | int] = {}
         for estimate in self.estimates:
@@ -116,6 +124,7 @@ class Calibration:
         return round(float(np.median(deviations)), 3) if deviations else 0.0
 
 
+@checked_arguments(names=texts)
 def calibrate(
     recordings: Signal | Sequence[Signal],
     *,
@@ -169,7 +178,9 @@ def calibrate(
     if not isinstance(recordings, (Signal, list, tuple)):
         raise Refusal(f"recordings is a {type(recordings).__name__}: give a recording of the healthy machine, or a list of them")
     given = [recordings] if isinstance(recordings, Signal) else list(recordings)
-    called = list(names) or [_name(signal, number) for number, signal in enumerate(given, 1)]
+    called = (
+        [names] if isinstance(names, str) and names else list(names) or [_name(signal, number) for number, signal in enumerate(given, 1)]
+    )
     if len(called) != len(given):
         raise Refusal(f"{len(called)} names are given for {len(given)} recordings: give one for each, or none")
     progress("checking the recordings")

@@ -146,7 +146,7 @@ def compare(
     Raises
     ------
     Refusal
-        A recording that is empty, constant or shorter than half a second.
+        A recording that is empty, constant or shorter than half a second; other than two names.
 
     Examples
     --------
@@ -155,6 +155,8 @@ def compare(
     >>> dcrb_ros.compare(healthy, faulty).axes[1].level_distance > 5.0
     True
     """
+    if isinstance(names, str) or len(names) != 2:
+        raise Refusal(f"names = {names!r} are not those of two recordings: give a pair such as ('A', 'B')")
     progress("reading the recordings")
     waveforms = [_checked(signal, name) for signal, name in zip((first, second), names, strict=True)]
     single = any(np.array_equal(waveform.acceleration[:, 0], waveform.acceleration[:, 1]) for waveform in waveforms)
@@ -172,7 +174,7 @@ def compare(
         axes.append(_axis(waveforms, axis))
     progress("comparing features")
     features = _features(waveforms, remarks)
-    return RecordingComparison(names, tuple(axes), features, tuple(remarks))
+    return RecordingComparison((names[0], names[1]), tuple(axes), features, tuple(remarks))
 
 
 def _checked(signal: Signal, name: str) -> Waveform:

@@ -107,7 +107,8 @@ def vary(calibration: Calibration) -> dict[str, dict[str, float | int | str]]:
 
     The seed has an effect with a ``structure.housing`` or with ``structure.path_spread``, which has a range of its own from 0 on.
     """
-    axes = {estimate.key: _axis(estimate) for estimate in calibration.estimates if estimate.high > estimate.low}
+    # Two recordings at nearly one speed have an interval that vanishes when it is rounded, which is no range.
+    axes = {estimate.key: _axis(estimate) for estimate in calibration.estimates if _short(estimate.high) > _short(estimate.low)}
     if calibration.path_spread > 0.0 and not calibration.in_housing:
         axes["structure.path_spread"] = {"low": 0.0, "high": calibration.path_spread}
     return axes | {"structure.seed": {"low": 1, "high": 2**31 - 1}}

@@ -158,6 +158,8 @@ def watch(
     """Return the diagnoses of a signal as `detect` does, also if all of them are ``waiting``."""
     chosen, described = _checked(signal, parameters), _described(signal if bearing is None else bearing)
     readings = temperatures_of(signal) if temperatures is None else temperatures
+    if not isinstance(readings, TemperatureReadings):
+        raise Refusal(f"temperatures = {readings!r} are not readings: give TemperatureReadings, such as those of a run or recording")
     history, samples = _diagnoses(_detector(signal, chosen, described, baseline), signal.pieces(), readings)
     duration = samples / signal.sampling_rate
     if duration >= SHORT and all(diagnosis.verdict == "waiting" for diagnosis in history):

@@ -131,6 +131,7 @@ class FaultDetector:
         for rule in self._bearing_rules:
             rule.take_baseline(self._baseline)
 
+    @checked_arguments(index=of_type(int, np.integer), acceleration=of_type(np.ndarray), shaft_angle=of_type(np.ndarray, type(None)))
     def update(self, index: int, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any] | None = None) -> Diagnosis | None:
         """Take the block that begins with sample ``index``; return a diagnosis if the block completes a hop.
 

@@ -15,6 +15,7 @@ from dcrb_ros.bearing.waveform import Signal, Waveform, signal_of
 from dcrb_ros.diagnosis.demodulation import NYQUIST_SHARE, Band, Demodulator
 from dcrb_ros.diagnosis.order_spectrum import order_spectra
 from dcrb_ros.diagnosis.order_tracking import LEAST_TURNS, bin_edges, bin_means, forward_turns, reverses
+from dcrb_ros.schema.arguments import checked_arguments, of_type
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.numbers import finite_number
 from dcrb_ros.schema.refusal import Refusal
@@ -85,6 +86,7 @@ class EnvelopeSpectrum:
         return np.asarray(self.amplitude[near].max(axis=-1), np.float64)
 
 
+@checked_arguments(order_tracking=of_type(bool, np.bool_, type(None)))
 def envelope_spectrum(
     signal: Signal | npt.ArrayLike,
     sampling_rate: float | None = None,

@@ -8,6 +8,7 @@ EN 15437 were not seen.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal
@@ -45,7 +46,8 @@ class HotBox:
 def hot_boxes(readings: Mapping[str, float], ambient: float, speed: float, parameters: HotBoxParameters) -> list[HotBox]:
     """Return the hot boxes among ``readings`` by name [deg C], in their order, at a speed [m/s].
 
-    Names end in ``left`` or ``right``; the other box of an axle has the other end.
+    Names end in ``left`` or ``right``; the other box of an axle has the other end. A box without a reading, NaN, is not judged, and the
+    others are judged without it.
     """
     return [hot for box in readings for hot in _broken(box, readings, ambient, speed, parameters) if hot.excess > 0.0]
 
@@ -61,7 +63,7 @@ def _broken(box: str, readings: Mapping[str, float], ambient: float, speed: floa
             yield HotBox(box, "opposite", across - p.above_opposite, f"{box} is {across:.0f} K above the other box of the axle")
     if p.rules != "us":
         yield HotBox(box, "absolute", reading - p.hottest, f"{box} has {reading:.0f} deg C")
-        others = [value for name, value in readings.items() if name != box]
+        others = [value for name, value in readings.items() if name != box and math.isfinite(value)]
         if others and abs(speed) * 3.6 >= p.slowest:
             over = reading - sum(others) / len(others)
             yield HotBox(box, "others", over - p.above_others, f"{box} is {over:.0f} K above the mean of the other boxes")

@@ -22,6 +22,7 @@ from dcrb_ros.diagnosis.hysteresis import Suspicion, probability
 from dcrb_ros.diagnosis.registry import HEAT_RULES
 from dcrb_ros.diagnosis.rules.starved_noise import StarvedNoise
 from dcrb_ros.diagnosis.window import Hop
+from dcrb_ros.schema.arguments import checked_arguments, number
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.verdicts import COMPONENTS, Trouble, Verdict, fault_class
 from dcrb_ros.stream.diagnosis import Diagnosis
@@ -48,6 +49,7 @@ class ThermalFaultDetector(FaultDetector):
         self._angle: Floats | None = None
         """Angle of a later block from which the frequency is taken when it is needed [rad]."""
 
+    @checked_arguments(time=number, bearing=number, ambient=number, load=number)
     def take_temperature(self, time: float, bearing: float, ambient: float, load: float = math.nan) -> None:
         """Take a reading at a ``time`` [s] of the ``bearing``, at its outer ring or axle box, and of the ``ambient`` air.
 

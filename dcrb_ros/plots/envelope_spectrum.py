@@ -119,7 +119,7 @@ def plot_envelope_spectrum(
     ax.set_ylim(0.0, 1.12 * largest or 1.0)
     ax.set_xlim(0.0, limit)
     if known:
-        _draw_lines(ax, spectrum, lines, unit, limit, largest)
+        _draw_lines(ax, spectrum, lines, unit, min(limit, float(positions[-1])), largest)
     label = "order [multiples of the shaft frequency]" if x == "order" else "frequency [Hz]"
     title = f"squared envelope, {Band(*spectrum.band)}{', order-tracked' if spectrum.tracked else ''}"
     ax.yaxis.set_major_formatter(EngFormatter(sep="\N{THIN SPACE}"))

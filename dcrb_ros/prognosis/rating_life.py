@@ -58,7 +58,9 @@ def load_rating_factor(ratio: float) -> float:
     return float(207.9 * 0.83 * inner * (1.0 + outer) ** (-2.0 / 9.0))
 
 
-@checked_arguments(bearing=with_attributes("contact_angle", "roller_radius", "roller_length", "pitch_radius", "rows", kind="a Bearing"))
+@checked_arguments(
+    bearing=with_attributes("contact_angle", "roller_radius", "roller_length", "pitch_radius", "rows", "rollers_per_row", kind="a Bearing")
+)
 def dynamic_load_rating(bearing: RollerBearing) -> float:
     """Return the basic dynamic radial load rating of a cylindrical roller bearing, C = b_m f_c (i L cos a)^(7/9) Z^(3/4) D^(29/27) [N].
 
@@ -163,7 +165,8 @@ def rating_life(rating: float, load: float) -> float:
     Raises
     ------
     Refusal
-        The rating or the load is not above 0: without load there is no fatigue, and no life ends.
+        The rating or the load is not above 0: without load there is no fatigue, and no life ends. Or their ratio is so large that no
+        number can hold the life.
 
     Examples
     --------
@@ -174,7 +177,13 @@ def rating_life(rating: float, load: float) -> float:
     """
     if not (rating > 0.0 and load > 0.0 and math.isfinite(rating) and math.isfinite(load)):
         raise Refusal(f"a load rating of {rating:g} N and a load of {load:g} N give no rating life: both must be above 0 N and finite")
-    return float(1e6 * (rating / load) ** LIFE_EXPONENT)
+    try:
+        life = float(1e6 * float(rating / load) ** LIFE_EXPONENT)
+    except OverflowError:
+        life = math.inf
+    if math.isinf(life):
+        raise Refusal(f"a load rating of {rating:g} N over a load of {load:g} N gives a life beyond every number: check the units of both")
+    return life
 
 
 def survivors(life: float, rating: float, slope: float = ROLLER_SLOPE) -> float:

@@ -63,16 +63,16 @@ def phm_2008_score(true: npt.ArrayLike, estimated: npt.ArrayLike, *, unit: float
     Parameters
     ----------
     true
-        True remaining lives, shape (estimates,).
+        True remaining lives, finite, shape (estimates,).
     estimated
-        Estimated remaining lives in the same unit of time, shape (estimates,).
+        Estimated remaining lives in the same unit of time, shape (estimates,); infinite for a bearing that is not expected to fail.
     unit
         Time that counts as one cycle, above 0, in the same unit of time.
 
     Raises
     ------
     Refusal
-        No estimates, different shapes, NaN, or a unit that is not above 0.
+        No estimates, different shapes, NaN, an infinite true remaining life, or a unit that is not above 0.
 
     Examples
     --------
@@ -80,6 +80,8 @@ def phm_2008_score(true: npt.ArrayLike, estimated: npt.ArrayLike, *, unit: float
     3.437
     """
     truth, guess = _checked(true, estimated)
+    if np.isinf(truth).any():
+        raise Refusal("a true remaining life is infinite: leave out bearings whose end is unknown")
     if not (unit > 0.0 and math.isfinite(unit)):
         raise Refusal(f"unit = {unit:g} is not a finite number above 0: give the time that counts as one cycle, such as an interval")
     late = (guess - truth) / unit

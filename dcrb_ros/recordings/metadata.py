@@ -4,13 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from dcrb_ros.recordings.splitting import METADATA
-from dcrb_ros.recordings.storage import plain_name, valid_files
+from dcrb_ros.recordings.storage import METADATA, named_files, plain_name, valid_files
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.text.yaml import read_yaml
-
-MAX_METADATA = 4_000_000
-"""Largest metadata.yaml that is read [bytes]; those of the bench have a few thousand."""
 
 
 def metadata_flaw(path: Path) -> str:
@@ -18,8 +13,7 @@ def metadata_flaw(path: Path) -> str:
     if not path.is_dir():
         return ""
     try:
-        about = read_yaml(path / METADATA, MAX_METADATA)["rosbag2_bagfile_information"]
-        named = {plain_name(str(name)) for name in about["relative_file_paths"]}
+        named = named_files(path)
     except Refusal as refusal:
         return str(refusal).replace(str(path / METADATA), METADATA)
     except (ValueError, KeyError, TypeError, RecursionError):

@@ -200,7 +200,7 @@ class Recording(RecordedRun):
             The recording has no manifest, and describes a second bench after the first.
         """
         prefix = self.namespace if namespace is None else namespace
-        chosen = frozenset(topics or (*SIMULATED, *DETECTED))
+        chosen = frozenset((*SIMULATED, *DETECTED) if topics is None else topics)
         wanted = {topic.resolved(prefix): topic for topic in (chosen | {SENSOR} if self.described else chosen)}
         messages = (Message(wanted[entry.channel.topic], entry.message.log_time, entry.message.data) for entry in self._messages(wanted))
         if not self.described:

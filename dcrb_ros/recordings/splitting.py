@@ -14,13 +14,13 @@ from typing import Any
 import yaml
 
 from dcrb_ros.recordings.mcap_writer import Channel, McapFile, Span
+from dcrb_ros.recordings.storage import METADATA
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.files import checked_path
 from dcrb_ros.text.writing import sync
 
 SECOND = 1_000_000_000
-METADATA = "metadata.yaml"
 
 Records = Mapping[str, Mapping[str, str]]
 """Metadata records by name."""

@@ -6,7 +6,7 @@ import re
 import tempfile
 import weakref
 from collections import Counter
-from collections.abc import Container, Iterator
+from collections.abc import Container, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -18,9 +18,17 @@ from dcrb_ros.recordings import mcap_reader, sqlite_reader
 from dcrb_ros.recordings.compression import MessageUnpacker, beginning, compression_of, unpack
 from dcrb_ros.recordings.mcap_reader import MAX_RECORD, FileRecords, McapRecords, has_summary
 from dcrb_ros.recordings.sqlite_reader import SqliteRecords
+from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.files import checked_path, open_regular, special_kind
+from dcrb_ros.text.yaml import read_yaml
 
+METADATA = "metadata.yaml"
+"""File in the folder of a recording that names the others."""
+LARGEST_METADATA = 4_000_000
+"""Largest of these files that is read [bytes]; those of the bench have a few thousand."""
+SHOWN_FILES = 5
+"""Missing files that are named at most [-]."""
 PACKED = ("zstd", "zst", "lz4", "gz", "bz2", "xz", "zip")
 """Suffixes of compressed files."""
 FILE_NAME = re.compile(rf"(?P<stem>.+)\.(?P<storage>mcap|db3)(\.({'|'.join(PACKED)}))?")
@@ -164,7 +172,7 @@ class StoredFile:
 
 
 def valid_files(path: Path) -> tuple[list[StoredFile], list[str]]:
-    """Return the files of a recording, and a sentence for each file that is left out because it does not begin like one.
+    """Return the files of a recording, and sentences on files that are left out, because they do not begin like one, or are missing.
 
     A crash or a power loss right after a split leaves an empty file. Of a file and its compressed form, which `ros2 bag play` leaves both,
     the former is taken.
@@ -186,7 +194,32 @@ def valid_files(path: Path) -> tuple[list[StoredFile], list[str]]:
     sound = [file for file in files if file.path not in flaws]
     if len({file.storage_name for file in sound}) > 1:
         raise Refusal(f"{path} contains both .mcap and .db3 files: give the folder of a single recording, or one of the files")
-    return sound, [f"{file.path.name}: left out, not an {file.storage_name} file: it {file.flaw}" for file in files if file.flaw]
+    left_out = [f"{file.path.name}: left out, not an {file.storage_name} file: it {file.flaw}" for file in files if file.flaw]
+    return sound, [*left_out, *_missing(path, files)]
+
+
+def named_files(folder: Path) -> list[str]:
+    """Return the files that metadata.yaml names, without the suffix of their compression.
+
+    Raises:
+        Refusal: it cannot be read.
+        ValueError, KeyError, TypeError, RecursionError: it is damaged.
+    """
+    about = read_yaml(folder / METADATA, LARGEST_METADATA)["rosbag2_bagfile_information"]
+    return [plain_name(str(name)) for name in about["relative_file_paths"]]
+
+
+def _missing(path: Path, files: Sequence[StoredFile]) -> Iterator[str]:
+    """Yield a sentence if files are missing that metadata.yaml names; if it names none of those in the folder, they were renamed."""
+    try:
+        named = dict.fromkeys(named_files(path)) if path.is_dir() else {}
+    except (ValueError, KeyError, TypeError, RecursionError):  # a recording can be read without it
+        return
+    present = {plain_name(file.path.name) for file in files}
+    missing = [printable(name) for name in named if name not in present]
+    if missing and len(missing) < len(named):
+        others = f" and {len(missing) - SHOWN_FILES} more" if len(missing) > SHOWN_FILES else ""
+        yield f"{METADATA} names files that are missing: {', '.join(missing[:SHOWN_FILES])}{others}"
 
 
 def _listed(folder: Path) -> list[Path]:

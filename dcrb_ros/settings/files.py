@@ -84,13 +84,21 @@ def _flattened(tree: Mapping[str, Any], prefix: str = "") -> tuple[dict[str, Any
 
 
 def nest(flat: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a mapping with dotted keys as a tree."""
+    """Return a mapping with dotted keys as a tree.
+
+    Raises:
+        Refusal: a key is below one that has a value.
+    """
     tree: dict[str, Any] = {}
     for key, value in flat.items():
         *groups, name = key.split(".")
         branch = tree
         for group in groups:
             branch = branch.setdefault(group, {})
+            if not isinstance(branch, dict):
+                raise Refusal(f"{key} is below {group}, which has the value {branch!r}: give one of them")
+        if branch.get(name) and isinstance(branch[name], dict) and not isinstance(value, Mapping):
+            raise Refusal(f"{key} has the value {value!r}, and {next(iter(branch[name]))} is below it: give one of them")
         branch[name] = value
     return tree
 

@@ -8,7 +8,7 @@ from typing import Any, cast
 
 from dcrb_ros.schema.parameter_field import ParameterField, flaw_of
 from dcrb_ros.schema.refusal import Refusal, nearest
-from dcrb_ros.sweep.design import GRID, Choice, Span, Value
+from dcrb_ros.sweep.design import GRID, Axes, Choice, Span, Value
 
 MOST_VALUES = 10_000
 
@@ -64,6 +64,18 @@ def span_of(key: str, tree: Mapping[str, Any], field: ParameterField, design: st
         raise Refusal(f"{source}: {key}: low = {low!r} is not below high = {high!r}: swap them, or give a list of values")
     if scale == "log" and not float(low) > 0.0:
         raise Refusal(f"{source}: {key}: low = {low!r} is not above 0: a logarithmic scale needs a positive lower limit")
+    if design != GRID and "count" in tree:
+        raise Refusal(f"{source}: {key}: count = {count!r} applies to a grid only: remove it, the design has 'points'")
     if type(count) is not int or (design == GRID and not 1 <= count <= MOST_VALUES):
         raise Refusal(f"{source}: {key}: a grid needs the number of values of a range: give count, 1 .. {MOST_VALUES}, not {count!r}")
     return Span(float(low), float(high), scale == "log", field.kind is int, count)
+
+
+def refuse_fixed(vary: Axes, fixed: Mapping[str, Any], source: str) -> None:
+    """Refuse a parameter that is fixed and varied, whose fixed value would have no effect."""
+    twice = next((key for key in vary if key in fixed), None)
+    if twice is not None:
+        raise Refusal(
+            f"{source}: {twice} = {fixed[twice]!r} under 'set' would have no effect, because the parameter is varied, by 'vary' or by the "
+            "intervals of a machine: remove it, or give the value under 'vary'"
+        )

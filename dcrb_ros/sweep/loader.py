@@ -17,7 +17,7 @@ from dcrb_ros.settings.files import fields_by_key, flatten, load_configuration, 
 from dcrb_ros.settings.shipped import find_configuration, find_shipped
 from dcrb_ros.settings.vehicle_speed import SPEED, SPEED_KMH
 from dcrb_ros.simulation.scenario import read_scenario_file
-from dcrb_ros.sweep.axes import choice_of, span_of, value_of
+from dcrb_ros.sweep.axes import choice_of, refuse_fixed, span_of, value_of
 from dcrb_ros.sweep.design import GRID, Axes, Axis, Choice
 from dcrb_ros.sweep.lives.loader import common_keys, life_sweep_of
 from dcrb_ros.sweep.lives.recipe import LIFE
@@ -86,6 +86,7 @@ def sweep_of(tree: Mapping[str, Any], source: str, folder: Path = Path(), text: 
     }
     base = overlaid(flatten(load_configuration(_beside(file.base, folder)).model_dump()), fixed)
     vary = _axes(file.vary, file.design, fields, f"{source}: vary")
+    refuse_fixed(vary, fixed, source)
     cases = {name: _axes(case, file.design, fields, f"{source}: cases.{name}") for name, case in file.cases.items()} or {"base": {}}
     if file.twins:
         if cases.get(HEALTHY):
@@ -171,6 +172,10 @@ def _check_design(sweep: Sweep, source: str) -> None:
         raise Refusal(
             f"{source}: points = {file.points} applies to the designs random and latin_hypercube only: remove it, "
             "the values of a grid determine its points"
+        )
+    if file.design == GRID and "seed" in file.model_fields_set:
+        raise Refusal(
+            f"{source}: seed = {file.seed} is that of the designs random and latin_hypercube: remove it, or give 'seeds' of the noise"
         )
     if file.design != GRID and not file.points:
         raise Refusal(f"{source}: a {file.design} design needs 'points': give the number of conditions, above 0")

@@ -15,7 +15,7 @@ from dcrb_ros.bearing.waveform import Waveform
 from dcrb_ros.diagnosis.order_tracking import unwrapped_turns
 from dcrb_ros.messages.points import packed
 from dcrb_ros.runtime.version import __version__
-from dcrb_ros.schema.arrays import Samples
+from dcrb_ros.schema.arrays import Integers, Samples
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.schema.verdicts import FAULT_CLASSES
 from dcrb_ros.sweep.division import REMEDIES, in_several, warnings_of
@@ -107,10 +107,11 @@ def _written(run: MeasuredRun, bearing: str, position: int, store: Store, window
     angle: Samples = np.asarray(waveform.shaft_angle, np.float32)
     acceleration: Samples = np.ascontiguousarray(waveform.acceleration, np.float32)
     rate, first = waveform.sampling_rate, int(waveform.index[0])
-    turns = unwrapped_turns(angle) if np.isfinite(angle).all() and len(angle) > 1 else None
-    shaft = math.nan if turns is None else float(turns[-1] - turns[0]) * rate / (len(turns) - 1)
+    shaft = _shaft_frequency(angle, waveform.index, rate)
     speed = 2.0 * math.pi * shaft
-    files = {f"runs/{run.name}.npz": waveform_file(acceleration, angle, rate, first, "npz")}
+    gaps = bool((np.diff(waveform.index) != 1).any())
+    data = waveform_file(acceleration, angle, rate, first, "npz", index=waveform.index if gaps else None)
+    files = {f"runs/{run.name}.npz": data}
     starts = window_starts(len(waveform), windows)
     starts = starts[waveform.index[starts + windows.length - 1] - waveform.index[starts] == windows.length - 1]  # without a gap
     cut = cut_windows(acceleration, windows)[np.isin(window_starts(len(waveform), windows), starts)]
@@ -156,6 +157,15 @@ def _written(run: MeasuredRun, bearing: str, position: int, store: Store, window
     return label
 
 
+def _shaft_frequency(angle: Samples, index: Integers, rate: int) -> float:
+    """Return the mean frequency of the shaft, signed, from the steps within gapless stretches [Hz]; NaN without an angle."""
+    if len(angle) < 2 or not np.isfinite(angle).all():
+        return math.nan
+    turns, gaps = unwrapped_turns(angle), np.flatnonzero(np.diff(index) != 1)
+    steps = len(turns) - 1 - len(gaps)
+    return float(turns[-1] - turns[0] - np.diff(turns)[gaps].sum()) * rate / steps if steps else math.nan
+
+
 def _known(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
@@ -180,7 +190,8 @@ Sources:
 {origin}
 
 * `labels.parquet`: one row per recording; what is unknown is null
-* `runs/RUN.npz`: waveform of one recording, arrays `ax`, `ay` [m/s^2], `shaft_angle` [rad], `sampling_rate` and `first_index`
+* `runs/RUN.npz`: waveform of one recording, arrays `ax`, `ay` [m/s^2], `shaft_angle` [rad], `sampling_rate` and `first_index`; where
+  samples are missing also `index`, that of each sample
 * `windows/SPLIT/RUN.parquet`: windows of {windows.length} samples, one every {windows.hop} samples
 * `dataset.yaml`: classes, splits, files and columns, for programs
 """

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import operator
 from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import accumulate
@@ -75,7 +76,8 @@ class ReadWindows(Sequence[tuple[Samples, int]]):
     def __getitem__(self, index: Any) -> Any:
         if isinstance(index, slice):
             return [self[k] for k in range(*index.indices(len(self)))]
-        k = int(index) + (len(self) if index < 0 else 0)
+        k = operator.index(index)
+        k += len(self) if k < 0 else 0
         if not 0 <= k < len(self):
             raise IndexError(f"window {index} of {len(self)}")
         run = bisect_right(self._ends, k)
@@ -128,7 +130,13 @@ class ReadWindows(Sequence[tuple[Samples, int]]):
         return x, np.array([self.classes.index(name) for name in faults], np.int64)
 
     def _cut(self, row: Mapping[str, Any]) -> tuple[Samples, list[str]]:
-        x = cut_windows(self._data_set.waveform(str(row["run"])).acceleration, self._shape)
+        waveform = self._data_set.waveform(str(row["run"]))
+        if (np.diff(waveform.index) != 1).any():
+            raise Refusal(
+                f"samples of the run {row['run']} in {self._data_set.folder} are missing, which new windows would bridge: leave out length "
+                "and hop"
+            )
+        x = cut_windows(waveform.acceleration, self._shape)
         return x, [str(row["fault"])] * len(x)
 
     def _stored_windows(self, row: Mapping[str, Any]) -> tuple[Samples, list[str]]:
@@ -151,11 +159,11 @@ class ReadWindows(Sequence[tuple[Samples, int]]):
 
 
 def _shape(length: int | None, hop: int | None) -> Windows:
+    for name, value in (("length", length), ("hop", hop)):
+        if value is not None and (type(value) is not int or value < 1):
+            raise Refusal(f"{name} = {value!r} is not a number of samples: give a whole number above 0")
     samples = USUAL_LENGTH if length is None else length
     step = max(1, samples // 2) if hop is None else hop
-    for name, value in (("length", samples), ("hop", step)):
-        if type(value) is not int or value < 1:
-            raise Refusal(f"{name} = {value!r} is not a number of samples: give a whole number above 0")
     if step > samples:
         raise Refusal(f"hop = {step} samples is above length = {samples}: give at most the length, so that no samples are left out")
     return Windows.model_construct(length=samples, overlap=1.0 - step / samples)

@@ -29,6 +29,7 @@ from dcrb_ros.sweep.schema import SPLITS, healthy_first
 from dcrb_ros.sweep.store import Store, record_of
 from dcrb_ros.sweep.sums import SUMS, read_sums
 from dcrb_ros.sweep.table import LABELS
+from dcrb_ros.sweep.windows import INDEX
 from dcrb_ros.text.files import read_bytes
 
 if TYPE_CHECKING:
@@ -141,7 +142,7 @@ class DataSet:
         Refusal
             There is no such run, or its file is damaged.
         """
-        if run not in self._rows:
+        if not isinstance(run, str) or run not in self._rows:
             raise Refusal(f"{self.folder} has no run '{run}'{nearest(str(run), self._rows)}: its runs are in DataSet.runs")
         row = self._rows[run]
         name = str(row["file"])
@@ -152,13 +153,14 @@ class DataSet:
             return Recording(self.folder / name).waveform()
         columns = _arrays(self.content(row, name), name)
         values = [np.asarray(columns[key], np.float32) for key in ("ax", "ay", "shaft_angle")]
-        if {len(value) for value in values} != {row["samples"]}:
+        index = columns.get(INDEX, np.arange(len(values[0]), dtype=np.int64) + int(row.get("first_index") or 0))
+        if {len(value) for value in (*values, index)} != {row["samples"]}:
             raise Refusal(f"{self.folder / name} has {len(values[0])} samples instead of {row['samples']}: {REMEDY}")
         return Waveform(
             acceleration=np.column_stack(values[:2]),
             shaft_angle=values[2],
             sampling_rate=int(row["sampling_rate"]),
-            index=np.arange(len(values[0]), dtype=np.int64) + int(row.get("first_index") or 0),
+            index=np.asarray(index, np.int64),
             orders=_orders(row),
         )
 
@@ -257,7 +259,7 @@ class DataSet:
         return {name: in_several((row.get(name), row["split"]) for row in self._rows.values()) for name in REMEDIES}
 
     def _split(self, split: str) -> str:
-        if split not in self.splits:
+        if not isinstance(split, str) or split not in self.splits:
             raise Refusal(f"{self.folder} has no split '{split}'{nearest(str(split), self.splits)}: it has {', '.join(self.splits)}")
         return split
 
@@ -271,7 +273,7 @@ def _arrays(data: bytes, name: str) -> Mapping[str, Any]:
     try:
         if name.endswith(".npz"):
             with np.load(io.BytesIO(data), allow_pickle=False) as content:
-                return {key: content[key] for key in ("ax", "ay", "shaft_angle")}
+                return {key: content[key] for key in ("ax", "ay", "shaft_angle", *({INDEX} & set(content.files)))}
         from pyarrow import parquet
 
         table = parquet.read_table(io.BytesIO(data))

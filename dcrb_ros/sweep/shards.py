@@ -31,6 +31,7 @@ from dcrb_ros.sweep.loader import sweep_of
 from dcrb_ros.sweep.plan import Plan, Task
 from dcrb_ros.sweep.schema import SPLITS
 from dcrb_ros.sweep.store import Store, file_record
+from dcrb_ros.sweep.sums import SUMS, read_sums
 from dcrb_ros.sweep.verification import flaw, read_label
 from dcrb_ros.text.files import read_text
 from dcrb_ros.text.json import LARGEST, parsed_json
@@ -92,9 +93,15 @@ def write_shards(data_set: Path, folder: Path, runs: int) -> list[str]:
     If that fails, no shard is left.
 
     Raises:
-        Refusal: the data set is not whole, or has bags; or the folder is not empty.
+        Refusal: the data set is not whole, was changed, or has bags; or the folder is not empty.
     """
     plan, store = _plan(data_set), Store(str(data_set))
+    sums = read_sums(store)
+    changed = next((name for name in RECIPE if sums is not None and store.sha256(name) != sums.get(name)), None)
+    if changed is not None:
+        raise Refusal(
+            f"{data_set / changed} has been changed: its SHA-256 is not the one in {SUMS}; restore it, or make the data set again"
+        )
     if folder.exists() and any(folder.iterdir()):
         raise Refusal(f"{folder} contains files: give an empty or a new folder")
     folder.mkdir(parents=True, exist_ok=True)

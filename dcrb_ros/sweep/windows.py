@@ -11,10 +11,12 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.faults.ground_truth import class_of
-from dcrb_ros.schema.arrays import Samples
+from dcrb_ros.schema.arrays import Integers, Samples
 from dcrb_ros.stream.block import Truth
 from dcrb_ros.sweep.sweep_file import Windows
 
+INDEX = "index"
+"""Array of a waveform file with the index of each sample, where samples are missing."""
 COLUMNS: Mapping[str, str] = {
     "run": "name of the run, as in the labels",
     "case": "name of its case",
@@ -48,18 +50,21 @@ def cut_windows(acceleration: Samples, windows: Windows) -> Samples:
 def window_labels(begin: npt.NDArray[np.int64], first_index: int, rate: int, windows: Windows, truths: list[Truth]) -> dict[str, Any]:
     """Return the label columns of windows that start at the samples ``begin`` of a run.
 
-    A window is labelled with the faults present at its first sample; ``mixed`` is true if they change within the window.
+    A window is labelled with the faults, the speed and the load at its first sample; ``mixed`` is true if the faults change within it.
     """
     times = [truth.time_ns for truth in truths]
-    first = [index_at(times, (first_index + int(sample)) * 1_000_000_000 // rate) for sample in begin]
+    begin_ns = [(first_index + int(sample)) * 1_000_000_000 // rate for sample in begin]
+    first = [index_at(times, time_ns) for time_ns in begin_ns]
+    # Speed and load change gradually between two instants of the ground truth.
+    speed, across, along = (np.interp(begin_ns, times, values) for values in zip(*((t.speed, *t.load) for t in truths), strict=True))
     ends = [index_at(times, (first_index + int(sample) + windows.length) * 1_000_000_000 // rate - 1) for sample in begin]
     return {
         "start": begin + first_index,
         "time": (begin + first_index) / rate,
         "fault": np.array([class_of(truths[k].faults) for k in first]),
         "width": np.array([max((f.get("width", 0.0) for f in truths[k].faults.values()), default=0.0) for k in first]),
-        "speed": np.array([truths[k].speed for k in first]),
-        "load": np.array([float(np.hypot(*truths[k].load)) for k in first]),
+        "speed": speed,
+        "load": np.hypot(across, along),
         "mixed": np.array([fault_fields(truths[k]) != fault_fields(truths[end]) for k, end in zip(first, ends, strict=True)]),
     }
 
@@ -92,7 +97,9 @@ def windows_file(x: Samples, labels: dict[str, Any], about: dict[str, str], kind
     return stream.getvalue()
 
 
-def waveform_file(acceleration: Samples, shaft_angle: Samples, rate: int, first_index: int, kind: str) -> bytes:
+def waveform_file(
+    acceleration: Samples, shaft_angle: Samples, rate: int, first_index: int, kind: str, *, index: Integers | None = None
+) -> bytes:
     """Return a waveform as the bytes of a file, npz or Parquet; equal samples give equal bytes.
 
     Args:
@@ -101,11 +108,13 @@ def waveform_file(acceleration: Samples, shaft_angle: Samples, rate: int, first_
         rate: sampling rate [Hz].
         first_index: index of the first sample since the start of the simulation or the recording [-].
         kind: ``npz`` or ``parquet``.
+        index: index of each sample, shape (samples,), where some are missing; npz only.
     """
     stream = io.BytesIO()
     columns: dict[str, Any] = {"ax": acceleration[:, 0], "ay": acceleration[:, 1], "shaft_angle": shaft_angle}
     if kind == "npz":
-        np.savez(stream, **columns, sampling_rate=np.array(rate), first_index=np.array(first_index))
+        columns |= {"sampling_rate": np.array(rate), "first_index": np.array(first_index)} | ({} if index is None else {INDEX: index})
+        np.savez(stream, **columns)
     else:
         import pyarrow
         from pyarrow import parquet

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import matplotlib as mpl
 import matplotlib.pyplot as plt
@@ -89,6 +89,14 @@ def test_fault_lines_stand_at_the_orders_of_the_bearing(run: SimulationResult) -
     upright = [line.get_xdata()[0] for line in ax.lines if len(line.get_xdata()) == 2]
     assert upright == pytest.approx([run.orders.bpfi, 2.0 * run.orders.bpfi])
     assert ax.get_xlabel() == "order [multiples of the shaft frequency]"
+
+
+@pytest.mark.timeout(60)  # a line for each harmonic up to there would fill the memory
+@pytest.mark.parametrize("x", ["order", "frequency"])
+def test_no_fault_line_lies_beyond_the_spectrum(x: Literal["order", "frequency"], run: SimulationResult) -> None:
+    end = envelope_spectrum(run).order[-1]
+    ax = plot_envelope_spectrum(run, lines=["BPFI"], x=x, highest=1e12)
+    assert len([line for line in ax.lines if len(line.get_xdata()) == 2]) == int(end / run.orders.bpfi)
 
 
 def test_a_defect_is_marked_at_its_own_lines(run: SimulationResult) -> None:

@@ -10,16 +10,19 @@ import numpy as np
 import pytest
 
 import dcrb_ros
-from dcrb_ros import Refusal
+from dcrb_ros import Refusal, Waveform
 
 plt.switch_backend("Agg")
 RATE, SAMPLES = 6400, 6400
 SIGNAL = np.random.default_rng(1).normal(size=SAMPLES)
-ANGLE = np.mod(2.0 * np.pi * 20.0 * np.arange(SAMPLES) / RATE, 2.0 * np.pi)
+TURNS = 20.0 * np.arange(SAMPLES) / RATE
+ANGLE = np.mod(2.0 * np.pi * TURNS, 2.0 * np.pi)
 ORDERS = dcrb_ros.Orders(0.4, 3.6, 5.4, 2.4)
+WAVEFORM = Waveform.from_arrays(SIGNAL, RATE, shaft_angle=ANGLE, bearing=ORDERS)
+READING = {"time": 0.0, "bearing": 40.0, "ambient": 20.0, "load": 1e5}
 HOURS = np.arange(20.0)
 TREND = {"hours": HOURS, "severity": np.exp(HOURS / 20.0), "coverage": 0.9}
-MEASURED = {"signal": SIGNAL, "sampling_rate": float(RATE), "shaft_angle": ANGLE, "bearing": "healthy"}
+MEASURED = {"signal": SIGNAL, "sampling_rate": float(RATE), "shaft_angle": ANGLE, "bearing": ORDERS}
 DETECTOR = {"orders": ORDERS, "rate": RATE, "parameters": dcrb_ros.DetectorParameters(), "sensor_range": 0.0, "baseline": None}
 WRONG = {
     "nothing": None,
@@ -49,16 +52,16 @@ CALLS: dict[str, Mapping[str, Any]] = {
     "simulate": {"configuration": "nowhere", "duration": 0.002, "settings": (), "scenario": None, "seed": None},
     "healthy_level": {"configuration": "nowhere", "duration": 0.002, "settings": ()},
     "Simulation": {"configuration": None, "scenario": (), "waveform_only": False, "drive": None},
-    "spectral_coherence": {"signal": SIGNAL, "sampling_rate": float(RATE), "turns": ANGLE, "highest_order": 6.0, "resolution": None},
+    "spectral_coherence": {"signal": SIGNAL, "sampling_rate": float(RATE), "turns": TURNS, "highest_order": 6.0, "resolution": None},
     "envelope_spectrum": {**MEASURED, "band": None, "order_tracking": None},
     "plot_envelope_spectrum": {**MEASURED, "band": None, "order_tracking": None, "x": None, "highest": None, "lines": "BPFO", "ax": None},
     "plot_waveform": {"signal": SIGNAL, "sampling_rate": float(RATE), "start": None, "stop": None, "axis": "y", "ax": None},
     "plot_load_zone": {"source": None, "ax": None},
-    "extract_features": {**MEASURED, "window": 1.0, "hop": 0.5, "families": ["spectrum"], "axes": ("x",)},
+    "extract_features": {**MEASURED, "window": 1.0, "hop": 0.5, "families": ["statistics"], "axes": ("x",)},
     "detect": {**MEASURED, "parameters": None, "baseline": None, "temperatures": None},
     "detect_vehicle": {"signals": None, "parameters": None, "box_parameters": None},
-    "compare": {"first": None, "second": None, "names": ("a", "b")},
-    "calibrate": {"recordings": None, "base": None, "settings": (), "source_seconds": 4.0, "trust": False, "names": ()},
+    "compare": {"first": WAVEFORM, "second": WAVEFORM, "names": ("a", "b")},
+    "calibrate": {"recordings": WAVEFORM, "base": None, "settings": (), "source_seconds": 4.0, "trust": False, "names": ()},
     "score": {"detector": None, "exam": "nowhere", "recordings": None, "workers": 1},
     "DataSet": {"folder": "nowhere"},
     "Recording": {"path": "nowhere"},
@@ -114,4 +117,35 @@ def test_arguments_of_wrong_types_are_refused_in_one_sentence(name: str) -> None
         for label, value in WRONG.items()
     }
     plt.close("all")
+    assert {place: answer for place, answer in answers.items() if answer} == {}
+
+
+@pytest.mark.parametrize(
+    "name", ["extract_features", "detect", "envelope_spectrum", "spectral_coherence", "compare", "update_remaining_life"]
+)
+def test_the_other_arguments_are_taken(name: str) -> None:
+    # A call that is refused for another argument would tell nothing about the one of a wrong type.
+    getattr(dcrb_ros, name)(**CALLS[name])
+
+
+def test_blocks_and_names_of_wrong_types_are_refused_in_one_sentence() -> None:
+    extractor = dcrb_ros.FeatureExtractor(ORDERS, RATE, families=["statistics"])
+    block = {"index": 0, "acceleration": np.zeros((8, 2)), "shaft_angle": np.zeros(8)}
+    answers: dict[tuple[str, ...], str] = {
+        (argument, label): outcome(extractor.update, {**block, argument: value}) for argument in block for label, value in WRONG.items()
+    }
+    detector = dcrb_ros.ThermalFaultDetector(ORDERS, RATE)
+    answers |= {
+        ("detector", argument, label): outcome(detector.update, {**block, argument: v}) for argument in block for label, v in WRONG.items()
+    }
+    detector.update(**block)
+    answers |= {
+        (argument, label): outcome(detector.take_temperature, {**READING, argument: value})
+        for argument in READING
+        for label, value in WRONG.items()
+    }
+    coherence = dcrb_ros.spectral_coherence(**CALLS["spectral_coherence"])
+    answers |= {("low", label): outcome(coherence.enhanced_envelope_spectrum, {"low": value}) for label, value in WRONG.items()}
+    table = dcrb_ros.extract_features(WAVEFORM, families=["statistics"])
+    answers |= {("name", label): outcome(table.__getitem__, {"name": value}) for label, value in WRONG.items()}
     assert {place: answer for place, answer in answers.items() if answer} == {}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from synthetic_bearing import ORDERS, synthetic
@@ -78,3 +80,9 @@ def test_progress_names_every_step() -> None:
     compare(signal(), signal(), progress=steps.append)
     assert steps == ["reading the recordings", "comparing axis x", "comparing axis y", "comparing features"]
     assert len(steps) == STEPS
+
+
+@pytest.mark.parametrize("names", ["AB", ("A",), ["A", "B", "C"]])
+def test_other_than_two_names_are_refused(names: Any) -> None:
+    with pytest.raises(Refusal, match="are not those of two recordings"):
+        compare(signal(), signal(), names=names)

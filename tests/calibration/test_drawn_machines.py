@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 
-from dcrb_ros import load_configuration
+from dcrb_ros import Refusal, load_configuration
 from dcrb_ros.bearing.waveform import Waveform
 from dcrb_ros.calibration.calibration import Calibration
-from dcrb_ros.calibration.estimate import PathLevel
+from dcrb_ros.calibration.estimate import EstimatedParameter, PathLevel
 from dcrb_ros.calibration.files import vary
 
 
@@ -27,3 +30,19 @@ def test_drawn_machines_differ_by_the_spread_of_the_path_or_by_the_housing(housi
     assert drawn["structure.path_spread"] == spread
     assert load_configuration(found.configuration, drawn).structure.seed == drawn["structure.seed"]
     assert ("structure.path_spread" in vary(found)) is (spread > 0.0)
+
+
+@pytest.mark.parametrize(("other", "varied"), [(125.6640001, False), (125.67, True)])
+def test_an_interval_that_vanishes_by_rounding_is_no_axis(other: float, varied: bool) -> None:
+    # Recordings at 125.664 rad/s whose angles are rounded: a sweep refuses a range from 125.664 to 125.664.
+    speed = EstimatedParameter("operating.speed", 125.664, 125.664, other, "rad/s")
+    axes = vary(replace(calibration("none"), estimates=(speed,)))
+    assert ("operating.speed" in axes) is varied
+    assert all(axis["low"] < axis["high"] for axis in axes.values())
+
+
+@pytest.mark.parametrize("seed", [-1, 1.0, True, "3", None])
+def test_a_machine_has_a_whole_number(seed: Any) -> None:
+    with pytest.raises(Refusal, match="is not a whole number from 0 on"):
+        calibration("none").draw(seed)
+    assert calibration("none").draw(int(np.int64(3))) == calibration("none").draw(3)

@@ -61,6 +61,12 @@ def test_rules_across_axle_and_train_do_not_depend_on_the_weather(ambient: float
         assert across[0] == across[1]
 
 
+def test_a_sensor_without_a_reading_blinds_no_rule_for_the_other_boxes() -> None:
+    readings = dict.fromkeys(BOXES, 35.0) | {"axle_1.left": 60.0, "axle_2.left": float("nan")}
+    assert [(hot.box, hot.rule) for hot in hot_boxes(readings, 20.0, 20.0, BOTH)] == [("axle_1.left", "others")]
+    assert hot_boxes(dict.fromkeys(BOXES, float("nan")), 20.0, 20.0, BOTH) == []
+
+
 def test_a_missing_neighbour_leaves_the_rules_that_need_none() -> None:
     assert opposite_of("axle_2.right") == "axle_2.left"
     assert [hot.rule for hot in hot_boxes({"axle_1.left": 150.0}, 20.0, 20.0, BOTH)] == ["ambient", "absolute"]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -166,6 +168,18 @@ def test_lives_have_the_distribution_of_weibull(slope: float) -> None:
 def test_without_load_no_life_ends(rating: float, load: float) -> None:
     with pytest.raises(Refusal, match="both must be above 0 N"):
         rating_life(rating, load)
+
+
+@pytest.mark.parametrize(("rating", "load"), [(1e300, 1e-5), (1e200, 1e-200), (1e95, 1.0)])
+def test_a_life_beyond_every_number_is_refused(rating: float, load: float) -> None:
+    with pytest.raises(Refusal, match="beyond every number"):
+        rating_life(rating, load)
+
+
+def test_something_without_the_number_of_rollers_has_no_rating() -> None:
+    given = {name: getattr(Bearing(), name) for name in ("contact_angle", "roller_radius", "roller_length", "pitch_radius", "rows")}
+    with pytest.raises(Refusal, match="without the attribute rollers_per_row"):
+        dynamic_load_rating(SimpleNamespace(**given))  # type: ignore[arg-type]
 
 
 def test_a_spectrum_without_revolutions_is_refused() -> None:

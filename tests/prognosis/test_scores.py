@@ -74,3 +74,9 @@ def test_invalid_input_is_refused(true: list[float], estimated: list[float], wor
 def test_a_cycle_without_length_is_refused() -> None:
     with pytest.raises(Refusal, match="unit = 0 is not"):
         phm_2008_score([1.0], [1.0], unit=0.0)
+
+
+@pytest.mark.parametrize("estimate", [1.0, math.inf])
+def test_the_penalty_of_a_bearing_that_never_fails_is_refused(estimate: float) -> None:
+    with pytest.raises(Refusal, match="true remaining life is infinite"):
+        phm_2008_score([10.0, math.inf], [10.0, estimate])

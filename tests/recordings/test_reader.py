@@ -26,7 +26,7 @@ from dcrb_ros.exam.detector_run import shipped_detector
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.points import SAMPLE
 from dcrb_ros.messages.topics import ACCELERATION, FEATURES, GROUND_TRUTH, MANIFEST, NAMESPACE, ROLLER_STATES, SENSOR, VIBRATION
-from dcrb_ros.recordings import metadata
+from dcrb_ros.recordings import storage
 from dcrb_ros.recordings.manifest import OUTCOME, opening, record_text
 from dcrb_ros.recordings.metadata import metadata_flaw
 from dcrb_ros.recordings.reader import Recording
@@ -327,6 +327,7 @@ def test_messages_are_those_of_the_topics_in_the_namespace(tmp_path: Path) -> No
     recording = made(tmp_path / "bag", {})
     assert {message.topic for message in recording.messages()} == {VIBRATION, FEATURES, GROUND_TRUTH}
     assert {message.topic for message in recording.messages((FEATURES,))} == {FEATURES}
+    assert list(recording.messages(())) == list(recording.messages([])) == []
     assert list(recording.messages(namespace="/other")) == []
     assert [message.time_ns for message in recording.messages((VIBRATION,))] == [0, 20_000_000, 40_000_000]
     assert made(tmp_path / "elsewhere", {}, namespace="/other").counts() == recording.counts()
@@ -444,7 +445,7 @@ def test_metadata_must_name_every_file(tmp_path: Path) -> None:
 def test_metadata_up_to_the_limit_are_read(excess: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     bag = recorded(tmp_path / "bag", 1)
     size = (bag / "metadata.yaml").stat().st_size
-    monkeypatch.setattr(metadata, "MAX_METADATA", size - excess)
+    monkeypatch.setattr(storage, "LARGEST_METADATA", size - excess)
     assert metadata_flaw(bag) == (f"metadata.yaml has {size} bytes; at most {size - 1} are read" if excess else "")
 
 

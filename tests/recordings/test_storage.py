@@ -21,6 +21,7 @@ from dcrb_ros.recordings import compression, mcap_reader
 from dcrb_ros.recordings.mcap_reader import MAGIC
 from dcrb_ros.recordings.metadata import metadata_flaw
 from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.recordings.recovery import recover
 from dcrb_ros.recordings.storage import StoredFile, valid_files
 from dcrb_ros.schema.refusal import Refusal
 
@@ -229,3 +230,28 @@ def test_other_readers_take_whole_messages_in_mcap_only(form: str, rereadable: b
     recording = Recording(bag_of(tmp_path / "bag", messages_of(3), form))
     assert recording.counts()
     assert [file.rereadable for file in recording.stored] == [rereadable]
+
+
+@pytest.mark.parametrize("lost", [[0], [2, 3], [4], [1, 2, 3, 4]])
+def test_files_that_metadata_names_and_that_are_missing_are_damage(lost: list[int], tmp_path: Path) -> None:
+    # Each file states the samples up to its own end, so that without the last ones the digests agreed.
+    bag = recorded(tmp_path / "bag", 100, split_duration=0.4)
+    assert (len(Recording(bag).files), Recording(bag).damage) == (5, [])
+    for number in lost:
+        (bag / f"bag_{number}.mcap").unlink()
+    names = ", ".join(f"bag_{number}.mcap" for number in lost)
+    recording = Recording(bag)
+    assert not recording.complete
+    assert recording.damage[0] == f"metadata.yaml names files that are missing: {names}"
+    assert recover(bag, tmp_path / "recovered").damage[0] == recording.damage[0]
+    assert Recording(tmp_path / "recovered").damage == []
+
+
+def test_renamed_files_and_damaged_metadata_are_no_missing_files(tmp_path: Path) -> None:
+    bag = recorded(tmp_path / "bag", 100, split_duration=0.4)
+    for number in range(5):
+        (bag / f"bag_{number}.mcap").rename(bag / f"run_{number}.mcap")
+    assert Recording(bag).damage == []
+    for text in ("", "- 1", "rosbag2_bagfile_information: {relative_file_paths: 3}", "{"):
+        (bag / "metadata.yaml").write_text(text)
+        assert Recording(bag).damage == []

@@ -12,6 +12,7 @@ import pandas as pd
 import pytest
 from synthetic_bearing import ORDERS, synthetic
 
+from dcrb_ros import DataSet
 from dcrb_ros.sweep.store import record_of
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -61,3 +62,15 @@ def test_the_classifier_of_the_twins_tells_noise_from_a_defect(tmp_path: Path) -
     assert len(features) == len(truth) == 12
     assert not any("rms" in name or "peak" in name or "level" in name for name in features)
     assert example.main(*folders) == 1.0
+
+
+@pytest.mark.filterwarnings("ignore:.*has no SHA256SUMS")
+def test_the_features_of_the_baseline_do_not_depend_on_the_direction_of_rotation(tmp_path: Path) -> None:
+    pytest.importorskip("sklearn")
+    acceleration, angle = synthetic(outer=80.0, seconds=2.0, rate=12800, seed=1)
+    rows = [row_of(tmp_path, name, acceleration, sign * angle, "outer_ring") for name, sign in (("forwards", 1.0), ("backwards", -1.0))]
+    rows[1]["speed"] *= -1.0
+    pd.DataFrame(rows).to_parquet(tmp_path / "labels.parquet")
+    example, data_set = loaded("baseline"), DataSet(tmp_path)
+    forwards, backwards = (example.features(data_set, row) for _, row in data_set.labels().iterrows())
+    assert backwards == pytest.approx(forwards, abs=0.02)

@@ -142,15 +142,23 @@ def test_something_else_in_place_of_an_index_is_refused(attack: str, data_set: P
         remake_shard(tmp_path / "shards" / INDEX, name, tmp_path / "a.tar")
 
 
-@pytest.mark.parametrize("file", ["sweep.yaml", "base.yaml"])
-def test_an_edited_recipe_of_a_data_set_is_not_packed(file: str, data_set: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("file", "old", "new"),
+    [
+        ("sweep.yaml", "160.0", "170.0"),
+        ("sweep.yaml", "duration:", "split: {train: 0.2, validation: 0.2, test: 0.6}\nduration:"),  # the same runs in other splits
+        ("base.yaml", "rollers_per_row: 16", "rollers_per_row: 15"),
+    ],
+)
+def test_an_edited_recipe_of_a_data_set_is_not_packed(file: str, old: str, new: str, data_set: Path, tmp_path: Path) -> None:
     copied = Path(shutil.copytree(data_set, tmp_path / "copied"))
     text = (copied / file).read_text()
-    changed = text.replace("160.0", "170.0") if file == "sweep.yaml" else text.replace("rollers_per_row: 16", "rollers_per_row: 15")
+    changed = text.replace(old, new)
     assert changed != text
     (copied / file).write_text(changed)
-    with pytest.raises(Refusal, match=r"is missing: repair or finish the data set"):
+    with pytest.raises(Refusal, match=rf"{file} has been changed: its SHA-256 is not the one in SHA256SUMS"):
         write_shards(copied, tmp_path / "shards", 3)
+    assert not (tmp_path / "shards").exists()
 
 
 def test_a_missing_run_and_a_full_folder_are_refused(data_set: Path, tmp_path: Path) -> None:

@@ -554,6 +554,11 @@ def test_the_disk_space_is_estimated(tmp_path: Path) -> None:
         ({"design": "latin_hypercube"}, "needs 'points'"),
         ({"design": "sobol"}, "design = 'sobol'"),
         ({"points": 10}, "the values of a grid determine its points"),
+        ({"seed": 1}, "seed = 1 is that of the designs random and latin_hypercube: remove it, or give 'seeds'"),
+        (
+            {"design": "random", "points": 3, "vary": {"operating.load": {"low": 1e4, "high": 1e5, "count": 3}}},
+            "operating.load: count = 3 applies to a grid only",
+        ),
         ({"seeds": 0}, "seeds = 0"),
         ({"seeds": []}, "seeds = []"),
         ({"cases": {"fast": {"operating.speed": 200.0}}}, "move it to 'vary'"),
@@ -566,6 +571,10 @@ def test_the_disk_space_is_estimated(tmp_path: Path) -> None:
         ({"branch_at": 0.1}, "settle = 0 s is below 0.005 s"),
         ({"branch_at": 0.1, "settle": 0.1, "cases": {"slow": {"sensor.sampling_rate": 25600}}}, "cannot change while the bearing runs"),
         ({"branch_at": 0.1, "settle": 0.1, "cases": {"grows": {"scenario": "growing_spall"}}}, "cannot be combined with a scenario"),
+        (
+            {"set": {"operating.speed": 80.0}, "vary": {"operating.speed": [100.0]}},
+            "operating.speed = 80.0 under 'set' would have no effect",
+        ),
         ({"set": {"operating.speed_kmh": 80.0}, "vary": {"operating.speed": [100.0]}}, "two forms of one parameter: give one of them"),
         ({"set": {"operating.speed": 80.0}, "vary": {"operating.speed_kmh": [100.0]}}, "two forms of one parameter: give one of them"),
         ({"set": {"operating": {"speed": 80.0, "speed_kmh": 10.0}}}, "two forms of one parameter: give one of them"),

@@ -17,7 +17,7 @@ from dcrb_ros.diagnosis.features.family import FeatureFamily, Windows
 from dcrb_ros.diagnosis.features.registry import FAMILIES
 from dcrb_ros.diagnosis.order_tracking import LEAST_TURNS, forward_turns, reverses, unwrapped_turns
 from dcrb_ros.runtime.frames import pandas
-from dcrb_ros.schema.arguments import checked_arguments, number, of_type, optional, texts
+from dcrb_ros.schema.arguments import checked_arguments, number, numbers, of_type, optional, texts
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.numbers import finite_number
 from dcrb_ros.schema.refusal import Refusal, nearest
@@ -55,8 +55,8 @@ class FeatureTable:
         Refusal
             There is no feature of that name.
         """
-        if name not in self.names:
-            raise Refusal(f"there is no feature '{name}'{nearest(name, self.names)}: table.names lists all {len(self.names)}")
+        if not isinstance(name, str) or name not in self.names:
+            raise Refusal(f"there is no feature '{name}'{nearest(str(name), self.names)}: table.names lists all {len(self.names)}")
         return np.asarray(self.values[:, self.names.index(name)], np.float64)
 
     def to_pandas(self) -> pd.DataFrame:
@@ -121,6 +121,7 @@ class FeatureExtractor:
         self._next: int | None = None
         self._acceleration, self._angle = np.zeros((0, 2)), np.zeros(0)
 
+    @checked_arguments(index=number, acceleration=numbers, shaft_angle=numbers)
     def update(self, index: int, acceleration: npt.ArrayLike, shaft_angle: npt.ArrayLike) -> FeatureTable:
         """Take a block that begins at sample ``index``, shapes (samples, 2) and (samples,); return the windows that end in it.
 

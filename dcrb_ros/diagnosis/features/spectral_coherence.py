@@ -24,7 +24,7 @@ from scipy import fft
 
 from dcrb_ros.diagnosis.features.family import FAULTS, SLIP, FeatureFamily, Windows, fault_orders
 from dcrb_ros.diagnosis.line_search import local_mean
-from dcrb_ros.schema.arguments import checked_arguments, numbers
+from dcrb_ros.schema.arguments import checked_arguments, number, numbers
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.numbers import finite_number
 from dcrb_ros.schema.refusal import Refusal
@@ -50,6 +50,7 @@ class SpectralCoherence(NamedTuple):
     coherence: npt.NDArray[np.complex64]
     """gamma, shape (frequencies, orders) [-]: 0 without a correlation, at most about 1; its phase is that of the modulation at turn 0."""
 
+    @checked_arguments(low=number, high=number)
     def enhanced_envelope_spectrum(self, low: float = 0.0, high: float = math.inf) -> Floats:
         """Return the mean of ``|gamma|^2`` over the carriers from ``low`` to ``high`` [Hz], shape (orders,) [-].
 
@@ -64,7 +65,7 @@ class SpectralCoherence(NamedTuple):
         return np.asarray(np.mean(np.abs(self.coherence[inside]) ** 2, axis=0, dtype=np.float64), np.float64)
 
 
-@checked_arguments(signal=numbers, turns=numbers)
+@checked_arguments(signal=numbers, turns=numbers, highest_order=number)
 def spectral_coherence(
     signal: npt.ArrayLike, sampling_rate: float, turns: npt.ArrayLike, highest_order: float, *, resolution: float | None = None
 ) -> SpectralCoherence:

@@ -11,6 +11,7 @@ from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten, overlaid, validated
+from dcrb_ros.settings.impact_limits import BALLS
 from dcrb_ros.sweep.design import Value
 from dcrb_ros.sweep.lives.duty import Duty, duty_of_line, duty_of_spectrum
 from dcrb_ros.sweep.lives.growth import GROWTH_LAWS, Growth
@@ -33,7 +34,7 @@ def life_sweep_of(tree: Mapping[str, Any], source: str, common: Sweep) -> LifeSw
     """Return the sweep of lives described by a tree read from YAML; ``common`` are its keys that every sweep has.
 
     Raises:
-        Refusal: an unknown key, a value out of range, or lives that cannot end or are never inspected.
+        Refusal: an unknown key, a value out of range, a bearing with balls, or lives that cannot end or are never inspected.
     """
     if "lives" not in tree:
         raise Refusal(f"{source}: 'lives' is missing: give the number of bearings")
@@ -44,6 +45,11 @@ def life_sweep_of(tree: Mapping[str, Any], source: str, common: Sweep) -> LifeSw
         raise Refusal(f"{source}: split.apart is for single runs, lives keep every bearing in one split anyway: remove it")
     recipe = Recipe(numbers, inspection, start, damage, _growth(tree.get("growth", {}), source), _climate(tree, common, source))
     configuration = validated(common.base, Configuration, source)
+    if configuration.contact.law == BALLS:
+        raise Refusal(
+            f"{source}: contact.law = {BALLS} is that of balls, and the load rating and the rating life are those of rollers: give a base "
+            "with rollers"
+        )
     duty, written = _duty(tree, configuration.operating.wheel_diameter, source)
     population = _population(recipe, duty, configuration, source)
     sections = duty.inspected(inspection.section, common.file.duration + common.file.settle, source)
@@ -76,7 +82,7 @@ def _group(tree: Any, kind: type[Model], source: str, name: str = "") -> Model:
 
 def _growth(tree: Any, source: str) -> Growth:
     law = tree.get("law", "paris") if isinstance(tree, Mapping) else "paris"
-    if law not in GROWTH_LAWS:
+    if not isinstance(law, str) or law not in GROWTH_LAWS:
         raise Refusal(f"{source}: growth.law = {law!r} is not one of {', '.join(GROWTH_LAWS)}{nearest(str(law), GROWTH_LAWS)}")
     return _group(tree, GROWTH_LAWS[law], source, "growth")
 

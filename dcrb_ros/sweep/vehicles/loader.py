@@ -8,11 +8,12 @@ from typing import Any
 
 from dcrb_ros.schema.parameter_field import ParameterField
 from dcrb_ros.schema.refusal import Refusal, nearest
-from dcrb_ros.sweep.axes import choice_of, span_of
+from dcrb_ros.settings.files import flatten
+from dcrb_ros.sweep.axes import choice_of, refuse_fixed, span_of
 from dcrb_ros.sweep.design import Axes, Axis, Choice, Span, Value
 from dcrb_ros.sweep.machine import flatten_axes
 from dcrb_ros.sweep.sweep_file import LONGEST_RUN, SweepFile
-from dcrb_ros.sweep.vehicles.sweep import BOX, VEHICLE, VehicleSweep, placed
+from dcrb_ros.sweep.vehicles.sweep import BOX, VEHICLE, VEHICLE_SEED, VehicleSweep, placed
 from dcrb_ros.text.files import checked_path, is_file
 from dcrb_ros.vehicle.file import read_parameters, vehicle_of
 
@@ -55,10 +56,15 @@ def vehicle_sweep_of(given: Any, file: SweepFile, source: str, folder: Path, tex
         raise Refusal(f"{source}: duration = {file.duration:g} s makes {total:g} s of all boxes, above {LONGEST_RUN:g} s: shorten the runs")
     kinds: dict[str, type] = {}
     vary = _axes(file.vary, file.design, f"{source}: vary", kinds)
+    refuse_fixed(vary, flatten(file.fixed), source)
     cases = {name: _axes(case, file.design, f"{source}: cases.{name}", kinds) for name, case in file.cases.items()} or {"base": {}}
     if BOX in vary or any(key.startswith(f"{BOX}.") for key in vary):
         raise Refusal(f"{source}: vary: '{BOX}' is for cases: name the box, such as {names[0]}.surfaces.waviness")
     for name, axes in cases.items():
+        if VEHICLE_SEED in axes:
+            raise Refusal(
+                f"{source}: cases.{name}: another {VEHICLE_SEED} is another vehicle, which may be in another split: move it to 'vary'"
+            )
         _check_boxes(axes, names, f"{source}: cases.{name}")
     for where, axes in (("vary", vary), *((f"cases.{name}", axes) for name, axes in cases.items())):
         for values in _tried(axes):

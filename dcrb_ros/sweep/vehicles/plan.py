@@ -10,12 +10,10 @@ from dcrb_ros.sweep.division import splits
 from dcrb_ros.sweep.identity import BEARING_ID, MACHINE
 from dcrb_ros.sweep.identity import TRUTH as IDENTITY
 from dcrb_ros.sweep.plan import Plan, PlannedRun, Task, digest
-from dcrb_ros.sweep.vehicles.sweep import BOX, VehicleSweep, placed
+from dcrb_ros.sweep.vehicles.sweep import BOX, VEHICLE_SEED, VehicleSweep, placed
 
 TOGETHER, DAMAGED = "together", "damaged"
 """Columns of the labels of boxes, beside `BOX`."""
-VEHICLE_SEED = "vehicle.seed"
-"""Key of the seed from which the bearings, the housings and the noise of a vehicle follow."""
 TRUTH: Mapping[str, tuple[type, str]] = {
     **IDENTITY,
     MACHINE: (str, "the vehicle: shared by its boxes on all rides; never in two splits"),

@@ -12,6 +12,8 @@ from dcrb_ros.vehicle.description import Vehicle
 
 VEHICLE = "vehicle"
 """Key of a sweep file with the vehicle on which all runs are based."""
+VEHICLE_SEED = "vehicle.seed"
+"""Key of the seed from which the bearings, the housings and the noise of a vehicle follow."""
 BOX = "box"
 """In the keys of a case, the box in question; as an axis, the boxes among which it is."""
 

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 import pandas as pd
 import pytest
+
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.sweep.store import record_of
 
 pytest.importorskip("matplotlib")
 
@@ -60,18 +64,29 @@ def test_a_trend_begins_at_the_first_of_two_high_inspections(example: ModuleType
     assert example.begin(np.ones(9)) == 9
 
 
-def test_the_script_prints_the_scores_and_draws_its_figures(
-    example: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    (tmp_path / "set").mkdir()
+def written_set(folder: Path) -> None:
+    """Write a data set of five bearings; a refused inspection has no file."""
+    (folder / "runs").mkdir(parents=True)
     tables = []
     for number, split in enumerate(("train", "train", "train", "test", "test")):
         rows = bearing(4000.0 + 300.0 * number, number, f"bearing{number}")
-        rows["file"] = [f"{number}-{place}.npz" for place in range(len(rows))]
-        for file, severity in zip(rows["file"], rows["severity"], strict=True):
-            np.savez(tmp_path / "set" / file, ay=severity * np.array([-1.0, 1.0]))
-        tables.append(rows.assign(split=split, censored=False, damage=np.where(rows["remaining_life"] < 2000.0, 0.001, 0.0)))
-    pd.concat(tables).to_parquet(tmp_path / "set" / "labels.parquet")
+        rows["run"] = [f"{number}-{place}" for place in range(len(rows))]
+        rows["file"], rows["files"] = [f"runs/{run}.npz" for run in rows["run"]], ""
+        for place, (file, severity) in enumerate(zip(rows["file"], rows["severity"], strict=True)):
+            vertical = severity * np.array([-1.0, 1.0])
+            np.savez(folder / file, ax=np.zeros(2), ay=vertical, shaft_angle=np.zeros(2))
+            rows.loc[place, "files"] = json.dumps({file: record_of(folder / file)})
+        about = {"status": "done", "fault": "outer_ring", "sampling_rate": 25600, "samples": 2}
+        tables.append(rows.assign(split=split, censored=False, damage=np.where(rows["remaining_life"] < 2000.0, 0.001, 0.0), **about))
+    refused = tables[0].head(1).assign(run="refused", status="refused", file=None, files=None)
+    pd.concat([refused, *tables]).drop(columns="severity").to_parquet(folder / "labels.parquet")
+
+
+@pytest.mark.filterwarnings("ignore:.*has no SHA256SUMS")
+def test_the_script_prints_the_scores_and_draws_its_figures(
+    example: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    written_set(tmp_path / "set")
     monkeypatch.chdir(tmp_path)
     example.main(tmp_path / "set")
     printed = capsys.readouterr().out
@@ -79,5 +94,13 @@ def test_the_script_prints_the_scores_and_draws_its_figures(
     assert "bearing3: " in printed
     assert "bearing4: " in printed
     assert "each life from all others: " in printed
-    assert (tmp_path / "severity.png").stat().st_size > 1000
-    assert (tmp_path / "remaining-life.png").stat().st_size > 1000
+    assert all((tmp_path / figure).stat().st_size > 10_000 for figure in ("severity.png", "remaining-life.png"))
+
+
+@pytest.mark.filterwarnings("ignore:.*has no SHA256SUMS")
+def test_a_changed_waveform_gives_no_estimate(example: ModuleType, tmp_path: Path) -> None:
+    written_set(tmp_path / "set")
+    waveform = tmp_path / "set" / "runs" / "3-5.npz"
+    waveform.write_bytes(waveform.read_bytes()[:-1] + b"x")
+    with pytest.raises(Refusal, match=r"3-5\.npz has been changed"):
+        example.inspections(tmp_path / "set")

@@ -283,6 +283,7 @@ def test_shipped_sweeps_can_be_planned(path: Path) -> None:
         ({"line": {"stations": []}}, "the duty is given twice"),
         ({"growth": {"revolutions": 1e13}}, "the growth of the damage takes"),
         ({"growth": {"law": "pairs"}}, "did you mean 'paris'"),
+        ({"growth": {"law": ["paris"]}}, r"growth.law = \['paris'\] is not one of"),
         ({"growth": {"law": "gamma", "exponent": 2.0}}, "unknown parameter 'exponent'"),
         ({"damage": {"last_width": 0.001}}, "damage.last_width = 0.001 m is not above damage.first_width"),
         ({"damage": {"outer": 0.9}}, "add up to 1.4"),
@@ -296,6 +297,7 @@ def test_shipped_sweeps_can_be_planned(path: Path) -> None:
         ({"set": OILED, "climate": {"season": -1.0}}, "season = -1.0 K is outside 0 .. 50 K"),
         ({"lives": 0}, "lives = 0 is outside 1 .. 1000000"),
         ({"start": {"slope": 0.0}}, "slope = 0.0 is outside 0.3 .. 20"),
+        ({"base": "ball_bearing_6205", "set": {}}, "contact.law = hertz is that of balls"),
         ({"duration": 4000.0, "output": "bag"}, "an inspection of 4000 s is longer than every stretch"),
     ],
 )
