@@ -63,7 +63,7 @@ def listed_runs(table: Path, about: str, rate: int = 0) -> Iterator[ListedRun]:
         settings += [f"speed_rpm={row['speed_rpm']}"] if row.get("speed_rpm") else []
         read = WaveformImport([file], find_shipped("description", description), settings)
         sha256 = read.sha256()
-        if row.get(SHA256, sha256).lower() != sha256:
+        if (row.get(SHA256) or sha256).lower() != sha256:
             raise Refusal(f"{line}: {file} has the SHA-256 {sha256} instead of {row[SHA256]}: get the file again, or correct the list")
         waveform = Waveform(
             acceleration=read.acceleration, shaft_angle=read.angle, sampling_rate=read.rate, index=read.index, orders=read.orders

@@ -186,8 +186,9 @@ def test_a_file_with_another_hash_than_listed_is_refused(files: Path, tmp_path: 
     shutil.copytree(files, tmp_path / "files")
     listed = tmp_path / "files" / "files.csv"
     arguments = ["collect", str(listed), "--about", str(files / "about.yaml"), "-o"]
-    listed.write_text(f"file,fault,speed_rpm,sha256\n105.npz,inner_ring,1797,{actual.upper()}\n", encoding="utf-8")
-    assert CliRunner().invoke(app, [*arguments, str(tmp_path / "set")]).exit_code == 0
+    for number, given in enumerate((actual.upper(), "")):  # an empty value is none, as in the other columns
+        listed.write_text(f"file,fault,speed_rpm,sha256\n105.npz,inner_ring,1797,{given}\n", encoding="utf-8")
+        assert CliRunner().invoke(app, [*arguments, str(tmp_path / f"set_{number}")]).exit_code == 0
     listed.write_text(f"file,fault,speed_rpm,sha256\n105.npz,inner_ring,1797,{'0' * 64}\n", encoding="utf-8")
     refused = CliRunner().invoke(app, [*arguments, str(tmp_path / "other")])
     assert isinstance(refused.exception, Refusal)
