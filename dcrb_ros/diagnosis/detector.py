@@ -109,6 +109,11 @@ class FaultDetector:
         return self._segmenter.counts.gaps
 
     @property
+    def restarts(self) -> int:
+        """Restarts of the signal so far."""
+        return self._segmenter.counts.restarts
+
+    @property
     def clipped(self) -> int:
         """Clipped samples so far."""
         return self._sensor.clipped

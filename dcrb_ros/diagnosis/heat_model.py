@@ -4,8 +4,8 @@
     dz/dt = (h - z) / 180 s,     dx/dt = (h - x) r(f),     h = (f / 15 Hz)^0.7 (P / 100 kN)^0.25
 
 ``f`` is the frequency of the shaft and ``P`` the load. ``b`` is the rise at 15 Hz (156 km/h on wheels of 0.92 m), ``a`` an offset of the
-sensors and of the sun. The ring leads the box (``z``), whose own temperature follows at the rate ``r`` (``x``): after 21 minutes at 15 Hz,
-after 79 minutes at rest. Exponents, shares and rates are those of the thermal network (`dcrb_ros.bearing.quasi_steady`) with the grease of
+sensors and of the sun. The ring leads the box (``z``), whose own temperature follows at the rate ``r`` (``x``): after 22 minutes at 15 Hz,
+after 78 minutes at rest. Exponents, shares and rates are those of the thermal network (`dcrb_ros.bearing.quasi_steady`) with the grease of
 the bench `healthy`: the steady rise of its outer ring has exponents of 0.70 to 0.74 over 5 to 20 Hz and of 0.22 to 0.30 over 60 to 140 kN.
 
 ``a`` and ``b`` have a normal prior and follow by Bayesian linear regression (Bishop, Pattern Recognition and Machine Learning, 2006,

@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.bearing.temperature_readings import TemperatureReadings
+from dcrb_ros.diagnosis.demodulation import NYQUIST_SHARE
 from dcrb_ros.diagnosis.detector import FaultDetector
 from dcrb_ros.diagnosis.heat_monitor import HeatJudgement, HeatMonitor
 from dcrb_ros.diagnosis.heat_rule import HeatFinding
@@ -24,6 +25,7 @@ from dcrb_ros.diagnosis.rules.starved_noise import StarvedNoise
 from dcrb_ros.diagnosis.window import Hop
 from dcrb_ros.schema.arguments import checked_arguments, number
 from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.verdicts import COMPONENTS, Trouble, Verdict, fault_class
 from dcrb_ros.stream.diagnosis import Diagnosis
 
@@ -36,9 +38,20 @@ class ThermalFaultDetector(FaultDetector):
     """
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
-        """Prepare as `FaultDetector`."""
+        """Prepare as `FaultDetector`.
+
+        Raises:
+            Refusal: as `FaultDetector`, or the rule for the level of vibration has no quarters of the band to compare.
+        """
         super().__init__(*arguments, **options)
         p: Any = self.parameters
+        if p.starved_noise and len(self._sensor.bands) == 1:
+            usable = NYQUIST_SHARE * self.rate
+            raise Refusal(
+                f"starved_noise = {p.starved_noise:g} dB compares the quarters of the band from {p.band_low:g} to {p.band_high:g} Hz; they "
+                f"need band = kurtogram and a band_high of at most {usable:g} Hz, {NYQUIST_SHARE:g} of the sampling rate of "
+                f"{self.rate} Hz: set both, or starved_noise = 0"
+            )
         self._monitor = HeatMonitor(p, [rule(p) for rule in HEAT_RULES], p.release_margin)
         self._noise, self._loud = StarvedNoise(p), Suspicion()
         """Rule for the level of vibration, and how long the level has been high."""

@@ -21,8 +21,12 @@ class Trend:
         self._verdict: Verdict = "waiting"
 
     def slope(self, time: float, verdict: Verdict, severity: float) -> float:
-        """Take the severity [m/s^2] at a time [s]; return its growth since the verdict was first made [dB/min]."""
-        if verdict != self._verdict or severity <= 0.0:
+        """Take the severity [m/s^2] at a time [s]; return its growth since the verdict was first made [dB/min].
+
+        A time that is not after that of the call before begins a new signal.
+        """
+        restarted = bool(self._points) and time <= self._points[-1][0]
+        if verdict != self._verdict or severity <= 0.0 or restarted:
             self._points.clear()
             self._verdict = verdict
         if severity > 0.0:

@@ -18,7 +18,7 @@ from dcrb_ros.schema.arrays import Floats
 PINK_LOWEST = 0.05
 """Corner below which pink noise is white [Hz]."""
 PINK_PER_DECADE = 2
-"""Poles of the pink filter per decade [-]; two keep the density within 0.3 dB of 1/f."""
+"""Poles of the pink filter per decade [-]; two keep the density within 0.3 dB of 1/f from 0.2 Hz to 0.2 of the rate."""
 HIGHEST_SHARE = 0.45
 """Highest frequency of a filter at the step rate, as a share of that rate [-]."""
 

@@ -20,15 +20,18 @@ class PoissonTimes:
 
     def __init__(self, random: np.random.Generator) -> None:
         self._random = random
-        self._next = -math.inf
+        self._next, self._per_tick = -math.inf, 0.0
 
     def within(self, first: int, count: int, per_tick: float) -> Iterator[tuple[float, float]]:
         """Yield the times within ``count`` ticks from ``first`` on, each with a random number from 0 to 1.
 
-        ``per_tick`` is the mean number of times in a tick.
+        ``per_tick`` is the mean number of times in a tick. Where it changes, the rest of the present interval changes with it.
         """
         if self._next < first:
             self._next = first + self._gap(per_tick)
+        elif per_tick != self._per_tick:
+            self._next = first + (self._next - first) * (self._per_tick / per_tick)
+        self._per_tick = per_tick
         while self._next < first + count:
             yield self._next, float(self._random.random())
             self._next += self._gap(per_tick)

@@ -101,6 +101,12 @@ def test_the_trend_needs_four_points_and_forgets_those_before_its_time() -> None
     assert [short.slope(0.5 * k, "cage", 10.0 ** (0.05 * k)) for k in range(4)][3] == pytest.approx(120.0)
 
 
+def test_the_trend_begins_anew_after_a_restart() -> None:
+    trend = Trend(60.0, 0.5)
+    for time, severity in [(100.0, 1.0), (100.5, 1.0), (101.0, 1.0), (0.5, 2.0), (1.0, 2.0), (1.5, 2.0), (2.0, 2.0)]:
+        assert trend.slope(time, "cage", severity) == pytest.approx(0.0, abs=1e-9)
+
+
 def test_confidence_is_that_of_the_weakest_confirmed_fault_or_of_the_strongest_suspicion() -> None:
     both = {**QUIET, "outer_ring": 20.0, "cage": 4.0}
     assert confidence("compound", ["outer_ring", "cage"], both) == pytest.approx(0.95)

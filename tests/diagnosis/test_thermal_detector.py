@@ -15,6 +15,7 @@ from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.thermal_detector import ThermalFaultDetector
 from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.messages.topics.diagnosis import decode_scores, encode_diagnosis
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.diagnosis import Diagnosis
 
 HOT = 170.0
@@ -120,6 +121,13 @@ def test_a_loss_of_films_is_heard_if_asked_for() -> None:
 
 def test_less_noise_than_the_threshold_is_no_loss() -> None:
     assert {one.verdict for one in diagnoses(detector(starved_noise=4.0), louder(1.5))} == {"waiting", "healthy"}
+
+
+@pytest.mark.parametrize(("rate", "parameters"), [(25600, {}), (RATE, {"band": "fixed"})])
+def test_the_level_of_vibration_needs_the_quarters_of_the_band(rate: int, parameters: dict[str, Any]) -> None:
+    with pytest.raises(Refusal, match=r"starved_noise = 4 dB compares the quarters of the band from 2000 to 20000 Hz"):
+        ThermalFaultDetector(ORDERS, rate, DetectorParameters(starved_noise=4.0, **parameters))
+    ThermalFaultDetector(ORDERS, 25600, DetectorParameters(starved_noise=4.0, band_high=11520.0))  # 0.45 of the sampling rate
 
 
 def test_speeds_are_learned_one_by_one() -> None:

@@ -41,3 +41,12 @@ def test_after_a_pause_times_begin_anew() -> None:
     assert len(found) == pytest.approx(50, abs=20)
     assert min(found) > 5000.0
     assert max(found) < 5100.0
+
+
+def test_times_follow_a_change_of_their_rate() -> None:
+    """The first interval of a rare process is 1e6 ticks long in the mean."""
+    times = PoissonTimes(np.random.default_rng(3))
+    assert not list(times.within(0, 100, 1e-6))
+    found = [at for at, _ in times.within(100, 10000, 0.05)]
+    assert len(found) == pytest.approx(500, abs=100)
+    assert min(found) < 300.0

@@ -63,12 +63,16 @@ class BoxWatch:
         self.hops: deque[BoxHop] = deque()
         """Hops that have not been compared yet."""
         self.reached = -1
-        """Index of the last sample that arrived."""
+        """Index of the last sample that arrived since the start or the last restart."""
 
     def take(self, index: int, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any] | None) -> None:
         """Take samples, at most as many as a hop has."""
+        restarts = self.detector.restarts
         diagnosis = self.detector.update(index, acceleration, shaft_angle)
         self._contacts.extend(self._monitor.add(index, acceleration, shaft_angle))
+        if self.detector.restarts > restarts:  # earlier indices are of another time
+            self.hops.clear()
+            self.reached = -1
         self.reached = max(self.reached, index + len(acceleration) - 1)
         if diagnosis is None:
             return

@@ -9,7 +9,7 @@ from dcrb_ros.measurement.stage import Parameters, Setup, Span, Stage
 from dcrb_ros.schema.arrays import Floats
 
 RATTLE = 0.3
-"""Difference between the gains of the two directions, as a share, of a fully loose mount [-]."""
+"""Half the difference between the gains of the two directions of a fully loose mount [-]: 1.3 and 0.7."""
 
 
 class Rattle(Stage):

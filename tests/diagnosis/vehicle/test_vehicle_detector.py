@@ -269,3 +269,16 @@ def test_the_temperatures_of_a_box_are_judged() -> None:
     }
     found = detect_vehicle(SimpleNamespace(description=DESCRIPTION, boxes=boxes))  # type: ignore[arg-type]
     assert verdicts(found.last, "bearing") == {hot: "overheating"}
+
+
+def test_after_a_restart_the_boxes_are_compared_again() -> None:
+    """The blocks of the boxes arrive one after the other, as at a node."""
+    signals, block, found = bogie(), 1024, []
+    detector = VehicleDetector(DESCRIPTION)
+    for start in (1_000_000, 0):
+        found = []
+        for k in range(0, len(signals[BOXES[0]][1]), block):
+            for name, (acceleration, angle) in signals.items():
+                found.append(detector.add({name: BoxBlock(start + k, acceleration[k : k + block], angle[k : k + block])}))
+    reasons = {one.statuses[f"{name}/sensor"].reason for one in found if one is not None for name in BOXES}
+    assert reasons == {"it measures the rail as the others do"}
