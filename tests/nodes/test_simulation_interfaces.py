@@ -16,6 +16,7 @@ import simulation_definitions as definitions
 from made_up_bundles import Blocks
 from ros_bench import domain, graph_client
 from simulation_definitions import Result, SimulationState, SimulatorFeatures
+from std_srvs.srv import SetBool
 from waiting import PATIENCE, wait_for
 
 from dcrb_ros.nodes.engine import Engine, Progress
@@ -238,6 +239,30 @@ def test_a_simulation_that_has_ended_is_quitting_and_takes_no_requests(monkeypat
     for name, answer in answers.items():
         assert answer == Result(codes[name], f"{name}: the simulation has ended or is quitting: start the node again")
         assert bench.refusals.count(name) == 1
+
+
+@pytest.mark.parametrize("name", ["pause", "step", "reset"])
+def test_the_services_of_the_node_take_no_requests_after_the_end(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    definitions.install(monkeypatch)
+    bench = Bench(count=1)
+    wait_for(lambda: bench.engine.ended)
+    answer = bench.ask(name, SetBool.Request(data=True) if name == "pause" else None)
+    assert (answer.success, answer.message) == (False, f"{name}: the simulation has ended or is quitting: start the node again")
+    assert bench.refusals.count(name) == 1
+
+
+@pytest.mark.parametrize("name", ["step", "reset"])
+def test_a_request_that_the_end_overtakes_is_refused(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    definitions.install(monkeypatch)
+    bench = Bench(count=1, paused=True)
+
+    def ends(timeout: float) -> bool:
+        bench.engine.close()
+        return False
+
+    monkeypatch.setattr(bench.engine.gate, name, ends)
+    answer = bench.ask(name)
+    assert (answer.success, answer.message) == (False, f"{name}: the simulation has ended or is quitting: start the node again")
 
 
 def test_stopping_returns_to_the_start_and_holds_there(bench: Bench) -> None:
