@@ -183,3 +183,15 @@ def test_the_clock_does_not_run_back_if_a_block_comes_during_a_report(ros: None,
     clock.repeat()
     assert published[2:] == [0]
     node.destroy_node()
+
+
+def test_a_change_with_a_parameter_of_ros_that_cannot_be_set_changes_nothing(node: Asked) -> None:
+    width = node.get_parameter("faults.outer_1.width").value
+    for name, value in (("use_sim_time", "yes"), ("start_type_description_service", False), ("qos_overrides./dcrb/x.publisher.depth", 8)):
+        changed = [Parameter("faults.outer_1.width", value=0.002), Parameter(name, value=value)]
+        found = node.set_parameters_atomically(changed)
+        assert (found.successful, node.changes) == (False, [])
+        assert found.reason.startswith(f"parameters: {name} = {value!r} cannot be set while the node runs")
+        assert node.get_parameter("faults.outer_1.width").value == width
+    assert answer(node, faults__outer_1__width=0.002, use_sim_time=True) == (True, "")
+    assert node.get_parameter("use_sim_time").value is True
