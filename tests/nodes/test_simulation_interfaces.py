@@ -19,6 +19,7 @@ from simulation_definitions import Result, SimulationState, SimulatorFeatures
 from std_srvs.srv import SetBool
 from waiting import PATIENCE, wait_for
 
+from dcrb_ros.nodes.bench_status import BenchStatus
 from dcrb_ros.nodes.engine import Engine, Progress
 from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.pacing import Pacer
@@ -342,12 +343,14 @@ def test_the_action_reports_every_block(bench: Bench, steps: int) -> None:
     assert [(f.completed_steps, f.remaining_steps) for f in goal.feedback] == [(k + 1, steps - k - 1) for k in range(steps)]
 
 
-def test_the_action_is_aborted_unless_paused(bench: Bench) -> None:
+def test_the_action_is_aborted_unless_paused(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
     goal = Goal(3)
     answer = bench.ask("simulate_steps", goal).result
     assert (answer.result, goal.outcome, goal.feedback) == (FAILED, "aborted", [])
     assert answer.error_message == "simulate_steps: the simulation is in state 1; pause it first (set_simulation_state, state 2)"
-    assert bench.refusals.count("simulate_steps") == 1
+    monkeypatch.setattr("dcrb_ros.nodes.bench_status.installed", lambda package: True)
+    status = BenchStatus(bench.engine, bench.progress, bench.recording, bench.refusals).status("/dcrb/simulator", 0)
+    assert status.values["rejected_calls"] == "1"
 
 
 @pytest.mark.parametrize("outcome", ["canceled", "aborted"])
