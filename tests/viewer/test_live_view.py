@@ -3,21 +3,38 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import rerun as rr
+from rerun.blueprint import Blueprint
 from rerun_documents import chunks, rows
 from runs import Run, simulated
 
 from dcrb_ros.bearing.payload import body_names
 from dcrb_ros.diagnosis.detector import Diagnosis
 from dcrb_ros.messages.encoder import BlockEncoder, diagnosis_messages
+from dcrb_ros.messages.joints import encode_joints
 from dcrb_ros.messages.plain import encode_text
 from dcrb_ros.messages.points import decode_spectrum
-from dcrb_ros.messages.topics import DIAGNOSIS, ENVELOPE_SPECTRUM, ROLLER_STATES, SENSOR, VIBRATION, Message
+from dcrb_ros.messages.statuses import encode_truth
+from dcrb_ros.messages.topics import (
+    DIAGNOSIS,
+    ENVELOPE_SPECTRUM,
+    GROUND_TRUTH,
+    LUBRICATION_STATE,
+    ROLLER_STATES,
+    SENSOR,
+    VIBRATION,
+    Message,
+)
+from dcrb_ros.messages.topics.lubrication_state import names_of
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.viewer import live_run
+from dcrb_ros.viewer.blueprint import compose_live
+from dcrb_ros.viewer.drawing import Drawing
 from dcrb_ros.viewer.live import LiveView
 
 ORDERS = np.arange(0.0, 30.0, 0.05)
@@ -96,6 +113,31 @@ def test_fixed_shapes_and_summary_are_logged(run: Run, tmp_path: Path) -> None:
     page = str(texts[-1].flatten().to_pylist()[-1])
     for words in ("outer ring defect", "outer_1: 2 mm wide, both rows", "reason at 0.4 s", "/dcrb"):
         assert words in page
+
+
+def test_temperatures_have_a_plot_also_if_they_arrive_after_the_first_films(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bench, arranged = Bench(tmp_path), list[dict[str, bool]]()
+
+    def composed(drawing: Drawing | None, **shown: bool) -> Blueprint:
+        arranged.append(shown)
+        return compose_live(drawing, **shown)
+
+    monkeypatch.setattr(live_run, "compose_live", composed)
+    bench.take([message for message in messages(run) if message.topic is SENSOR])
+    names, empty = names_of(2), np.zeros(0)
+    truth = replace(run.blocks[0].truths[0], thermal={"box [deg C]": 40.0})
+    for topic, data in (
+        (LUBRICATION_STATE, encode_joints(0, names, np.ones(len(names)), empty, empty)),
+        (GROUND_TRUTH, encode_truth(truth)),
+        (GROUND_TRUTH, encode_truth(truth)),
+    ):
+        bench.view.take(topic, data)
+        bench.view.flush()
+    bench.view.close()
+    assert arranged == [{}, {"lubricated": True, "warm": False}, {"lubricated": True, "warm": True}]
+    assert rows(tmp_path / "1.rrd")["/temperatures"] == 2
 
 
 def test_messages_received_before_the_sensor_description_are_kept(run: Run, tmp_path: Path) -> None:
