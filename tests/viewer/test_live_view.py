@@ -18,7 +18,7 @@ from dcrb_ros.diagnosis.detector import Diagnosis
 from dcrb_ros.messages.encoder import BlockEncoder, diagnosis_messages
 from dcrb_ros.messages.joints import encode_joints
 from dcrb_ros.messages.plain import encode_text
-from dcrb_ros.messages.points import decode_spectrum
+from dcrb_ros.messages.points import decode_spectrum, encode_points, encode_spectrum
 from dcrb_ros.messages.statuses import encode_truth
 from dcrb_ros.messages.topics import (
     DIAGNOSIS,
@@ -191,3 +191,18 @@ def test_spectrum_round_trip() -> None:
     assert amplitude.max() == 50.0
     with pytest.raises(Refusal, match=r"is not a squared envelope spectrum"):
         decode_spectrum(message.data.replace(b"amplitude", b"amplitudo"))
+    with pytest.raises(Refusal, match=r"is not a squared envelope spectrum: .* little endian"):
+        decode_spectrum(encode_points(np.zeros(2, [("frequency", "<f4"), ("order", "<u4"), ("amplitude", "<f4")]), 0))
+    for unordered in ([2.0, 1.0], [1.0, np.nan], [1.0, np.inf]):
+        with pytest.raises(Refusal, match=r"orders .* are not finite and increasing"):
+            decode_spectrum(encode_spectrum(0, np.array(unordered), np.ones(2), 20.0))
+
+
+def test_a_spectrum_below_the_orders_shown_is_not_drawn(run: Run, tmp_path: Path) -> None:
+    bench = Bench(tmp_path)
+    bench.take(messages(run))
+    bench.view.take(ENVELOPE_SPECTRUM, encode_spectrum(0, np.array([0.0, 0.001]), np.ones(2), 20.0))
+    bench.take(diagnosed(0.4))
+    bench.view.close()
+    assert bench.warnings == []
+    assert rows(tmp_path / "1.rrd")["/envelope_spectrum/curve"] == 1
