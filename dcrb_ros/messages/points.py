@@ -190,15 +190,19 @@ def decode_spectrum(data: bytes) -> tuple[int, Floats, Floats, float]:
     """Return stamp [ns], orders [-], square roots of the amplitudes [m/s^2] and shaft frequency [Hz] of a squared envelope spectrum.
 
     Raises:
-        Refusal: the fields are not those of `SPECTRUM`, or the length does not fit them.
+        Refusal: the fields are not those of `SPECTRUM`, the length does not fit them, or the orders are not finite and increasing.
     """
     cloud = decoded(data, POINT_CLOUD)
-    names = tuple(field.name for field in cloud.fields)
-    if names != SPECTRUM.names or cloud.point_step != SPECTRUM.itemsize or len(cloud.data) != cloud.width * SPECTRUM.itemsize:
+    fields = [(field.name, field.offset, field.datatype, field.count) for field in cloud.fields]
+    fitting = fields == _fields(SPECTRUM) and cloud.point_step == SPECTRUM.itemsize and not cloud.is_bigendian
+    if not fitting or len(cloud.data) != cloud.width * SPECTRUM.itemsize:
         raise Refusal(
-            f"a PointCloud2 with the fields {list(names)} is not a squared envelope spectrum: it must have frequency, order and amplitude"
+            f"a PointCloud2 with the fields {[name for name, *_ in fields]} is not a squared envelope spectrum: it must have frequency, "
+            f"order and amplitude as float32, {SPECTRUM.itemsize} bytes a line, little endian"
         )
     points = np.frombuffer(cloud.data.tobytes(), SPECTRUM)
     orders, frequency = points["order"].astype(np.float64), points["frequency"].astype(np.float64)
+    if not (np.isfinite(orders).all() and (np.diff(orders) >= 0.0).all()):
+        raise Refusal("the orders of a squared envelope spectrum are not finite and increasing: publish its lines sorted by order")
     shaft_frequency = float(frequency[-1] / orders[-1]) if len(orders) and orders[-1] > 0.0 else 0.0
     return stamp_of(cloud.header), orders, points["amplitude"].astype(np.float64), shaft_frequency

@@ -16,6 +16,8 @@ from dcrb_ros.stream.states import LubricationState, ThermalState
 
 SERVICES = ("pause", "step", "reset", "record", "set_simulation_state", "step_simulation", "reset_simulation")
 """Services that may refuse a call."""
+ACTIONS = ("simulate_steps",)
+"""Actions that may refuse a goal."""
 MAX_LAG = 0.1
 """Lag above which the status is a warning [s]."""
 
@@ -95,7 +97,7 @@ class BenchStatus:
             "rejected_commands": str(count(*self._commands)),
             "rejected_messages": str(count(*self._detected)),
             "rejected_parameters": str(count("parameters")),
-            "rejected_calls": str(count(*SERVICES)),
+            "rejected_calls": str(count(*SERVICES, *ACTIONS)),
             "recorder": recording.state,
             "recording": str(recording.path or ""),
             "simulation_interfaces": "offered" if installed(PACKAGE) else "not installed",

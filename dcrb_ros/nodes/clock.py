@@ -18,23 +18,28 @@ class ClockPublisher:
     """A sink that publishes the end of each bundle on /clock."""
 
     def __init__(self, publish: Callable[[Iterable[Message]], None]) -> None:
-        self._publish, self._next = publish, 0.0
+        self._publish, self._next, self._time_ns = publish, 0.0, 0
         self._lock = threading.Lock()
 
     def start(self, messages: Sequence[Message]) -> None:
-        """Publish nothing: the first bundle has the first time."""
+        """Publish nothing: the first bundle has the first time. `repeat` publishes zero until then."""
+        with self._lock:
+            self._time_ns = 0
 
     def write(self, bundle: Bundle) -> None:
         """Publish the end of a bundle, unless a message was published less than `PERIOD` ago."""
-        self._tick(bundle.end_ns, PERIOD)
-
-    def repeat(self, time_ns: int) -> None:
-        """Publish the time [ns] of a paused simulation again, unless `write` has published it less than `PERIOD` ago."""
-        self._tick(time_ns, 0.0)
-
-    def _tick(self, time_ns: int, period: float) -> None:
         with self._lock:
-            now = time.monotonic()
-            if now >= self._next:
-                self._next = now + period
-                self._publish([Message(CLOCK, time_ns, encode_clock(time_ns))])
+            self._time_ns = bundle.end_ns
+            self._tick(PERIOD)
+
+    def repeat(self) -> None:
+        """Publish the end of the last bundle again, for a paused simulation, unless a message was published less than `PERIOD` ago."""
+        with self._lock:
+            self._tick(0.0)
+
+    def _tick(self, period: float) -> None:
+        """Publish the time if a message is due, with the lock held: a time read before would run back behind that of `write`."""
+        now = time.monotonic()
+        if now >= self._next:
+            self._next = now + period
+            self._publish([Message(CLOCK, self._time_ns, encode_clock(self._time_ns))])

@@ -12,9 +12,12 @@ from dcrb_ros.messages.topics.wayside import encode_alarm, encode_reading
 from dcrb_ros.nodes.base import BenchNode
 from dcrb_ros.nodes.programs import main
 from dcrb_ros.nodes.publisher import Publisher
+from dcrb_ros.nodes.refusal_counts import Refusals
 from dcrb_ros.nodes.ros import own_arguments, run_node
 from dcrb_ros.stream.block import Truth
 
+OTHERS = {"box [deg C]", "opposite_box [deg C]", "opposite_outer_ring [deg C]", "ambient [deg C]"}
+"""Temperatures that are needed beside those of the outer rings."""
 NOT_WARM = "the ground truth has no temperatures: set thermal.law = network on the bench"
 
 
@@ -22,7 +25,7 @@ def boxes_of(truth: Truth) -> AxleBoxes | None:
     """Return the axle boxes of a ground truth; None where it has no temperatures."""
     t = truth.thermal
     rings = [value for name, value in t.items() if name.startswith("row") and name.endswith("outer_ring [deg C]")]
-    if not rings or "opposite_box [deg C]" not in t:
+    if not rings or not t.keys() >= OTHERS:
         return None
     return AxleBoxes(t["box [deg C]"], max(rings), t["opposite_box [deg C]"], t["opposite_outer_ring [deg C]"], t["ambient [deg C]"])
 
@@ -39,15 +42,20 @@ class HotBoxDetectorNode(BenchNode):
         super().__init__("hot_box_detector")
         self._line = self.declare(WaysideParameters)
         self._wayside, self._before_ns = Wayside(self._line), 0
-        self._warned = False
+        self._warned, self._refusals = False, Refusals(self.get_logger().warning)
         self.watch_publishers(*WAYSIDE)
         self._publisher = Publisher(self, WAYSIDE)
-        self.subscribe(GROUND_TRUTH, self._take)
+        self.subscribe(GROUND_TRUTH, self._receive)
         self.log_wait(GROUND_TRUTH)
 
     def close(self) -> None:
         """Leave the topics."""
         self._publisher.close()
+
+    def _receive(self, data: bytes) -> None:
+        """Take a ground truth; a malformed one is ignored, and logged less and less often."""
+        with self._refusals.suppressed(GROUND_TRUTH.name):
+            self._take(data)
 
     def _take(self, data: bytes) -> None:
         truth = GROUND_TRUTH.decoded(data)

@@ -100,10 +100,23 @@ class ParameterNode(Node):
         changes = {parameter.name: parameter.value for parameter in parameter_list if not _is_of_ros(parameter.name)}
         if changes:
             try:
+                self._check_of_ros(parameter_list)  # once `on_parameters` has applied the others, none may be refused
                 self.on_parameters(changes)
             except Refusal as refusal:
                 return SetParametersResult(successful=False, reason=shortened(str(refusal)))
         return super().set_parameters_atomically(parameter_list)
+
+    def _check_of_ros(self, parameters: Iterable[Any]) -> None:
+        """Refuse parameters of ROS that ROS would refuse: those that are unknown or read-only here, or have a value of another type."""
+        for parameter in parameters:
+            name = parameter.name
+            if not _is_of_ros(name) or (
+                self.has_parameter(name)
+                and not self.describe_parameter(name).read_only
+                and parameter.type_ == self.get_parameter(name).type_
+            ):
+                continue
+            raise Refusal(f"parameters: {name} = {parameter.value!r} cannot be set while the node runs: leave it out, nothing is changed")
 
     def _is_settled(self, parameter: Any) -> bool:
         """Return whether a parameter is read-only and has the requested value."""

@@ -85,7 +85,8 @@ class RecordingSwitch:
     @property
     def path(self) -> Path | None:
         """Folder of the present recording; none if there is none."""
-        return self._recorder.path if self._recorder else None
+        recorder = self._recorder  # read once: another thread may end the recording at any time
+        return recorder.path if recorder else None
 
     def start(self, messages: Sequence[Message]) -> None:
         """Begin the configured recording; after a reset finish the present recording and begin the next one.

@@ -15,6 +15,8 @@ from dcrb_ros.settings.configuration import Configuration
 
 TIMEOUT = 2.0
 """Wall time for which a service waits for the engine before it answers that the request is still pending [s]."""
+OVER = "the simulation has ended or is quitting: start the node again"
+"""Answer to requests for which it is too late."""
 
 
 class Served(Protocol):
@@ -71,25 +73,36 @@ class Services:
 
         return callback
 
+    def _refuse_if_over(self, name: str) -> None:
+        if self._engine.ended:
+            raise Refusal(f"{name}: {OVER}")
+
     def _now(self) -> str:
         return f"{self._node.progress.time_ns * 1e-9:.6f} s of simulated time"
 
     def pause(self, request: Any) -> str:
         """Hold the blocks, or send them again."""
+        self._refuse_if_over("pause")
         self._engine.gate.pause(request.data)
         return f"paused at {self._now()}" if request.data else f"running from {self._now()} on"
 
     def step(self, request: Any) -> str:
         """Send one block while paused."""
+        self._refuse_if_over("step")
         if not self._engine.gate.paused:
             raise Refusal("step: the bench runs; pause it first (service pause, data: true)")
         if not self._engine.gate.step(TIMEOUT):
+            self._refuse_if_over("step")
             return f"the block will be sent as soon as it is ready, after {self._now()}"
         return f"one block further: {self._now()}"
 
     def reset(self, request: Any) -> str:
         """Return bearing, simulated time, scenario and parameters to the start; time scale and pause stay as they are."""
-        return "at the start again: simulated time 0" + ("" if self.restart() else " as soon as the model is ready")
+        self._refuse_if_over("reset")
+        done = self.restart()
+        if not done:
+            self._refuse_if_over("reset")
+        return "at the start again: simulated time 0" + ("" if done else " as soon as the model is ready")
 
     def restart(self) -> bool:
         """Reset the engine; return whether it finished within `TIMEOUT`. If not, it follows as soon as the model is ready."""

@@ -171,7 +171,7 @@ class SimulatingNode(BenchNode):
         status = self._status.status(self.get_fully_qualified_name(), time_ns, self._others.names)
         self._publisher.write_messages([self.diagnostics(status, time_ns, self.configuration.publishing.frame)])
         if self._clock_publisher is not None:
-            self._clock_publisher.repeat(time_ns)
+            self._clock_publisher.repeat()
         self.update_parameters()
 
 

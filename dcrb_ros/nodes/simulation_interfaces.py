@@ -9,7 +9,7 @@ import importlib
 from collections.abc import Awaitable, Callable
 from typing import Any
 
-from dcrb_ros.nodes.services import TIMEOUT, Served, Services
+from dcrb_ros.nodes.services import OVER, TIMEOUT, Served, Services
 from dcrb_ros.schema.refusal import Refusal
 
 PACKAGE = "simulation_interfaces"
@@ -24,8 +24,6 @@ FEATURES = (
 )
 """Names of the supported features in SimulatorFeatures. Time and state are reset together only, so neither is listed by itself."""
 ABOUT = "A step is a block of publishing.block_size samples. Time scale, faults and recordings have parameters and services of their own."
-OVER = "the simulation has ended or is quitting: start the node again"
-"""Answer to requests for which it is too late."""
 POLL_PERIOD = 0.01
 """Wall time between two looks at whether the requested steps are done [s]."""
 Outcome = tuple[int, str]

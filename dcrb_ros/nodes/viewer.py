@@ -79,12 +79,15 @@ class ViewerNode(BenchNode):
                 self.subscribe(topic, partial(view.take, topic))
 
     def _stream(self, run: int) -> rr.RecordingStream:
-        """Return the Rerun recording of a run; a new run begins after a reset, in a file of its own."""
+        """Return the Rerun recording of a run; a new run begins after a reset, in a file of its own that did not exist."""
         stream = rr.RecordingStream(APPLICATION)
         if self._save is None:
             stream.connect_grpc(self._address)
-        else:
-            stream.save(self._save if run == 1 else self._save.with_stem(f"{self._save.stem}-{run}"))
+            return stream
+        path, number = self._save, run
+        while run > 1 and (path == self._save or path.exists()):
+            path, number = self._save.with_stem(f"{self._save.stem}-{number}"), number + 1
+        stream.save(path)
         return stream
 
     @property

@@ -295,11 +295,12 @@ def _changes(entry: Entry, present: Configuration) -> Iterator[ScheduledChange]:
         return
     before = flatten(present.model_dump())
     altered(present, entry.values, f"{entry.source} (at {entry.at + entry.over:g} s)")
-    for key, value in entry.values.items():
+    values = {key: float(value) if type(value) is int and isinstance(before[key], float) else value for key, value in entry.values.items()}
+    for key, value in values.items():
         if not isinstance(value, float) or (key.startswith("operating.") and key not in COMMANDED):
             raise Refusal(f"{entry.source}: {key} cannot change gradually 'over' {entry.over:g} s: leave out 'over'")
-    ramped = {key: value for key, value in entry.values.items() if key in COMMANDED}
-    grown = {key: value for key, value in entry.values.items() if key not in COMMANDED}
+    ramped = {key: value for key, value in values.items() if key in COMMANDED}
+    grown = {key: value for key, value in values.items() if key not in COMMANDED}
     slopes = _slopes(entry, ramped, before)
     altered(present, slopes, f"{entry.source} (from {entry.at:g} s to {entry.at + entry.over:g} s)")
     yield from _ramps(entry, ramped, slopes, before)

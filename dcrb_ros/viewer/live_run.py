@@ -68,6 +68,8 @@ class LiveRun:
         self._stream, self._bench = stream, bench
         self._drawing = None if bench.imported else Drawing(bench.bearing, 1.0)
         self._logged: set[str] = set()
+        self._lubricated = self._warm = False
+        """Whether films, and temperatures, have arrived and have a plot."""
         self._faults: list[RowFaults | None] = [None] * bench.bearing.rows
         self._largest_load = 0.0
         self._recent: Motion | None = None
@@ -109,11 +111,12 @@ class LiveRun:
         for path, values in (("features", content.features), ("indicators", content.detector_output.indicators)):
             if values is not None:
                 series.log_series(path, values, fixed=self._first(path))
+        lubricated, warm = self._lubricated or content.lubrication is not None, self._warm or series.is_warm(content.truths)
+        if (lubricated, warm) != (self._lubricated, self._warm):
+            self._lubricated, self._warm = lubricated, warm
+            self._stream.send_blueprint(compose_live(self._drawing, lubricated=lubricated, warm=warm))
         if content.lubrication is not None:
-            first = self._first("lubrication")
-            if first:
-                self._stream.send_blueprint(compose_live(self._drawing, lubricated=True, warm=series.is_warm(content.truths)))
-            series.log_lubrication(content.lubrication, fixed=first)
+            series.log_lubrication(content.lubrication, fixed=self._first("lubrication"))
         series.log_verdicts(content.detector_output.verdicts)
 
     def _log_motion(self, content: Content, motion: Motion) -> None:

@@ -99,8 +99,8 @@ def spectra_in(messages: Iterable[bytes]) -> tuple[Diagnosis, ...]:
 
 
 def envelope_spectra(judgements: Sequence[Diagnosis]) -> Spectra | None:
-    """Return the spectra of the diagnoses interpolated to common orders; ``None`` if no diagnosis has a spectrum."""
-    seen = [diagnosis for diagnosis in judgements if len(diagnosis.spectrum[0])]
+    """Return the spectra of the diagnoses interpolated to common orders; ``None`` if no diagnosis has one that reaches a shown order."""
+    seen = [diagnosis for diagnosis in judgements if len(diagnosis.spectrum[0]) and diagnosis.spectrum[0][-1] >= ORDER_STEP]
     if not seen:
         return None
     count = int(min(HIGHEST_ORDER, *(diagnosis.spectrum[0][-1] for diagnosis in seen)) / ORDER_STEP)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -16,7 +18,10 @@ from made_up_blocks import recorded
 from rclpy.parameter import Parameter, parameter_dict_from_yaml_file
 
 from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.messages.bundle import Bundle
+from dcrb_ros.messages.statuses import Status
 from dcrb_ros.nodes.base import BenchNode
+from dcrb_ros.nodes.clock import ClockPublisher
 from dcrb_ros.nodes.fault_detector import FaultDetectorNode
 from dcrb_ros.nodes.hot_box_detector import HotBoxDetectorNode
 from dcrb_ros.nodes.replayer import ReplayerNode
@@ -155,3 +160,38 @@ def test_a_replay_that_refuses_a_fixed_parameter_keeps_its_rate(ros: None, tmp_p
     assert answer(replayer, rate=5.0, loop=False) == (True, "")
     assert (replayer.get_parameter("rate").value, replayer._engine.gate.pacer.scale) == (5.0, 5.0)
     replayer.destroy_node()
+
+
+def test_the_clock_does_not_run_back_if_a_block_comes_during_a_report(ros: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    node = SimulatorNode(parameters=load_configuration(Configuration(), {"publishing.clock": True}))
+    node.engine.prepare()
+    published: list[int] = []
+    now = itertools.count(100.0)
+    monkeypatch.setattr("dcrb_ros.nodes.clock.time.monotonic", lambda: next(now))
+    clock = ClockPublisher(lambda messages: published.extend(message.time_ns for message in messages))
+    monkeypatch.setattr(node, "_clock_publisher", clock)
+    monkeypatch.setattr(node, "_others", SimpleNamespace(names=[]), raising=False)
+
+    def status(*_: object) -> Status:
+        clock.write(Bundle(0, 20_000_000, ()))
+        return Status("simulator", 0, "", {})
+
+    monkeypatch.setattr(node, "_status", SimpleNamespace(status=status))
+    node._publish_status()
+    assert published == [20_000_000, 20_000_000]
+    clock.start([])
+    clock.repeat()
+    assert published[2:] == [0]
+    node.destroy_node()
+
+
+def test_a_change_with_a_parameter_of_ros_that_cannot_be_set_changes_nothing(node: Asked) -> None:
+    width = node.get_parameter("faults.outer_1.width").value
+    for name, value in (("use_sim_time", "yes"), ("start_type_description_service", False), ("qos_overrides./dcrb/x.publisher.depth", 8)):
+        changed = [Parameter("faults.outer_1.width", value=0.002), Parameter(name, value=value)]
+        found = node.set_parameters_atomically(changed)
+        assert (found.successful, node.changes) == (False, [])
+        assert found.reason.startswith(f"parameters: {name} = {value!r} cannot be set while the node runs")
+        assert node.get_parameter("faults.outer_1.width").value == width
+    assert answer(node, faults__outer_1__width=0.002, use_sim_time=True) == (True, "")
+    assert node.get_parameter("use_sim_time").value is True

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from dcrb_ros.messages.statuses import ERROR, OK, encode_truth
-from dcrb_ros.messages.topics import WAYSIDE_ALARM, WAYSIDE_TEMPERATURE, Message
+from dcrb_ros.messages.statuses import ERROR, OK, encode_diagnostics, encode_truth
+from dcrb_ros.messages.topics import GROUND_TRUTH, WAYSIDE_ALARM, WAYSIDE_TEMPERATURE, Message
 from dcrb_ros.stream.block import Truth
 
 rclpy = pytest.importorskip("rclpy")
@@ -51,3 +51,14 @@ def test_a_bench_without_temperatures_is_read_nowhere(node: Any, monkeypatch: py
     for second in range(5):
         node._take(encode_truth(Truth(second * 1_000_000_000, 125.664, (0.0, -1e5), {}, {})))
     assert sent == []
+
+
+def test_a_malformed_ground_truth_is_refused_in_one_sentence(node: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    sent: list[Message] = []
+    monkeypatch.setattr(node._publisher, "write_messages", sent.extend)
+    for data in (b"", b"\x00\x01\x00\x00", encode_diagnostics(0, [])):
+        node._receive(data)
+    assert node._refusals.count(GROUND_TRUTH.name) == 3
+    partly = {"row1/outer_ring [deg C]": 35.0, "opposite_box [deg C]": 35.0}
+    node._receive(encode_truth(Truth(0, 125.664, (0.0, -1e5), {}, {}, thermal=partly)))
+    assert (node._refusals.count(GROUND_TRUTH.name), sent) == (3, [])

@@ -16,8 +16,10 @@ import simulation_definitions as definitions
 from made_up_bundles import Blocks
 from ros_bench import domain, graph_client
 from simulation_definitions import Result, SimulationState, SimulatorFeatures
+from std_srvs.srv import SetBool
 from waiting import PATIENCE, wait_for
 
+from dcrb_ros.nodes.bench_status import BenchStatus
 from dcrb_ros.nodes.engine import Engine, Progress
 from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.pacing import Pacer
@@ -240,6 +242,30 @@ def test_a_simulation_that_has_ended_is_quitting_and_takes_no_requests(monkeypat
         assert bench.refusals.count(name) == 1
 
 
+@pytest.mark.parametrize("name", ["pause", "step", "reset"])
+def test_the_services_of_the_node_take_no_requests_after_the_end(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    definitions.install(monkeypatch)
+    bench = Bench(count=1)
+    wait_for(lambda: bench.engine.ended)
+    answer = bench.ask(name, SetBool.Request(data=True) if name == "pause" else None)
+    assert (answer.success, answer.message) == (False, f"{name}: the simulation has ended or is quitting: start the node again")
+    assert bench.refusals.count(name) == 1
+
+
+@pytest.mark.parametrize("name", ["step", "reset"])
+def test_a_request_that_the_end_overtakes_is_refused(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    definitions.install(monkeypatch)
+    bench = Bench(count=1, paused=True)
+
+    def ends(timeout: float) -> bool:
+        bench.engine.close()
+        return False
+
+    monkeypatch.setattr(bench.engine.gate, name, ends)
+    answer = bench.ask(name)
+    assert (answer.success, answer.message) == (False, f"{name}: the simulation has ended or is quitting: start the node again")
+
+
 def test_stopping_returns_to_the_start_and_holds_there(bench: Bench) -> None:
     wait_for(lambda: bench.progress.bundles > 2)
     assert bench.set(STOPPED).result == OK
@@ -317,12 +343,14 @@ def test_the_action_reports_every_block(bench: Bench, steps: int) -> None:
     assert [(f.completed_steps, f.remaining_steps) for f in goal.feedback] == [(k + 1, steps - k - 1) for k in range(steps)]
 
 
-def test_the_action_is_aborted_unless_paused(bench: Bench) -> None:
+def test_the_action_is_aborted_unless_paused(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
     goal = Goal(3)
     answer = bench.ask("simulate_steps", goal).result
     assert (answer.result, goal.outcome, goal.feedback) == (FAILED, "aborted", [])
     assert answer.error_message == "simulate_steps: the simulation is in state 1; pause it first (set_simulation_state, state 2)"
-    assert bench.refusals.count("simulate_steps") == 1
+    monkeypatch.setattr("dcrb_ros.nodes.bench_status.installed", lambda package: True)
+    status = BenchStatus(bench.engine, bench.progress, bench.recording, bench.refusals).status("/dcrb/simulator", 0)
+    assert status.values["rejected_calls"] == "1"
 
 
 @pytest.mark.parametrize("outcome", ["canceled", "aborted"])

@@ -72,3 +72,23 @@ def test_the_viewer_refuses_invalid_arguments(
     assert done.returncode == status, done.stderr
     assert sentence in done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_the_file_of_a_run_after_a_reset_replaces_no_other(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import rclpy
+
+    from dcrb_ros.nodes.viewer import ViewerNode
+
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF")
+    kept = tmp_path / "live-2.rrd"
+    kept.write_text("of an earlier session")
+    rclpy.init(args=[])
+    node = ViewerNode(tmp_path / "live.rrd")
+    try:
+        for run in (1, 2, 3):
+            node._stream(run).disconnect()
+        assert kept.read_text() == "of an earlier session"
+        assert sorted(path.name for path in tmp_path.iterdir()) == ["live-2.rrd", "live-3.rrd", "live-4.rrd", "live.rrd"]
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()

@@ -15,7 +15,14 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.loop import Simulation
-from dcrb_ros.simulation.scenario import first_step, read_scenario, read_scenario_file, scheduled_changes, starting_configuration
+from dcrb_ros.simulation.scenario import (
+    ScheduledChange,
+    first_step,
+    read_scenario,
+    read_scenario_file,
+    scheduled_changes,
+    starting_configuration,
+)
 from dcrb_ros.stream.block import Block, Truth
 from dcrb_ros.stream.events import Refused, ScenarioEvent
 
@@ -260,6 +267,16 @@ timeline:
     assert by_time[230_000_000].load == pytest.approx((10000.0, -84000.0), rel=1e-3)
     assert by_time[270_000_000].speed == pytest.approx(reached + 50.0 * 0.02, abs=0.01)
     assert [truth.event for truth in found if truth.event][1] == ScenarioEvent({"operating.speed": reached}, over=0.1)
+
+
+def test_a_whole_number_changes_gradually_as_the_same_decimal_number() -> None:
+    def changes(speed: float, level: float) -> list[ScheduledChange]:
+        values = {"operating.speed": speed, "background.joint_level": level}
+        tree = {"timeline": [{"at": 1, "over": 1, "set": values}]}
+        return scheduled_changes(tree, Configuration(), "scenario")
+
+    assert changes(50, 2) == changes(50.0, 2.0)
+    assert all(type(value) is float for change in changes(50, 2) for value in change.changes.values())
 
 
 def test_adjacent_entries_follow_each_other() -> None:

@@ -3,21 +3,38 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import rerun as rr
+from rerun.blueprint import Blueprint
 from rerun_documents import chunks, rows
 from runs import Run, simulated
 
 from dcrb_ros.bearing.payload import body_names
 from dcrb_ros.diagnosis.detector import Diagnosis
 from dcrb_ros.messages.encoder import BlockEncoder, diagnosis_messages
+from dcrb_ros.messages.joints import encode_joints
 from dcrb_ros.messages.plain import encode_text
-from dcrb_ros.messages.points import decode_spectrum
-from dcrb_ros.messages.topics import DIAGNOSIS, ENVELOPE_SPECTRUM, ROLLER_STATES, SENSOR, VIBRATION, Message
+from dcrb_ros.messages.points import decode_spectrum, encode_points, encode_spectrum
+from dcrb_ros.messages.statuses import encode_truth
+from dcrb_ros.messages.topics import (
+    DIAGNOSIS,
+    ENVELOPE_SPECTRUM,
+    GROUND_TRUTH,
+    LUBRICATION_STATE,
+    ROLLER_STATES,
+    SENSOR,
+    VIBRATION,
+    Message,
+)
+from dcrb_ros.messages.topics.lubrication_state import names_of
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.viewer import live_run
+from dcrb_ros.viewer.blueprint import compose_live
+from dcrb_ros.viewer.drawing import Drawing
 from dcrb_ros.viewer.live import LiveView
 
 ORDERS = np.arange(0.0, 30.0, 0.05)
@@ -98,6 +115,31 @@ def test_fixed_shapes_and_summary_are_logged(run: Run, tmp_path: Path) -> None:
         assert words in page
 
 
+def test_temperatures_have_a_plot_also_if_they_arrive_after_the_first_films(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bench, arranged = Bench(tmp_path), list[dict[str, bool]]()
+
+    def composed(drawing: Drawing | None, **shown: bool) -> Blueprint:
+        arranged.append(shown)
+        return compose_live(drawing, **shown)
+
+    monkeypatch.setattr(live_run, "compose_live", composed)
+    bench.take([message for message in messages(run) if message.topic is SENSOR])
+    names, empty = names_of(2), np.zeros(0)
+    truth = replace(run.blocks[0].truths[0], thermal={"box [deg C]": 40.0})
+    for topic, data in (
+        (LUBRICATION_STATE, encode_joints(0, names, np.ones(len(names)), empty, empty)),
+        (GROUND_TRUTH, encode_truth(truth)),
+        (GROUND_TRUTH, encode_truth(truth)),
+    ):
+        bench.view.take(topic, data)
+        bench.view.flush()
+    bench.view.close()
+    assert arranged == [{}, {"lubricated": True, "warm": False}, {"lubricated": True, "warm": True}]
+    assert rows(tmp_path / "1.rrd")["/temperatures"] == 2
+
+
 def test_messages_received_before_the_sensor_description_are_kept(run: Run, tmp_path: Path) -> None:
     bench, first = Bench(tmp_path), messages(run)
     bench.take([message for message in first if message.topic is not SENSOR])
@@ -149,3 +191,18 @@ def test_spectrum_round_trip() -> None:
     assert amplitude.max() == 50.0
     with pytest.raises(Refusal, match=r"is not a squared envelope spectrum"):
         decode_spectrum(message.data.replace(b"amplitude", b"amplitudo"))
+    with pytest.raises(Refusal, match=r"is not a squared envelope spectrum: .* little endian"):
+        decode_spectrum(encode_points(np.zeros(2, [("frequency", "<f4"), ("order", "<u4"), ("amplitude", "<f4")]), 0))
+    for unordered in ([2.0, 1.0], [1.0, np.nan], [1.0, np.inf]):
+        with pytest.raises(Refusal, match=r"orders .* are not finite and increasing"):
+            decode_spectrum(encode_spectrum(0, np.array(unordered), np.ones(2), 20.0))
+
+
+def test_a_spectrum_below_the_orders_shown_is_not_drawn(run: Run, tmp_path: Path) -> None:
+    bench = Bench(tmp_path)
+    bench.take(messages(run))
+    bench.view.take(ENVELOPE_SPECTRUM, encode_spectrum(0, np.array([0.0, 0.001]), np.ones(2), 20.0))
+    bench.take(diagnosed(0.4))
+    bench.view.close()
+    assert bench.warnings == []
+    assert rows(tmp_path / "1.rrd")["/envelope_spectrum/curve"] == 1
