@@ -66,6 +66,8 @@ class RecordingSwitch:
         self._closing: list[RecorderThread] = []
         """Recorders that receive nothing more and may still be writing."""
         self._failure = ""
+        self.first_failure = ""
+        """Why the first recording that failed did, also if later ones were finished; empty if none failed."""
         self._started = False
         self._commands: list[Any] = []
         self._latched: dict[Topic, Message] = {}
@@ -184,4 +186,5 @@ class RecordingSwitch:
         """Log why a recording failed, and keep the reason unless another recording is running."""
         if self._recorder is None:
             self._failure = reason
+        self.first_failure = self.first_failure or reason
         self._log.error(reason)

@@ -129,8 +129,8 @@ class SimulatingNode(BenchNode):
 
     @property
     def failure(self) -> Exception | None:
-        """The exception that ended the simulation or the last recording, if one did."""
-        return self.engine.failure or (RecordingFailed(self.recording.state) if self.recording.failed else None)
+        """The exception that ended the simulation, or a recording, if one did."""
+        return self.engine.failure or (RecordingFailed(self.recording.first_failure) if self.recording.first_failure else None)
 
     def close(self) -> None:
         """Stop the simulation and finish the recording; wait for the delivery of the last messages if it was not interrupted."""

@@ -116,6 +116,7 @@ def test_a_recording_that_is_finished_too_late_does_not_fail_the_next(tmp_path: 
     assert "could not be finished in time" in switch.state
     assert switch.record(tmp_path / "bag") == tmp_path / "bag-2"
     assert (switch.state, switch.failed, len(log.errors)) == ("recording", False, 1)
+    assert "could not be finished in time" in switch.first_failure  # the exit status of the node
     disk.allowed.set()
     switch.stop()
 
