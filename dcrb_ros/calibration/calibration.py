@@ -178,9 +178,8 @@ def calibrate(
     if not isinstance(recordings, (Signal, list, tuple)):
         raise Refusal(f"recordings is a {type(recordings).__name__}: give a recording of the healthy machine, or a list of them")
     given = [recordings] if isinstance(recordings, Signal) else list(recordings)
-    called = (
-        [names] if isinstance(names, str) and names else list(names) or [_name(signal, number) for number, signal in enumerate(given, 1)]
-    )
+    stated = [names] if isinstance(names, str) and names else list(names)
+    called = stated or [_name(signal, number) for number, signal in enumerate(given, 1)]
     if len(called) != len(given):
         raise Refusal(f"{len(called)} names are given for {len(given)} recordings: give one for each, or none")
     progress("checking the recordings")

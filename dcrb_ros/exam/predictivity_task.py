@@ -113,7 +113,7 @@ def _task(one: Judged, original: MeasuredRecording, others: Sequence[Judged], lo
         one.rate,
         one.speed,
         one.orders.as_dict(),
-        "".join(dict.fromkeys(getattr(each, "unit", "") for each in (one, lead or one))),
+        [getattr(each, "unit", "") for each in (one, lead or one)],
         longest,
         one.gain_known,
     ]

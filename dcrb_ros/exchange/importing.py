@@ -18,8 +18,7 @@ from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.exchange.description import Description, read_description
 from dcrb_ros.exchange.joining import JoinedFiles
 from dcrb_ros.exchange.pulse_train import PulseTrain, counted_pulses, joined_turns, pulse_train, turns_at_speed, wrapped, wrapped_angle
-from dcrb_ros.exchange.temperatures import CHANNELS, checked_channels, readings_of
-from dcrb_ros.exchange.temperatures import LATEST as LATEST_STAMP
+from dcrb_ros.exchange.temperatures import CHANNELS, LATEST_STAMP, checked_channels, readings_of
 from dcrb_ros.messages.cdr import FRAME
 from dcrb_ros.messages.description import PULSES_PER_TURN
 from dcrb_ros.messages.joints import encode_features

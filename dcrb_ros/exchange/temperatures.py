@@ -20,7 +20,7 @@ TIME = "temperature_time"
 """Channel with the times of the readings [s]."""
 LEAST_INTERVAL_NS = 100_000_000
 """Time from a reading to the next that is kept [ns]: a channel may have one at every sample."""
-LATEST = 2**31
+LATEST_STAMP = 2**31
 """Time from which on a ROS time stamp overflows [s]."""
 COLDEST = -273.15
 """Absolute zero [deg C]."""
@@ -66,9 +66,11 @@ def readings_of(
     if times is None:
         time_ns = np.concatenate([_spread(len(part), index, rate, source) for part, index in zip(parts, indices, strict=True)])
     elif len(times) == len(values):
-        wrong = times[(times < 0.0) | (times >= LATEST)]
+        wrong = times[(times < 0.0) | (times >= LATEST_STAMP)]
         if len(wrong):
-            raise Refusal(f"{source}: {TIME} has {wrong[0]:g} s, outside 0 .. {LATEST} s: give the times in seconds since the first sample")
+            raise Refusal(
+                f"{source}: {TIME} has {wrong[0]:g} s, outside 0 .. {LATEST_STAMP} s: give the times in seconds since the first sample"
+            )
         time_ns = np.rint(times * 1e9).astype(np.int64)
     else:
         raise Refusal(f"{source} has {len(values)} readings for {len(times)} times in {TIME}: give a time for each reading")

@@ -237,11 +237,11 @@ def run_nodes(
         # Its first block waits until they have discovered it.
         with node_process(nodes.simulator, arguments, nodes.waiting_for(1 + _running(subscribers))) as process:
             status = _watch(observer, node, process, detector, duration, stop, console)
-    status = status or _failed(process.returncode)  # a stopped simulator may have failed to write its recording
+    status = status or _exit_status(process.returncode)  # a stopped simulator may have failed to write its recording
     return _conclude(observer, "" if status else configuration.recording.path, console, status)
 
 
-def _failed(returncode: int) -> int:
+def _exit_status(returncode: int) -> int:
     """Return the exit status of a stopped simulator; 1 if it did not end in time and was killed, 0 if the signal came before its start."""
     return 1 if returncode == -signal.SIGKILL else max(returncode, 0)
 

@@ -246,7 +246,7 @@ def test_bench_command_ends_with_the_verdict(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("returncode", "status"), [(0, 0), (2, 2), (-signal.SIGINT, 0), (-signal.SIGKILL, 1)])
 def test_a_simulator_that_had_to_be_killed_has_failed(returncode: int, status: int) -> None:
     """It may not have finished its recording; one that a signal ends before it handles signals has none."""
-    assert bench._failed(returncode) == status
+    assert bench._exit_status(returncode) == status
 
 
 def processes(module: str, variable: str) -> list[str]:
