@@ -16,6 +16,7 @@ from dcrb_ros.schema.refusal import Refusal
 
 if TYPE_CHECKING:
     from dcrb_ros.diagnosis.parameters import DetectorParameters
+    from dcrb_ros.exam.detector_run import Signal
     from dcrb_ros.exam.evaluation import Candidate
     from dcrb_ros.exam.kinds import AnyExam
     from dcrb_ros.exam.limits import Limits
@@ -61,6 +62,16 @@ class DetectorOptions(NamedTuple):
             from dcrb_ros.nodes.external_detector import ExternalDetector
 
             return ExternalDetector(self.node, name=self.name, rate=self.rate, patience=self.patience)
+        return self.candidate_in_python()
+
+    def candidate_in_python(self) -> Candidate[Signal]:
+        """Return the detector for signals that are not published as messages.
+
+        Raises:
+            Refusal: it is a node.
+        """
+        if self.node is not None:
+            raise Refusal(f"--node {self.node} cannot be evaluated by a replica, whose signals have one axis: give a class with --python")
         if self.python is not None:
             from dcrb_ros.exam.plugin_process import ProcessDetector
 
@@ -82,8 +93,8 @@ class DetectorOptions(NamedTuple):
         return shipped_vehicle_detector(self.parameters, self.name)
 
 
-def evaluate_measured_folder(folder: Path, options: DetectorOptions, speed: str, workers: int, *, quiet: bool) -> Report:
-    """Return the report of measured recordings."""
+def evaluate_measured_folder(folder: Path, options: DetectorOptions, speed: str, longest: float, workers: int, *, quiet: bool) -> Report:
+    """Return the report of measured recordings, of each at most ``longest`` [s]."""
     from dcrb_ros.exam.evaluation import evaluate
     from dcrb_ros.exam.measured import ShippedOnce, led_scenarios, whole_scenarios
     from dcrb_ros.exam.plugin_process import ProcessDetector
@@ -91,20 +102,27 @@ def evaluate_measured_folder(folder: Path, options: DetectorOptions, speed: str,
     progress = partial(progress_of, quiet=quiet)
     if options.python is not None:
         candidate = ProcessDetector(options.name, options.python, options.limits)
-        return evaluate(candidate, led_scenarios(folder, speed), workers=workers, progress=progress)
-    return evaluate(ShippedOnce(options.name, options.parameters), whole_scenarios(folder, speed), workers=workers, progress=progress)
+        return evaluate(candidate, led_scenarios(folder, speed, longest), workers=workers, progress=progress)
+    whole = whole_scenarios(folder, speed, longest)
+    return evaluate(ShippedOnce(options.name, options.parameters), whole, workers=workers, progress=progress)
 
 
 def evaluate_exam(exam: AnyExam, options: DetectorOptions, recordings: Path | None, workers: int, *, quiet: bool) -> Report:
     """Return the report of an exam of a bearing or of a vehicle; ``recordings`` is the folder that keeps what is simulated."""
     from dcrb_ros.exam.evaluation import evaluate
     from dcrb_ros.exam.exam_file import Exam
-    from dcrb_ros.exam.recording_cache import checked_folder, default_folder, simulated_scenarios
+    from dcrb_ros.exam.exam_scenarios import replica_scenarios, simulated_scenarios
+    from dcrb_ros.exam.recording_cache import checked_folder, default_folder
     from dcrb_ros.exam.vehicle.evaluation import vehicle_scenarios
 
     progress = partial(progress_of, quiet=quiet)
     if isinstance(exam, Exam):
-        scenarios, candidate = simulated_scenarios(exam, checked_folder(recordings or default_folder())), options.candidate()
+        folder = checked_folder(recordings or default_folder())
+        if exam.replica is not None:
+            in_python, led = options.candidate_in_python(), replica_scenarios(exam, folder)
+            announce_compilation(quiet=quiet)
+            return evaluate(in_python, led, workers=workers, progress=progress)
+        scenarios, candidate = simulated_scenarios(exam, folder), options.candidate()
         announce_compilation(quiet=quiet)
         return evaluate(candidate, scenarios, workers=workers, progress=progress)
     folder, of_vehicle = checked_folder(recordings or default_folder() / "vehicles"), options.vehicle_candidate()

@@ -85,7 +85,6 @@ def verify(
 
     Example: dcrb exam verify my_template.sealed.yaml my_template.secret results/*.json
     """
-    from dcrb_ros.exam.case import scenarios_hash
     from dcrb_ros.exam.leaderboard_entry import read_entry
     from dcrb_ros.exam.sealing import commitment, open_exam, read_sealed, read_secret
     from dcrb_ros.exam.verification import differences
@@ -98,8 +97,7 @@ def verify(
         raise typer.Exit(1)
     print(f"{sealed}: agrees with the secret")
     drawn = open_exam(exam, seed, str(sealed)).exam
-    digest = scenarios_hash(drawn.cases)
-    agree = digest == exam.scenarios_sha256
+    agree = drawn.digest == exam.scenarios_sha256
     reason = "" if agree else f", the scenarios of dcrb_ros {__version__} are not those of dcrb_ros {exam.dcrb_ros}, which sealed it"
     print(f"scenarios: {'agree' if agree else 'DO NOT AGREE'}{reason}")
     for path in entries or ():

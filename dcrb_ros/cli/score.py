@@ -41,6 +41,7 @@ def score(
         typer.Option(help="Folder of measured recordings with known truth: recordings.csv and recordings/NAME.npz.", file_okay=False),
     ] = None,
     speed: Annotated[str, typer.Option(help="Column of speeds that --measured uses: lines or documented.")] = "lines",
+    longest: Annotated[float, typer.Option(help="Longest part of a recording that --measured judges [s], 1 to 60.")] = 60.0,
     exam: Annotated[str | None, typer.Option(help="The exam; the same as the argument.", autocompletion=completion.exams)] = None,
     node: Annotated[str | None, typer.Option(help="Command that starts your detector node; it is started anew for every scenario.")] = None,
     python: Annotated[
@@ -83,7 +84,7 @@ def score(
     """
     given = [*(sources or ()), *([exam] if exam else [])]
     if measured is not None:
-        _check_measured(given, node, speed, other=bool(only or show or recordings or reference))
+        _check_measured(given, node, speed, longest, other=bool(only or show or recordings or reference))
     else:
         _check(given, rate, patience, node, detector, reference)
     limits = _limits(block_limit, scenario_limit, memory_limit)
@@ -99,7 +100,7 @@ def score(
     if bags and (only or show or recordings):
         raise Refusal(f"--only, --list and --recordings apply to an exam, but {bags[0]} is a recording: leave them out")
     if measured is not None:
-        report = evaluate_measured_folder(measured, options, speed, count, quiet=quiet)
+        report = evaluate_measured_folder(measured, options, speed, longest, count, quiet=quiet)
     elif bags:
         run_detector = reference or any(option is not None for option in (node, python, detector))
         if not run_detector:
@@ -135,8 +136,8 @@ def _check(given: Sequence[str], rate: float, patience: float, node: str | None,
         raise Refusal(f"--detector {detector} applies to the shipped detector only: give your node's parameters in its --node command")
 
 
-def _check_measured(given: Sequence[str], node: str | None, speed: str, *, other: bool) -> None:
-    from dcrb_ros.exam.measured import SPEEDS
+def _check_measured(given: Sequence[str], node: str | None, speed: str, longest: float, *, other: bool) -> None:
+    from dcrb_ros.exam.measured import LONGEST, SPEEDS
 
     if given or node is not None or other:
         raise Refusal(
@@ -145,6 +146,8 @@ def _check_measured(given: Sequence[str], node: str | None, speed: str, *, other
         )
     if speed not in SPEEDS:
         raise Refusal(f"--speed {speed} is unknown: give {' or '.join(SPEEDS)}")
+    if not 1.0 <= longest <= LONGEST:
+        raise Refusal(f"--longest {longest} s is outside 1 .. {LONGEST:g} s: give the longest part of a recording to judge")
 
 
 def _limits(block: float, scenario: float, memory: int) -> Limits:
@@ -175,7 +178,7 @@ def _check_effect(context: typer.Context, measured: Path | None, node: str | Non
     if show:
         refuse_given(context, "does not apply to --list, which evaluates nothing: leave it out", *EVALUATION)
     if measured is None:
-        refuse_given(context, "applies to --measured only: leave it out", "speed")
+        refuse_given(context, "applies to --measured only: leave it out", "speed", "longest")
     if node is None:
         refuse_given(context, "applies to --node only: leave it out", "rate", "patience")
     if python is None:

@@ -6,19 +6,20 @@ them oppositely, and about 0 where they are independent.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from dcrb_ros.exam.correlation import kendall_tau, spearman_rho
-from dcrb_ros.exam.exam_score import RESAMPLES, SEED, draws, headline_score, interval, scores
+from dcrb_ros.exam.exam_score import interval
 from dcrb_ros.exam.leaderboard_entry import Entry
-from dcrb_ros.exam.profile import HEADLINE_PROFILE
+from dcrb_ros.exam.marking import VerdictMarking, marking_of
 from dcrb_ros.exam.statistics import Interval
-from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
 
+FIELD_SEED = 23
+"""Seed of the samples of measured recordings, another one than that of the exam: both vary independently."""
 FEWEST = 3
 """Detectors from which a rank correlation is computed [-]."""
 
@@ -28,11 +29,11 @@ class Agreement:
     """The rank correlation between an exam and measured recordings."""
 
     detectors: tuple[str, ...]
-    """In the order of their exam scores, the best one first."""
+    """In the order of their marks in the exam, the best one first."""
     exam: tuple[float, ...]
-    """Exam score of each, 0 .. 100 [-]."""
+    """Mark of each in the exam, 0 .. 100 [-]; see `marking.Marking`."""
     measured: tuple[float, ...]
-    """Share of correct verdicts on the measured recordings of each, mean over the verdicts, 0 .. 1 [-]."""
+    """Share of correct verdicts of each on the measured recordings, mean over the classes [%]."""
     kendall: Interval
     """Kendall's tau-b [-]."""
     spearman: Interval
@@ -54,12 +55,12 @@ def agreement(exam: Sequence[Entry], measured: Sequence[Entry]) -> Agreement:
             f"{len(common)} detectors are in both folders ({', '.join(common) or 'none'}): "
             f"a rank correlation takes {FEWEST}, with the same --name in both"
         )
-    values = {name: headline_score(first[name].scores()).score.value for name in common}
+    marking, field = marking_of(exam[0]), VerdictMarking()
+    values = {name: marking.mark(first[name]) for name in common}
     ordered = sorted(common, key=lambda name: (-values[name], name))
-    contributions = [first[name].contributions() for name in ordered]
-    drawn = np.array([scores(shares, HEADLINE_PROFILE, draws(shares)) for shares in contributions])
-    shares = [macro_recall(second[name]) for name in ordered]
-    shares_drawn = np.array([_drawn_recall(second[name]) for name in ordered])
+    drawn = np.array([marking.samples(first[name]) for name in ordered])
+    shares = [field.mark(second[name]) for name in ordered]
+    shares_drawn = np.array([field.samples(second[name], FIELD_SEED) for name in ordered])
     at = np.array([[values[name]] for name in ordered]), np.array(shares)[:, None]
     return Agreement(
         tuple(ordered),
@@ -68,29 +69,6 @@ def agreement(exam: Sequence[Entry], measured: Sequence[Entry]) -> Agreement:
         Interval(float(kendall_tau(*at)[0]), *interval(kendall_tau(drawn, shares_drawn))),
         Interval(float(spearman_rho(*at)[0]), *interval(spearman_rho(drawn, shares_drawn))),
     )
-
-
-def macro_recall(entry: Entry) -> float:
-    """Return the share of correct answers, mean over the correct verdicts of the required scenarios [-]."""
-    return float(np.mean([np.mean(right) for right in _right(entry).values()]))
-
-
-def _right(entry: Entry) -> Mapping[str, Floats]:
-    """Return for each verdict, in alphabetical order, which required scenarios have the correct answer, 1 or 0."""
-    answers: dict[str, list[float]] = {}
-    for scenario in sorted(entry.scenarios, key=lambda scenario: (scenario.family, scenario.name)):
-        if scenario.required:
-            answers.setdefault(scenario.family, []).append(float(scenario.answer == scenario.family))
-    return {family: np.array(right) for family, right in answers.items()}
-
-
-def _drawn_recall(entry: Entry) -> Floats:
-    """Return the macro recall of bootstrap samples, drawn within each verdict and alike for all detectors, shape (samples,)."""
-    means = []
-    for number, right in enumerate(_right(entry).values()):
-        drawn = np.random.default_rng([SEED, number, len(right)]).integers(0, len(right), (RESAMPLES, len(right)))
-        means.append(right[drawn].mean(axis=1))
-    return np.asarray(np.mean(means, axis=0), np.float64)
 
 
 def _by_name(entries: Sequence[Entry], where: str) -> dict[str, Entry]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -47,8 +47,8 @@ def canonical(tree: Any) -> str:
     return json.dumps(tree, sort_keys=True, separators=(",", ":"), ensure_ascii=True, allow_nan=False)
 
 
-def scenarios_hash(cases: Iterable[Case]) -> str:
-    """Return the SHA-256 of all scenarios: configurations, timelines, durations and expected verdicts.
+def scenarios_hash(cases: Iterable[Case], tags: Sequence[str] = ()) -> str:
+    """Return the SHA-256 of all scenarios: configurations, timelines, durations, expected verdicts and the values of some ``tags``.
 
     Names and order do not enter the hash.
     """
@@ -59,6 +59,7 @@ def scenarios_hash(cases: Iterable[Case]) -> str:
                 "onset": c.expectation.onset,
                 "required": c.expectation.required,
                 "run": c.simulation.described(),
+                **{tag: c.expectation.tags.get(tag) for tag in tags},
             },
         )
         for c in cases

@@ -15,7 +15,7 @@ from typing import Any
 from pydantic import Field, ValidationError
 
 from dcrb_ros.bearing.runtime_change import altered
-from dcrb_ros.exam.case import Case, CaseSimulation, derived_tags
+from dcrb_ros.exam.case import Case, CaseSimulation, derived_tags, scenarios_hash
 from dcrb_ros.exam.criteria import Criteria, DelayLimits
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.revolutions import speed_knots
@@ -31,6 +31,8 @@ from dcrb_ros.simulation.scenario import ScheduledChange, read_scenario_file, sc
 from dcrb_ros.text.yaml import read_yaml
 
 SEED = "simulation.seed"
+MACHINE_TAG, GAIN_TAG = "machine", "gain"
+"""Tags of the scenarios of a replica: simulated machine, and `measured.KNOWN` if its bearings were recorded with one gain."""
 MOST_CASES = 2_000
 """Cases of an exam, without the twins; each is checked with its whole configuration, which takes a millisecond."""
 
@@ -107,6 +109,11 @@ class Exam:
     """Hash that was published before the exam was held; empty if it was not sealed."""
     replica: ReplicaOrigin | None = None
     """Origin of a replica; None of any other exam."""
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the scenarios; of a replica also of the machines, which decide what precedes each recording."""
+        return scenarios_hash(self.cases, (MACHINE_TAG, GAIN_TAG) if self.replica else ())
 
 
 def read_exam(source: str | Path) -> Exam:

@@ -99,14 +99,14 @@ def interval(values: Floats) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def draws(contributions: Sequence[Contribution]) -> Floats:
+def draws(contributions: Sequence[Contribution], seed: int = SEED) -> Floats:
     """Return the weight of each scenario in each bootstrap sample, shape (`RESAMPLES`, scenarios).
 
     Scenarios are drawn with replacement within their family, so that every sample has faults of all families and healthy time.
     """
     counts = np.zeros((RESAMPLES, len(contributions)))
     for number, members in enumerate(_grouped(contributions).values()):
-        random = np.random.default_rng([SEED, number, len(members)])
+        random = np.random.default_rng([seed, number, len(members)])
         # One draw fewer than scenarios, each with more weight: otherwise the variance is (n - 1)/n of the true one (Rao and Wu 1988).
         drawn = max(1, len(members) - 1)
         chosen = random.integers(0, len(members), (RESAMPLES, drawn))
@@ -170,9 +170,13 @@ def compare(first: Sequence[Contribution], second: Sequence[Contribution], profi
         raise Refusal("the detectors were evaluated on different scenarios: compare entries of one exam")
     whole, samples = np.ones((1, len(first))), draws(first)
     value = float((scores(first, profile, whole) - scores(second, profile, whole))[0])
-    differences = np.round(scores(first, profile, samples) - scores(second, profile, samples), DECIMALS)
-    families = [contribution.family for contribution in first]
-    known = all(families.count(family) > 1 for family in set(families))
+    known = all(len(members) > 1 for members in _grouped(first).values())
+    return difference(value, scores(first, profile, samples) - scores(second, profile, samples), known=known)
+
+
+def difference(value: float, samples: Floats, *, known: bool) -> ScoreDifference:
+    """Return a difference with its interval from bootstrap ``samples``; ``known`` is whether they say anything about other scenarios."""
+    differences = np.round(samples, DECIMALS)
     low, high = interval(differences) if known else (-100.0, 100.0)
     confidence = float(np.mean(differences > 0.0) + 0.5 * np.mean(differences == 0.0)) if known else 0.5
     return ScoreDifference(Interval(round(value, DECIMALS), low, high), confidence)

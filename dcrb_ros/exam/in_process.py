@@ -7,7 +7,8 @@ from pathlib import Path
 from dcrb_ros.exam.detector_run import PythonDetector
 from dcrb_ros.exam.evaluation import evaluate
 from dcrb_ros.exam.exam_file import read_exam
-from dcrb_ros.exam.recording_cache import checked_folder, default_folder, simulated_scenarios
+from dcrb_ros.exam.exam_scenarios import replica_scenarios, simulated_scenarios
+from dcrb_ros.exam.recording_cache import checked_folder, default_folder
 from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.running_detector import DetectorFactory
 from dcrb_ros.schema.refusal import Refusal
@@ -58,4 +59,7 @@ def score(detector: DetectorFactory, exam: str | Path = "smoke", *, recordings: 
         raise Refusal(f"workers = {workers} is outside 1 .. {MOST_WORKERS}: give the number of parallel simulations")
     folder = checked_folder(Path(recordings) if recordings is not None else default_folder())
     candidate = PythonDetector(getattr(detector, "__name__", type(detector).__name__), detector, parallel=False)
-    return evaluate(candidate, simulated_scenarios(read_exam(exam), folder), workers=workers)
+    given = read_exam(exam)
+    if given.replica is not None:
+        return evaluate(candidate, replica_scenarios(given, folder), workers=workers)
+    return evaluate(candidate, simulated_scenarios(given, folder), workers=workers)

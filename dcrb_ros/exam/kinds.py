@@ -1,6 +1,6 @@
 """The kinds of exams: of a bearing (`exam_file`) and of a vehicle (`vehicle.exam_file`). Recordings and measured signals need no file.
 
-`evaluation.evaluate` takes the scenarios of all of them, which are made by `recording_cache.simulated_scenarios`,
+`evaluation.evaluate` takes the scenarios of all of them, which are made by `exam_scenarios.simulated_scenarios` and `replica_scenarios`,
 `vehicle.evaluation.vehicle_scenarios`, `recorded_case.recorded_scenarios` and `measured.whole_scenarios`.
 """
 
@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TypeAlias
 
-from dcrb_ros.exam.exam_file import Exam, exam_of
+from dcrb_ros.exam.exam_file import MACHINE_TAG, Exam, exam_of
 from dcrb_ros.exam.vehicle.exam_file import VehicleExam, vehicle_exam_of
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.shipped import find_shipped
@@ -33,7 +33,9 @@ def read_any_exam(source: str | Path) -> AnyExam:
 
 
 def matching(exam: AnyExam, pattern: str) -> AnyExam:
-    """Return an exam with the scenarios whose names match a pattern, such as ``outer/*``, and their twins; an empty one matches all.
+    """Return an exam with the scenarios whose names match a pattern, such as ``outer/*``; an empty one matches all.
+
+    Twins and, in a replica, the healthy recordings of the same machines are kept with them.
 
     Raises:
         Refusal: it matches none.
@@ -47,4 +49,7 @@ def matching(exam: AnyExam, pattern: str) -> AnyExam:
     if isinstance(exam, VehicleExam):
         return dataclasses.replace(exam, name=name, cases=tuple(case for case in exam.cases if case.name in kept))
     kept |= {case.expectation.twin for case in exam.cases if case.name in kept}
+    if exam.replica is not None:  # a healthy recording of the machine precedes each
+        machines = {case.expectation.tags.get(MACHINE_TAG) for case in exam.cases if case.name in kept}
+        kept |= {case.name for case in exam.cases if not case.expectation.faulty and case.expectation.tags.get(MACHINE_TAG) in machines}
     return dataclasses.replace(exam, name=name, cases=tuple(case for case in exam.cases if case.name in kept))

@@ -3,40 +3,31 @@
 from __future__ import annotations
 
 import html
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from dcrb_ros.exam.agreement import Agreement, agreement
-from dcrb_ros.exam.exam_score import ExamScore, ScoreDifference, compare, headline_score
+from dcrb_ros.exam.exam_score import ScoreDifference
 from dcrb_ros.exam.leaderboard_entry import Entry, read_entry
-from dcrb_ros.exam.profile import HEADLINE, HEADLINE_PROFILE, PROFILES
+from dcrb_ros.exam.marking import Marking, marking_of
 from dcrb_ros.exam.statistics import CONFIDENCE
 from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.files import checked_path
 from dcrb_ros.text.markdown import table
 
-HEADS = ("", "detector", *(profile.name for profile in PROFILES), "ROC areas", "detected", "failed periods", "better than the next")
-"""Heads of the columns."""
 MEASURED_HEAD = "correct on measured recordings"
 """Head of the last column of a leaderboard that is compared with measured recordings."""
 
 
 @dataclass(frozen=True)
 class RankedEntry:
-    """An entry, its scores and its comparison with the next one."""
+    """An entry and its comparison with the next one."""
 
     entry: Entry
-    scores: tuple[ExamScore, ...]
     next: ScoreDifference | None
     """Comparison with the next entry; None for the last."""
-
-    @property
-    def score(self) -> ExamScore:
-        """The exam score by which entries are sorted."""
-        return headline_score(self.scores)
 
 
 @dataclass(frozen=True)
@@ -50,9 +41,19 @@ class Board:
     """Comparison with measured recordings, if there is one."""
 
     @property
+    def entries(self) -> list[Entry]:
+        """The entries in this order."""
+        return [ranked.entry for ranked in self.ranking]
+
+    @property
+    def marking(self) -> Marking:
+        """How they are marked."""
+        return marking_of(self.ranking[0].entry)
+
+    @property
     def heads(self) -> tuple[str, ...]:
         """Heads of the columns."""
-        return (*HEADS, MEASURED_HEAD) if self.field else HEADS
+        return ("", "detector", *self.marking.heads(self.entries), "better than the next", *([MEASURED_HEAD] if self.field else []))
 
 
 def read_boards(folder: Path, measured: Path | None = None) -> list[Board]:
@@ -67,7 +68,7 @@ def read_boards(folder: Path, measured: Path | None = None) -> list[Board]:
     if measured is None:
         return found
     on_recordings = read_entries(measured)
-    return [replace(board, field=agreement([ranked.entry for ranked in board.ranking], on_recordings)) for board in found]
+    return [replace(board, field=agreement(board.entries, on_recordings)) for board in found]
 
 
 def read_entries(folder: Path) -> list[Entry]:
@@ -90,12 +91,12 @@ def boards(entries: Sequence[Entry]) -> list[Board]:
     Raises:
         Refusal: an entry has no exam score, or two entries of one exam have the same name.
     """
-    groups: dict[tuple[str, str], list[Entry]] = {}
+    groups: dict[tuple[str, str, bool], list[Entry]] = {}
     for entry in entries:
         if not entry.exam_score:
             raise Refusal(f"the entry '{entry.detector}' of the exam {entry.exam} has no exam score: it takes faults and healthy time")
-        groups.setdefault((entry.exam, entry.scenarios_sha256), []).append(entry)
-    return [Board(exam, digest, tuple(_ranked(group))) for (exam, digest), group in sorted(groups.items())]
+        groups.setdefault((entry.exam, entry.scenarios_sha256, entry.last_verdict), []).append(entry)
+    return [Board(exam, digest, tuple(_ranked(group))) for (exam, digest, _), group in sorted(groups.items())]
 
 
 def _ranked(entries: Sequence[Entry]) -> Iterator[RankedEntry]:
@@ -103,30 +104,23 @@ def _ranked(entries: Sequence[Entry]) -> Iterator[RankedEntry]:
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
         raise Refusal(f"two entries of the exam {entries[0].exam} are called '{twice}': give them different names with --name")
-    scored = {entry.detector: tuple(entry.scores()) for entry in entries}
-    ordered = sorted(entries, key=lambda entry: (-headline_score(scored[entry.detector]).score.value, entry.detector))
+    marking = marking_of(entries[0])
+    ordered = sorted(entries, key=lambda entry: (-marking.mark(entry), entry.detector))
     for entry, below in zip(ordered, [*ordered[1:], None], strict=True):
-        comparison = compare(entry.contributions(), below.contributions(), HEADLINE_PROFILE) if below is not None else None
-        yield RankedEntry(entry, scored[entry.detector], comparison)
+        yield RankedEntry(entry, marking.compare(entry, below) if below is not None else None)
 
 
 def rows(board: Board) -> Iterator[tuple[str, ...]]:
     """Yield the cells of each row; see `Board.heads`."""
     shares = dict(zip(board.field.detectors, board.field.measured, strict=True)) if board.field else {}
+    heads = board.marking.heads(board.entries)
     for number, ranked in enumerate(board.ranking, 1):
-        faulty = [scenario for scenario in ranked.entry.scenarios if scenario.family != "healthy"]
-        periods = sum(scenario.periods for scenario in ranked.entry.scenarios)
-        spoiled = sum(scenario.spoiled for scenario in ranked.entry.scenarios)
-        area = ranked.entry.area
         yield (
             str(number),
             printable(ranked.entry.detector),
-            *(f"{score.score.value:.1f} ({score.score.low:.1f} to {score.score.high:.1f})" for score in ranked.scores),
-            "–" if area is None or math.isnan(area) else f"{area:.3f}",
-            f"{sum(scenario.found for scenario in faulty)} of {len(faulty)}",
-            f"{spoiled} of {periods}",
+            *board.marking.cells(ranked.entry, heads),
             _better(ranked.next),
-            *([f"{shares[ranked.entry.detector]:.0%}" if ranked.entry.detector in shares else "–"] if board.field else []),
+            *([f"{shares[ranked.entry.detector]:.0f}%" if ranked.entry.detector in shares else "–"] if board.field else []),
         )
 
 
@@ -143,9 +137,9 @@ def about(board: Board) -> str:
     sealed = f"; sealed as {', '.join(sorted(seals))}" if seals else ""
     return (
         f"{len(board.ranking[0].entry.scenarios)} scenarios, sha256 {board.scenarios_sha256 or '(recordings)'}{sealed}; {versions}. "
-        f"Exam scores of 100 with {CONFIDENCE:.0%} bootstrap intervals; sorted by {HEADLINE}. The last column says whether the "
-        f"{CONFIDENCE:.0%} interval of the difference from the next detector on the same scenarios excludes 0, and in which share of the "
-        f"bootstrap samples the detector is better.{_agreement(board.field)}"
+        f"{board.marking.about}. The column 'better than the next' says whether the {CONFIDENCE:.0%} interval of the difference from the "
+        "next detector on the same scenarios excludes 0, and in which share of the bootstrap samples the detector is better."
+        f"{_agreement(board.field)}"
     )
 
 

@@ -143,6 +143,8 @@ class Entry(Group):
     false_alarms: int = Field(ge=0)
     healthy_hours: float = Field(ge=0.0)
     scenarios: list[EntryScenario] = Field(min_length=1)
+    last_verdict: bool = False
+    """Whether the answers are last verdicts, as in a replica; then entries are sorted by the correct ones."""
 
     def contributions(self) -> list[Contribution]:
         """Return what each scenario contributes to the exam score."""
@@ -190,6 +192,7 @@ def entry_of(report: Report, name: str = "") -> Entry:
             )
             for result in report.results
         ],
+        **({"last_verdict": True} if all(result.expectation.last_verdict for result in report.results) else {}),
     )
 
 

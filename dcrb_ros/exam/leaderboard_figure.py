@@ -8,12 +8,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from dcrb_ros.exam.exam_score import compare
 from dcrb_ros.exam.leaderboard import Board
-from dcrb_ros.exam.profile import HEADLINE, PROFILES
 from dcrb_ros.text.writing import whole_file
 
-COLOURS = {"safety": "#b23a48", "cost": "#2a9d5c", "research": "#1f6fb4"}
+COLOURS = {"safety": "#b23a48", "cost": "#2a9d5c"}
+COLOUR = "#1f6fb4"
+"""Colour of the mark by which entries are sorted."""
 LONGEST = 34
 """Longest name shown [characters]."""
 
@@ -29,7 +29,7 @@ def write_board_figure(board: Board, file: Path) -> None:
     scores, pairs = figure.subplots(1, 2, width_ratios=(1.4, 1.0))
     _scores(scores, board)
     _pairs(pairs, board)
-    figure.suptitle(f"{board.exam}: exam score of 100", fontsize=12, parse_math=False)
+    figure.suptitle(f"{board.exam}: {board.marking.name} of 100", fontsize=12, parse_math=False)
     with whole_file(file) as temporary:
         figure.savefig(temporary)
 
@@ -40,8 +40,10 @@ def _names(board: Board) -> list[str]:
 
 def _scores(axes: Axes, board: Board) -> None:
     axes.set_title("95 % confidence (bootstrap over scenarios)", fontsize=10)
-    for shift, profile in zip((-0.22, 0.0, 0.22), PROFILES, strict=True):
-        estimates = [next(score.score for score in ranked.scores if score.profile == profile.name) for ranked in board.ranking]
+    rows = [board.marking.series(entry) for entry in board.entries]
+    names = list(rows[0])
+    for number, name in enumerate(names):
+        estimates, shift = [row[name] for row in rows], 0.22 * (number - 0.5 * (len(names) - 1))
         # A percentile interval need not contain its estimate.
         error = [[max(0.0, s.value - s.low) for s in estimates], [max(0.0, s.high - s.value) for s in estimates]]
         heights = np.arange(len(estimates)) + shift
@@ -53,12 +55,12 @@ def _scores(axes: Axes, board: Board) -> None:
             ms=4,
             lw=1.2,
             capsize=2,
-            color=COLOURS[profile.name],
-            label=profile.name,
+            color=COLOURS.get(name, COLOUR),
+            label=name,
         )
-    names = [f"{name}  {number}" for number, name in enumerate(_names(board), 1)]
-    axes.set_yticks(range(len(board.ranking)), names, fontsize=8, parse_math=False)
-    axes.set(xlabel="exam score [-]", xlim=(-2.0, 102.0), ylim=(len(board.ranking) - 0.5, -0.5))
+    labels = [f"{name}  {number}" for number, name in enumerate(_names(board), 1)]
+    axes.set_yticks(range(len(board.ranking)), labels, fontsize=8, parse_math=False)
+    axes.set(xlabel=f"{board.marking.name} [{board.marking.unit}]", xlim=(-2.0, 102.0), ylim=(len(board.ranking) - 0.5, -0.5))
     axes.legend(fontsize=8, loc="lower right")
     axes.grid(alpha=0.25)
 
@@ -68,15 +70,13 @@ MOST_NUMBERS = 15
 
 
 def _pairs(axes: Axes, board: Board) -> None:
-    axes.set_title(f"Row better than column ({HEADLINE}) [% of samples]", fontsize=10)
-    headline = next(profile for profile in PROFILES if profile.name == HEADLINE)
-    contributions = [ranked.entry.contributions() for ranked in board.ranking]
-    count = len(contributions)
+    axes.set_title("Row better than column [% of samples]", fontsize=10)
+    count = len(board.entries)
     shares = np.full((count, count), np.nan)
     for i in range(count):
         for j in range(count):
             if i != j:
-                comparison = compare(contributions[i], contributions[j], headline)
+                comparison = board.marking.compare(board.entries[i], board.entries[j])
                 shares[i, j] = 100.0 * comparison.confidence
                 weight = "bold" if comparison.distinguished else "normal"
                 colour = "white" if shares[i, j] > 75.0 else "black"

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import gcd, isclose
+from fractions import Fraction
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -42,9 +43,18 @@ class JudgedRecording(ABC):
     gain_known: bool = False
     """Whether all bearings of the machine are known to have been recorded with one gain, so that their levels can be compared."""
 
+    @property
+    def tags(self) -> Mapping[str, str | float]:
+        """Tags of the scenario; see `Expectation.tags`."""
+        return {"rig": self.rig}
+
     @abstractmethod
     def longest_part(self, seconds: float) -> Floats:
         """Return the acceleration of the first ``seconds`` [m/s^2], shape (samples,)."""
+
+    def samples_within(self, seconds: float) -> int:
+        """Return the number of samples of that part."""
+        return len(self.longest_part(seconds))
 
 
 Judged = TypeVar("Judged", bound=JudgedRecording)
@@ -101,7 +111,7 @@ class LedSignal(Generic[Judged]):
         if self.lead is None:
             return np.zeros(0)
         signal, rate = self.lead.longest_part(self.longest_lead), self.recording.rate
-        common = gcd(self.lead.rate, rate)
+        common = math.gcd(self.lead.rate, rate)
         if self.lead.rate != rate:
             signal = np.asarray(resample_poly(signal, rate // common, self.lead.rate // common))
         return signal if self.recording.gain_known else signal * self._scale(signal)
@@ -113,8 +123,14 @@ class LedSignal(Generic[Judged]):
 
     def expectation(self) -> Expectation:
         """Return what is expected: an alarm in the healthy lead is false, and the last verdict after it counts."""
-        onset, rate = len(self._before()) / self.recording.rate, self.recording.rate
-        return expectation(self.recording, (round(onset * rate) + len(self.recording.longest_part(self.longest))) / rate, onset)
+        before, rate = self._samples_before(), self.recording.rate
+        return expectation(self.recording, (before + self.recording.samples_within(self.longest)) / rate, before / rate)
+
+    def _samples_before(self) -> int:
+        """Return the number of samples of the healthy recording at the sampling rate of the other one."""
+        if self.lead is None:
+            return 0
+        return math.ceil(Fraction(self.lead.samples_within(self.longest_lead) * self.recording.rate, self.lead.rate))
 
 
 def healthy_lead(recording: Judged, recordings: Sequence[Judged]) -> Judged | None:
@@ -136,11 +152,11 @@ def healthy_lead(recording: Judged, recordings: Sequence[Judged]) -> Judged | No
 
 def _same_bearing(first: Orders, second: Orders) -> bool:
     pairs = zip(first.as_dict().values(), second.as_dict().values(), strict=True)
-    return all(isclose(a, b, rel_tol=SAME_BEARING) for a, b in pairs)
+    return all(math.isclose(a, b, rel_tol=SAME_BEARING) for a, b in pairs)
 
 
 def expectation(recording: JudgedRecording, end: float, onset: float = 0.0) -> Expectation:
     """Return what is expected of a recording that begins at ``onset`` and ends at ``end`` [s]; ball faults are not required."""
     # Envelope analysis cannot name most ball faults (Smith and Randall 2015), so they enter the statistics only.
-    tags: dict[str, str | float] = {"rig": recording.rig}
-    return Expectation(recording.name, recording.truth, end, onset, tags, required=recording.truth != "roller", last_verdict=True)
+    required = recording.truth != "roller"
+    return Expectation(recording.name, recording.truth, end, onset, recording.tags, required=required, last_verdict=True)

@@ -22,7 +22,7 @@ from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exam.criteria import Criteria, DelayLimits
 from dcrb_ros.exam.evaluation import Outcome, Scenario, ScenarioSet, Signal, named
 from dcrb_ros.exam.expectation import Expectation
-from dcrb_ros.exam.led_signal import JudgedRecording, LedSignal, expectation, healthy_lead
+from dcrb_ros.exam.led_signal import LEAD, JudgedRecording, LedSignal, expectation, healthy_lead
 from dcrb_ros.messages.received_diagnosis import decode_diagnosis
 from dcrb_ros.messages.topics.diagnosis import encode_diagnosis
 from dcrb_ros.schema.arrays import Floats
@@ -214,6 +214,19 @@ def diagnose_as_a_whole(values: Floats, rate: int, frequency: float, orders: Ord
 
 
 @dataclass(frozen=True)
+class WholeRecording:
+    """A recording that is judged as a whole."""
+
+    recording: MeasuredRecording
+    longest: float
+    """Longest part that is judged [s]."""
+
+    def expectation(self) -> Expectation:
+        """Return what is expected; the verdict is that of the last sample."""
+        return expectation(self.recording, (self.recording.samples_within(self.longest) - 1) / self.recording.rate)
+
+
+@dataclass(frozen=True)
 class ShippedOnce:
     """The shipped detector as a candidate that judges a measured recording once, in a single window."""
 
@@ -221,22 +234,27 @@ class ShippedOnce:
     parameters: DetectorParameters
     parallel: bool = True
 
-    def diagnose(self, recording: MeasuredRecording) -> Outcome:
+    def diagnose(self, whole: WholeRecording) -> Outcome:
         """Return its diagnosis; see `diagnose`."""
-        return Outcome([decode_diagnosis(encode_diagnosis(diagnose(recording, self.parameters)))])
+        diagnosis = diagnose(whole.recording, self.parameters, seconds=whole.longest)
+        return Outcome([decode_diagnosis(encode_diagnosis(diagnosis))])
 
 
-def whole_scenarios(folder: Path, speed: str) -> ScenarioSet[MeasuredRecording]:
-    """Return the recordings of a folder, each judged as a whole."""
+def whole_scenarios(folder: Path, speed: str, longest: float = LONGEST) -> ScenarioSet[WholeRecording]:
+    """Return the recordings of a folder, each judged as a whole, up to ``longest`` [s]."""
     recordings = read_measured(folder, speed)
-    scenarios = [Scenario(named(r.name, partial(_whole_expectation, r)), partial(_itself, r)) for r in recordings]
+    signals = [WholeRecording(recording, longest) for recording in recordings]
+    scenarios = [Scenario(named(s.recording.name, s.expectation), partial(_itself, s)) for s in signals]
     return _scenario_set(speed, recordings, scenarios)
 
 
-def led_scenarios(folder: Path, speed: str) -> ScenarioSet[LedSignal[MeasuredRecording]]:
-    """Return the recordings of a folder, each after a healthy one of the same machine and bearing type where the table has one."""
+def led_scenarios(folder: Path, speed: str, longest: float = LONGEST) -> ScenarioSet[LedSignal[MeasuredRecording]]:
+    """Return the recordings of a folder, each after a healthy one of the same machine and bearing type where the table has one.
+
+    Either is at most ``longest`` [s], and the healthy one at most `LEAD`.
+    """
     recordings = read_measured(folder, speed)
-    signals = [LedSignal(recording, healthy_lead(recording, recordings), LONGEST) for recording in recordings]
+    signals = [LedSignal(one, healthy_lead(one, recordings), longest, min(longest, LEAD)) for one in recordings]
     scenarios = [Scenario(named(s.recording.name, s.expectation), partial(_itself, s)) for s in signals]
     return _scenario_set(speed, recordings, scenarios)
 
@@ -247,11 +265,6 @@ def _scenario_set(speed: str, recordings: Sequence[MeasuredRecording], scenarios
 
 def _itself(signal: Signal) -> Signal:
     return signal
-
-
-def _whole_expectation(recording: MeasuredRecording) -> Expectation:
-    # The verdict is that of the last sample.
-    return expectation(recording, (len(recording.longest_part()) - 1) / recording.rate)
 
 
 def measured_criteria() -> Criteria:

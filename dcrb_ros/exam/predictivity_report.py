@@ -77,7 +77,7 @@ def compare_with_field(
     origin = origin_of(exam, table)
     measured = read_table(table, origin.speed)
     first = measured_tasks(measured, origin.longest)
-    second = simulated_tasks(exam, measured, origin.longest, recordings)
+    second = simulated_tasks(exam, measured, recordings)
     simulate_missing(second, workers, progress("simulated", len(second)))
     tasks: list[Task[Any]] = [*first, *second]
     found = answers_of(members, tasks, recordings, limits, workers, progress("judged", len(members)))

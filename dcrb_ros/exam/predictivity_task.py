@@ -4,42 +4,24 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Generic
 
-from dcrb_ros.exam.case import Case
 from dcrb_ros.exam.evaluation import OnDone
 from dcrb_ros.exam.exam_file import Exam
-from dcrb_ros.exam.led_signal import Judged, JudgedRecording, LedSignal, healthy_lead
+from dcrb_ros.exam.exam_scenarios import SimulatedRecording, led_signals
+from dcrb_ros.exam.led_signal import Judged, LedSignal, healthy_lead
 from dcrb_ros.exam.measured import MeasuredRecording
 from dcrb_ros.exam.recording_cache import cached_recording, case_hash, is_recorded
-from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.runtime.processes import in_processes
-from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
 
 COMPARED = ("healthy", "outer_ring", "inner_ring")
 """Classes that are compared: envelope analysis cannot name most ball faults (Smith and Randall 2015)."""
-VERTICAL = 1
-"""Axis of the bench that a recording of one axis has: Y, along the load."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class SimulatedRecording(JudgedRecording):
-    """A scenario of a replica as a recording of one axis, as the table describes the measured one."""
-
-    original: MeasuredRecording
-    case: Case
-    folder: Path
-
-    def longest_part(self, seconds: float) -> Floats:
-        """Return the vertical acceleration of the first ``seconds`` [m/s^2], shape (samples,); it is simulated if it is missing."""
-        recorded = Recording(cached_recording(self.case, self.folder)).acceleration
-        return recorded[: round(seconds * self.rate), VERTICAL].astype(float)
 
 
 @dataclass(frozen=True)
@@ -63,29 +45,30 @@ def measured_tasks(recordings: Sequence[MeasuredRecording], longest: float) -> l
     if missing is not None:
         raise Refusal(f"{missing.file} is not there: restore this recording, or leave {missing.name} out of the table")
     files = {recording.name: hashlib.sha256(recording.file.read_bytes()).hexdigest() for recording in recordings}
-    return [_task(one, one, recordings, longest, files) for one in recordings if one.truth in COMPARED]
+    signals = [LedSignal(one, healthy_lead(one, recordings), longest, longest) for one in recordings if one.truth in COMPARED]
+    return [_task(signal, signal.recording, files) for signal in signals]
 
 
-def simulated_tasks(exam: Exam, recordings: Sequence[MeasuredRecording], longest: float, folder: Path) -> list[Task[SimulatedRecording]]:
+def simulated_tasks(exam: Exam, recordings: Sequence[MeasuredRecording], folder: Path) -> list[Task[SimulatedRecording]]:
     """Return the tasks of the scenarios of a replica, whose recordings are kept in a folder.
 
     Raises:
         Refusal: a scenario is no counterpart of a recording of the table.
     """
     known = {recording.name: recording for recording in recordings}
-    simulated = []
-    for case in exam.cases:
-        original, machine = known.get(str(case.expectation.tags.get("recording"))), case.expectation.tags.get("machine")
-        if original is None or original.truth != case.expectation.verdict or machine is None:
+    hashes = {case.name: case_hash(case) for case in exam.cases}
+    tasks = []
+    for signal in led_signals(exam, folder):
+        simulated = signal.recording
+        original = known.get(str(simulated.tags.get("recording")))
+        if original is None or original.truth != simulated.truth:
             raise Refusal(
-                f"scenario '{case.expectation.name}' of {exam.name} is no counterpart of a recording of the table: make the replica "
+                f"scenario '{simulated.name}' of {exam.name} is no counterpart of a recording of the table: make the replica "
                 "with dcrb exam replica"
             )
-        described = {field.name: getattr(original, field.name) for field in fields(JudgedRecording)}
-        described |= {"name": case.expectation.name, "machine": str(machine)}
-        simulated.append(SimulatedRecording(**described, original=original, case=case, folder=folder))
-    hashes = {one.name: case_hash(one.case) for one in simulated}
-    return [_task(one, one.original, simulated, longest, hashes) for one in simulated if one.truth in COMPARED]
+        if simulated.truth in COMPARED:
+            tasks.append(_task(signal, original, hashes))
+    return tasks
 
 
 def simulate_missing(tasks: Sequence[Task[SimulatedRecording]], workers: int, progress: AbstractContextManager[OnDone]) -> None:
@@ -105,8 +88,8 @@ def simulate_missing(tasks: Sequence[Task[SimulatedRecording]], workers: int, pr
             on_done(name)
 
 
-def _task(one: Judged, original: MeasuredRecording, others: Sequence[Judged], longest: float, digests: dict[str, str]) -> Task[Judged]:
-    lead = healthy_lead(one, others)
+def _task(signal: LedSignal[Judged], original: MeasuredRecording, digests: Mapping[str, str]) -> Task[Judged]:
+    one, lead = signal.recording, signal.lead
     about = [
         digests[one.name],
         *([digests[lead.name], lead.speed, lead.rate] if lead else []),
@@ -114,8 +97,8 @@ def _task(one: Judged, original: MeasuredRecording, others: Sequence[Judged], lo
         one.speed,
         one.orders.as_dict(),
         [getattr(each, "unit", "") for each in (one, lead or one)],
-        longest,
+        signal.longest,
         one.gain_known,
     ]
     digest = hashlib.sha256(json.dumps(about).encode()).hexdigest()
-    return Task(LedSignal(one, lead, longest, longest), original, digest)
+    return Task(signal, original, digest)

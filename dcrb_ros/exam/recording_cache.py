@@ -13,18 +13,14 @@ import re
 import shutil
 import tempfile
 import time
-from functools import partial
 from pathlib import Path
 
 import platformdirs
 
-from dcrb_ros.exam.case import Case, canonical, scenarios_hash, simulation_seeds
-from dcrb_ros.exam.evaluation import Scenario, ScenarioSet
-from dcrb_ros.exam.exam_file import Exam
+from dcrb_ros.exam.case import Case, canonical
 from dcrb_ros.messages.topic import SimulatedTopic
 from dcrb_ros.messages.topics import GROUND_TRUTH, TEMPERATURES, VIBRATION
 from dcrb_ros.recordings.manifest import model_fingerprint, software
-from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
@@ -157,18 +153,6 @@ def is_recorded(case: Case, folder: Path) -> bool:
     """Return whether the recording of a case exists and is sound."""
     path = cache_path(case, folder)
     return path.is_dir() and not recording_flaw(case, path)
-
-
-def simulated_scenarios(exam: Exam, folder: Path) -> ScenarioSet[Recording]:
-    """Return the scenarios of an exam, whose recordings are kept in a folder."""
-    scenarios = [
-        Scenario(case.expectation, partial(_recording, case, folder), recorded=partial(is_recorded, case, folder)) for case in exam.cases
-    ]
-    return ScenarioSet(exam.name, exam.criteria, scenarios, scenarios_hash(exam.cases), exam.seal, simulation_seeds(exam.cases))
-
-
-def _recording(case: Case, folder: Path) -> Recording:
-    return Recording(cached_recording(case, folder))
 
 
 def _recorded(configuration: Configuration) -> tuple[SimulatedTopic, ...]:

@@ -13,8 +13,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from dcrb_ros.exam.exam_file import exam_of
-from dcrb_ros.exam.measured import MeasuredRecording, read_table
+from dcrb_ros.exam.exam_file import GAIN_TAG, MACHINE_TAG, exam_of
+from dcrb_ros.exam.measured import FOUND, KNOWN, UNLIMITED, MeasuredRecording, read_table
 from dcrb_ros.exam.replica_geometry import bearing_settings, geometry_of
 from dcrb_ros.exam.replica_priors import (
     AZIMUTH,
@@ -118,7 +118,7 @@ def replica_tree(table: Path, plan: ReplicaPlan, speed: str = "lines") -> dict[s
         "about": "Counterparts of measured recordings, made by dcrb exam replica; dcrb exam predictivity compares them",
         "base": plan.bench,
         "onset": 0.0,
-        "criteria": {"delay": dict.fromkeys(FAULTS, shortest), "silence": 1e6},
+        "criteria": {"delay": dict.fromkeys(FAULTS, shortest), "found": FOUND, "smallest_width": 0.0, "silence": UNLIMITED},
         "replica": {
             "table_sha256": table_digest(table),
             "speed": speed,
@@ -169,7 +169,12 @@ def _counterparts(
             "seeds": [int(seed_of(plan.seed, machine, recording.name, "run").integers(1, SEEDS))],
             "twin": False,
             "required": recording.truth != "roller",
-            "tags": {"rig": recording.rig, "recording": recording.name, "machine": machine},
+            "tags": {
+                "rig": recording.rig,
+                "recording": recording.name,
+                MACHINE_TAG: machine,
+                **({GAIN_TAG: KNOWN} if recording.gain_known else {}),
+            },
             "set": {**fixed, **_drawn_settings(recording, machine, bench, plan, partial(levels.level, machine, fixed))},
         }
 

@@ -16,7 +16,7 @@ from typing import Any
 
 from pydantic import Field, ValidationError
 
-from dcrb_ros.exam.case import canonical, scenarios_hash
+from dcrb_ros.exam.case import canonical
 from dcrb_ros.exam.exam_file import MOST_CASES, Exam, exam_of
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.fields import Group
@@ -68,7 +68,7 @@ def seal(template: Any, secret: str, source: str) -> SealedExam:
     drawn = drawn_exam(template, secret, source)
     digest = commitment(template, secret)
     opened = exam_of({**drawn, "seal": digest}, source)
-    return SealedExam(sealed=digest, scenarios_sha256=scenarios_hash(opened.cases), dcrb_ros=__version__, template=dict(template))
+    return SealedExam(sealed=digest, scenarios_sha256=opened.digest, dcrb_ros=__version__, template=dict(template))
 
 
 def commitment(template: Any, secret: str) -> str:

@@ -6,8 +6,9 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from dcrb_ros.exam.case import scenarios_hash, simulation_seeds
+from dcrb_ros.exam.case import simulation_seeds
 from dcrb_ros.exam.exam_file import Exam
+from dcrb_ros.exam.exam_scenarios import expectations
 from dcrb_ros.exam.leaderboard_entry import FORMAT, Entry, entry_of
 from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.scoring import score_scenario
@@ -30,12 +31,12 @@ def differences(entry: Entry, exam: Exam) -> Iterator[str]:
         yield f"it lacks the scenario '{lacking[0]}' of the exam" if lacking else f"the exam has no scenario '{foreign[0]}'"
         return
     results = tuple(
-        score_scenario(case.expectation, scenario.diagnoses.received(), exam.criteria, failure=scenario.failure)
-        for case in exam.cases
-        if (scenario := stated[case.expectation.name]).diagnoses is not None
+        score_scenario(expectation, scenario.diagnoses.received(), exam.criteria, failure=scenario.failure)
+        for expectation in expectations(exam)
+        if (scenario := stated[expectation.name]).diagnoses is not None
     )
-    digest, seeds = scenarios_hash(exam.cases), simulation_seeds(exam.cases)
-    follows = entry_of(Report(exam.name, entry.detector, exam.criteria, digest, results, exam.seal, seeds))
+    seeds = simulation_seeds(exam.cases)
+    follows = entry_of(Report(exam.name, entry.detector, exam.criteria, exam.digest, results, exam.seal, seeds))
     yield from _unequal("", entry.model_dump(exclude=set(STATED)), follows.model_dump(exclude=set(STATED)))
     for computed in follows.scenarios:
         yield from _unequal(f"scenario '{computed.name}': ", stated[computed.name].model_dump(), computed.model_dump())

@@ -1,7 +1,8 @@
 """Run the published member of every family of example detectors and the shipped one in an exam, and write the leaderboard:
 python compare.py EXAM OUTPUT.
 
-With --measured DIR they also run on measured recordings, and the leaderboard states the rank correlation between both.
+With --measured DIR they also run on measured recordings, and the leaderboard states the rank correlation between both. If the exam is a
+replica, --longest is its longest part of a recording, so that the task is the same.
 """
 
 import argparse
@@ -15,6 +16,7 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 SHIPPED = "shipped detector"
+SHIPPED_CLASS = "dcrb_ros.exam.shipped_family:ShippedDetector"
 DCRB = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()"]
 
 
@@ -45,24 +47,24 @@ def main() -> None:
     parser.add_argument("output", type=Path, help="folder for the entries and the leaderboard")
     parser.add_argument("--recordings", help="folder that keeps the recordings")
     parser.add_argument("--measured", help="folder with measured recordings, as dcrb score --measured takes it")
+    parser.add_argument("--longest", default="60", help="longest part of a measured recording [s]")
     parser.add_argument("--workers", default="0", help="number of parallel runs; 0 for one per core")
     given = parser.parse_args()
     evaluate([given.exam, *(["--recordings", given.recordings] if given.recordings else [])], given.output, given.workers)
     measured = given.output / "measured"
     if given.measured:
-        evaluate(["--measured", given.measured], measured, given.workers)
+        evaluate(["--measured", given.measured, "--longest", given.longest], measured, given.workers)
     subprocess.run([*DCRB, "exam", "table", str(given.output), *(["--measured", str(measured)] if given.measured else [])], check=True)
 
 
 def evaluate(what: list[str], output: Path, workers: str) -> None:
     """Write an entry of every detector into a folder."""
     output.mkdir(parents=True, exist_ok=True)
-    for name, place in {**families(), SHIPPED: ""}.items():
+    for name, place in {**{name: str(HERE / file) for name, file in families().items()}, SHIPPED: SHIPPED_CLASS}.items():
         began = time.monotonic()
         entry = output / f"{'-'.join(re.findall('[a-z0-9]+', name.lower()))}.json"
         entry.unlink(missing_ok=True)
-        python = ["--python", str(HERE / place)] if place else []
-        command = [*DCRB, "score", *what, *python, "--name", name, "--entry", str(entry), "--quiet", "--workers", workers]
+        command = [*DCRB, "score", *what, "--python", place, "--name", name, "--entry", str(entry), "--quiet", "--workers", workers]
         done = subprocess.run(command, stdout=subprocess.DEVNULL, check=False)
         if done.returncode not in (0, 1) or not entry.is_file():
             sys.exit(f"{name} ended with status {done.returncode}")

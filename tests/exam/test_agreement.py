@@ -11,9 +11,10 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.stats import kendalltau, spearmanr
 
-from dcrb_ros.exam.agreement import agreement, macro_recall
+from dcrb_ros.exam.agreement import agreement
 from dcrb_ros.exam.correlation import kendall_tau, spearman_rho
 from dcrb_ros.exam.leaderboard_entry import FORMAT, Entry, EntryScenario
+from dcrb_ros.exam.marking import VerdictMarking
 from dcrb_ros.exam.profile import PROFILES
 from dcrb_ros.schema.refusal import Refusal
 
@@ -60,8 +61,8 @@ def entries(*skills: float) -> list[Entry]:
     return [entry(f"d{k}", skill) for k, skill in enumerate(skills)]
 
 
-def test_the_macro_recall_is_the_mean_over_the_verdicts() -> None:
-    assert macro_recall(entry("a", 0.25)) == pytest.approx((1.0 + 0.25 + 0.25) / 3.0)
+def test_the_share_of_correct_verdicts_is_the_mean_over_the_classes() -> None:
+    assert VerdictMarking().mark(entry("a", 0.25)) == pytest.approx(100.0 * (1.0 + 0.25 + 0.25) / 3.0)
 
 
 @pytest.mark.parametrize(

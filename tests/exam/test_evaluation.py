@@ -24,6 +24,7 @@ from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.detector_run import PythonDetector, run_detector
 from dcrb_ros.exam.evaluation import NoDiagnosis, Outcome, Scenario, ScenarioSet, evaluate, named
 from dcrb_ros.exam.exam_file import Exam, exam_of
+from dcrb_ros.exam.exam_scenarios import simulated_scenarios
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.recorded_case import RecordedCase, RecordedDiagnoses, diagnosed_scenarios, read_recorded_case
 from dcrb_ros.exam.recording_cache import (
@@ -33,7 +34,6 @@ from dcrb_ros.exam.recording_cache import (
     cached_recording,
     checked_folder,
     is_recorded,
-    simulated_scenarios,
 )
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.messages.statuses import Status, encode_diagnostics, encode_truth

@@ -238,7 +238,7 @@ def test_the_leaderboard_states_how_it_agrees_with_measured_recordings(tmp_path:
         text = (tmp_path / "out" / name).read_text(encoding="utf-8")
         assert "Kendall's tau-b -1.00" in html.unescape(text)
         for share in ranks.measured:
-            assert f"{share:.0%}" in text
+            assert f"| {share:.0f}% |" in text or f"<td>{share:.0f}%</td>" in text
     (recorded / "3.json").unlink()
     assert dcrb("exam", "table", str(tmp_path), "--measured", str(recorded), "-o", str(tmp_path / "other")) == 2
     assert not (tmp_path / "other").exists()

@@ -15,10 +15,10 @@ from same_process import dcrb
 
 from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.parameters import DetectorParameters
-from dcrb_ros.exam.agreement import macro_recall
 from dcrb_ros.exam.evaluation import evaluate
 from dcrb_ros.exam.leaderboard_entry import read_entry
 from dcrb_ros.exam.led_signal import LedSignal, healthy_lead
+from dcrb_ros.exam.marking import VerdictMarking
 from dcrb_ros.exam.measured import (
     COLUMNS,
     LONGEST,
@@ -291,4 +291,4 @@ def test_python_and_an_entry_go_with_measured_recordings(tmp_path: Path) -> None
     entry = tmp_path / "entry.json"
     options = ("--python", f"{tmp_path / 'calm.py'}:Calm", "--entry", str(entry), "--workers", "1", "--quiet")
     assert dcrb("score", "--measured", str(folder(tmp_path)), *options) == 1
-    assert macro_recall(read_entry(entry)) == pytest.approx(0.5)
+    assert VerdictMarking().mark(read_entry(entry)) == pytest.approx(50.0)

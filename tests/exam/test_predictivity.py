@@ -16,14 +16,17 @@ from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.exam import predictivity_report
 from dcrb_ros.exam.detector_families import families_of, shipped_members
 from dcrb_ros.exam.evaluation import no_progress
-from dcrb_ros.exam.exam_file import ReplicaOrigin
+from dcrb_ros.exam.exam_file import ReplicaOrigin, read_exam
+from dcrb_ros.exam.leaderboard_entry import read_entry
 from dcrb_ros.exam.limits import Limits
+from dcrb_ros.exam.marking import VerdictMarking
 from dcrb_ros.exam.measured import read_measured
 from dcrb_ros.exam.plugin import load_plugin
 from dcrb_ros.exam.predictivity import Compared, Marks, class_mean, drawn_bearings, drawn_families, halves, predictivities, scopes
 from dcrb_ros.exam.predictivity_marks import answers_of
 from dcrb_ros.exam.predictivity_report import Comparison, as_json, markdown
 from dcrb_ros.exam.predictivity_task import measured_tasks
+from dcrb_ros.exam.verification import differences
 from dcrb_ros.schema.refusal import Refusal
 
 pytestmark = pytest.mark.slow
@@ -318,6 +321,20 @@ def test_a_replica_is_compared_on_the_command_line(tmp_path: Path, capsys: pytes
     assert dcrb("exam", "predictivity", str(folder), *common) == 0
     assert len(runs) == 12
     assert "| all (3) |" in capsys.readouterr().out
+    # Scored as an exam, each recording follows a healthy one as well.
+    (detectors / "second.py").write_text(
+        "class Second:\n    def __init__(self, orders, rate): self.rate = rate\n"
+        "    def update(self, index, *block): return 'outer_ring' if index >= self.rate else 'healthy'\n"
+    )
+    entry, scored = tmp_path / "entry.json", ("--recordings", str(tmp_path / "kept"), "--workers", "1", "--quiet")
+    assert dcrb("score", made, "--python", f"{detectors / 'second.py'}:Second", *scored, "--entry", str(entry)) == 1
+    written = read_entry(entry)
+    assert {s.name: s.answer for s in written.scenarios} == dict.fromkeys(("calm_1/1", "calm_2/1", "outer_1/1"), "outer_ring")
+    assert (written.last_verdict, VerdictMarking().mark(written), written.false_alarms) == (True, 50.0, 2)
+    assert list(differences(written, read_exam(made))) == []
+    capsys.readouterr()
+    assert dcrb("score", made, "--node", "true", *scored) == 2
+    assert "--node true cannot be evaluated by a replica, whose signals have one axis" in capsys.readouterr().err
     (folder / "recordings.csv").write_text("\n".join(lines[:3]) + "\n")
     assert dcrb("exam", "predictivity", str(folder), *common) == 2
     assert "was made from another table" in capsys.readouterr().err

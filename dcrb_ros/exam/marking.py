@@ -1,0 +1,175 @@
+"""The mark by which entries of an exam are sorted: the exam score or, in a replica, the share of correct last verdicts."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from dcrb_ros.exam.exam_score import SEED, ScoreDifference, compare, difference, draws, headline_score, interval, scores
+from dcrb_ros.exam.leaderboard_entry import Entry, EntryScenario
+from dcrb_ros.exam.profile import HEADLINE, HEADLINE_PROFILE, PROFILES
+from dcrb_ros.exam.statistics import CONFIDENCE, Interval
+from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.schema.verdicts import FAULT_CLASSES
+
+
+class Marking(ABC):
+    """How the entries of one exam are marked, 0 to 100."""
+
+    name: str
+    """Name of the mark."""
+    unit: str
+    about: str
+    """What the columns contain, as a sentence without its full stop."""
+
+    @abstractmethod
+    def heads(self, entries: Sequence[Entry]) -> tuple[str, ...]:
+        """Return the heads of the columns for some entries."""
+
+    @abstractmethod
+    def cells(self, entry: Entry, heads: Sequence[str]) -> tuple[str, ...]:
+        """Return the cells of an entry in these columns."""
+
+    @abstractmethod
+    def series(self, entry: Entry) -> Mapping[str, Interval]:
+        """Return what a figure shows of an entry, by name."""
+
+    @abstractmethod
+    def mark(self, entry: Entry) -> float:
+        """Return the mark by which entries are sorted."""
+
+    @abstractmethod
+    def samples(self, entry: Entry, seed: int = SEED) -> Floats:
+        """Return the mark in bootstrap samples of the scenarios, which are the same for every entry and ``seed``."""
+
+    @abstractmethod
+    def compare(self, first: Entry, second: Entry) -> ScoreDifference:
+        """Return the difference of two marks by a paired bootstrap.
+
+        Raises:
+            Refusal: the entries have different scenarios.
+        """
+
+
+class ScoreMarking(Marking):
+    """The exam score; see `dcrb_ros.exam.exam_score`."""
+
+    name, unit = "exam score", "-"
+    about = f"Exam scores of 100 with {CONFIDENCE:.0%} bootstrap intervals; sorted by {HEADLINE}"
+
+    def heads(self, entries: Sequence[Entry]) -> tuple[str, ...]:
+        """Return profiles, area and counts."""
+        return (*(profile.name for profile in PROFILES), "ROC areas", "detected", "failed periods")
+
+    def cells(self, entry: Entry, heads: Sequence[str]) -> tuple[str, ...]:
+        """Return the cells of an entry in these columns."""
+        faulty = [scenario for scenario in entry.scenarios if scenario.family != "healthy"]
+        return (
+            *(_cell(score) for score in self.series(entry).values()),
+            "–" if entry.area is None or math.isnan(entry.area) else f"{entry.area:.3f}",
+            f"{sum(scenario.found for scenario in faulty)} of {len(faulty)}",
+            f"{sum(scenario.spoiled for scenario in entry.scenarios)} of {sum(scenario.periods for scenario in entry.scenarios)}",
+        )
+
+    def series(self, entry: Entry) -> Mapping[str, Interval]:
+        """Return the scores of the profiles."""
+        return {score.profile: score.score for score in entry.scores()}
+
+    def mark(self, entry: Entry) -> float:
+        """Return the score of the profile `HEADLINE`."""
+        return headline_score(entry.scores()).score.value
+
+    def samples(self, entry: Entry, seed: int = SEED) -> Floats:
+        """Return this score in bootstrap samples."""
+        contributions = entry.contributions()
+        return scores(contributions, HEADLINE_PROFILE, draws(contributions, seed))
+
+    def compare(self, first: Entry, second: Entry) -> ScoreDifference:
+        """Return the difference of two scores; see `exam_score.compare`."""
+        return compare(first.contributions(), second.contributions(), HEADLINE_PROFILE)
+
+
+class VerdictMarking(Marking):
+    """The share of correct verdicts in the required scenarios [%], mean over the classes."""
+
+    name, unit = "correct verdicts", "%"
+    about = (
+        f"Correct verdicts as the mean over the classes with its {CONFIDENCE:.0%} bootstrap interval, by which entries are sorted, "
+        "and as numbers"
+    )
+
+    def heads(self, entries: Sequence[Entry]) -> tuple[str, ...]:
+        """Return the mark and the classes."""
+        families = {scenario.family for entry in entries for scenario in entry.scenarios}
+        return ("correct [%]", *(family for family in FAULT_CLASSES if family in families))
+
+    def cells(self, entry: Entry, heads: Sequence[str]) -> tuple[str, ...]:
+        """Return the cells of an entry in these columns."""
+        classes = ([scenario for scenario in entry.scenarios if scenario.family == family] for family in heads[1:])
+        counts = (f"{sum(map(_is_right, members))} of {len(members)}" for members in classes)
+        return (_cell(self.series(entry)[self.name]), *counts)
+
+    def series(self, entry: Entry) -> Mapping[str, Interval]:
+        """Return the mark."""
+        families = [scenario.family for scenario in _required(entry)]
+        # One scenario alone says nothing about others of its kind.
+        known = all(families.count(family) > 1 for family in families)
+        return {self.name: Interval(self.mark(entry), *(interval(self.samples(entry)) if known else (0.0, 100.0)))}
+
+    def mark(self, entry: Entry) -> float:
+        """Return the share of correct verdicts [%]."""
+        return float(_shares(entry, np.ones((1, len(_required(entry)))))[0])
+
+    def samples(self, entry: Entry, seed: int = SEED) -> Floats:
+        """Return this share in bootstrap samples, drawn within each class."""
+        names = {scenario.name for scenario in _required(entry)}
+        required = sorted((c for c in entry.contributions() if c.name in names), key=lambda c: c.name)
+        return _shares(entry, draws(required, seed))
+
+    def compare(self, first: Entry, second: Entry) -> ScoreDifference:
+        """Return the difference of two shares by a paired bootstrap; see `Marking.compare`."""
+        scenarios = [[(scenario.name, scenario.family) for scenario in _required(entry)] for entry in (first, second)]
+        if scenarios[0] != scenarios[1]:
+            raise Refusal("the detectors were evaluated on different scenarios: compare entries of one exam")
+        families = [family for _, family in scenarios[0]]
+        known = all(families.count(family) > 1 for family in families)
+        return difference(self.mark(first) - self.mark(second), self.samples(first) - self.samples(second), known=known)
+
+
+def marking_of(entry: Entry) -> Marking:
+    """Return how the entries of the same exam are marked."""
+    return VerdictMarking() if entry.last_verdict else ScoreMarking()
+
+
+def _required(entry: Entry) -> list[EntryScenario]:
+    """Return the required scenarios by name.
+
+    Raises:
+        Refusal: there is none.
+    """
+    required = sorted((scenario for scenario in entry.scenarios if scenario.required), key=lambda scenario: scenario.name)
+    if not required:
+        raise Refusal(f"the entry '{entry.detector}' of the exam {entry.exam} has no required scenario and so no share of correct verdicts")
+    return required
+
+
+def _is_right(scenario: EntryScenario) -> bool:
+    return scenario.answer == scenario.family
+
+
+def _shares(entry: Entry, weights: Floats) -> Floats:
+    """Return the mean over the classes of the weighted share of correct verdicts [%]; ``weights`` has shape (samples, scenarios)."""
+    required = _required(entry)
+    right = np.array([float(_is_right(scenario)) for scenario in required])
+    families = sorted({scenario.family for scenario in required})
+    classes = [[k for k, scenario in enumerate(required) if scenario.family == family] for family in families]
+    means = [weights[:, members] @ right[members] / weights[:, members].sum(axis=1) for members in classes]
+    return np.asarray(100.0 * np.mean(means, axis=0), np.float64)
+
+
+def _cell(mark: Interval) -> str:
+    return f"{mark.value:.1f} ({mark.low:.1f} to {mark.high:.1f})"
