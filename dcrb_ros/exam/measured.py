@@ -19,6 +19,7 @@ import numpy as np
 from dcrb_ros.bearing.frequencies import CHARACTERISTIC_FREQUENCIES, Orders
 from dcrb_ros.diagnosis.detector import FaultDetector
 from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.exam.case import canonical
 from dcrb_ros.exam.criteria import Criteria, DelayLimits
 from dcrb_ros.exam.evaluation import Outcome, Scenario, ScenarioSet, Signal, named
 from dcrb_ros.exam.expectation import Expectation
@@ -245,7 +246,7 @@ def whole_scenarios(folder: Path, speed: str, longest: float = LONGEST) -> Scena
     recordings = read_measured(folder, speed)
     signals = [WholeRecording(recording, longest) for recording in recordings]
     scenarios = [Scenario(named(s.recording.name, s.expectation), partial(_itself, s)) for s in signals]
-    return _scenario_set(speed, recordings, scenarios)
+    return _scenario_set(speed, longest, recordings, scenarios)
 
 
 def led_scenarios(folder: Path, speed: str, longest: float = LONGEST) -> ScenarioSet[LedSignal[MeasuredRecording]]:
@@ -256,11 +257,19 @@ def led_scenarios(folder: Path, speed: str, longest: float = LONGEST) -> Scenari
     recordings = read_measured(folder, speed)
     signals = [LedSignal(one, healthy_lead(one, recordings), longest, min(longest, LEAD)) for one in recordings]
     scenarios = [Scenario(named(s.recording.name, s.expectation), partial(_itself, s)) for s in signals]
-    return _scenario_set(speed, recordings, scenarios)
+    return _scenario_set(speed, longest, recordings, scenarios)
 
 
-def _scenario_set(speed: str, recordings: Sequence[MeasuredRecording], scenarios: Sequence[Scenario[Signal]]) -> ScenarioSet[Signal]:
-    return ScenarioSet(f"measured, speed {speed}", measured_criteria(), scenarios, files_hash(recordings))
+def _scenario_set(
+    speed: str, longest: float, recordings: Sequence[MeasuredRecording], scenarios: Sequence[Scenario[Signal]]
+) -> ScenarioSet[Signal]:
+    """Return the scenarios with a digest of the samples and of everything in the table on which the task depends."""
+    rows = [
+        [one.name, one.truth, one.rig, one.machine, one.unit, one.rate, one.speed, one.orders.as_dict(), one.gain_known]
+        for one in recordings
+    ]
+    digest = hashlib.sha256(canonical([files_hash(recordings), longest, rows]).encode()).hexdigest()
+    return ScenarioSet(f"measured, speed {speed}", measured_criteria(), scenarios, digest)
 
 
 def _itself(signal: Signal) -> Signal:

@@ -291,4 +291,29 @@ def test_python_and_an_entry_go_with_measured_recordings(tmp_path: Path) -> None
     entry = tmp_path / "entry.json"
     options = ("--python", f"{tmp_path / 'calm.py'}:Calm", "--entry", str(entry), "--workers", "1", "--quiet")
     assert dcrb("score", "--measured", str(folder(tmp_path)), *options) == 1
-    assert VerdictMarking().mark(read_entry(entry)) == pytest.approx(50.0)
+    written = read_entry(entry)
+    assert (VerdictMarking().mark(written), written.last_verdict) == (pytest.approx(50.0), True)
+    assert dcrb("score", "--measured", str(tmp_path), *options, "--longest", "1.5") == 1
+    assert [scenario.diagnoses.time[-1] for scenario in read_entry(entry).scenarios if scenario.diagnoses] == pytest.approx(
+        [1.5, 3.0], abs=0.01
+    )
+    assert read_entry(entry).scenarios_sha256 != written.scenarios_sha256
+
+
+def test_the_digest_of_measured_recordings_covers_their_table(tmp_path: Path) -> None:
+    table = folder(tmp_path) / "recordings.csv"
+    first, text = led_scenarios(tmp_path, "lines").digest, table.read_text()
+    for old, new in (("outer_ring", "inner_ring"), ("1500.0,1500.0", "1500.0,1501.0"), (",g,", ",m/s^2,")):
+        assert old in text
+        table.write_text(text.replace(old, new))
+        assert led_scenarios(tmp_path, "lines").digest != first
+    table.write_text(text)
+    assert led_scenarios(tmp_path, "lines").digest == first != led_scenarios(tmp_path, "lines", 1.0).digest
+
+
+@pytest.mark.parametrize("longest", ["0.5", "61", "nan"])
+def test_a_longest_part_out_of_range_is_refused(longest: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert dcrb("score", "--measured", str(folder(tmp_path)), "--longest", longest) == 2
+    assert "is outside 1 .. 60 s: give the longest part of a recording to judge" in capsys.readouterr().err
+    assert dcrb("score", "smoke", "--longest", "5") == 2
+    assert "--longest applies to --measured only: leave it out" in capsys.readouterr().err
