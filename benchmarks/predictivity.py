@@ -1,7 +1,8 @@
 """How well replicas of measured recordings predict the marks of detectors on them, with and without each part of the simulation.
 
 ``python benchmarks/predictivity.py MEASURED``; MEASURED is a folder with ``recordings.csv`` and ``recordings/NAME.npz``. It rewrites
-docs/results/predictivity.md. A second call reads simulated recordings and answers from ``--recordings``.
+docs/results/predictivity.md. A second call reads simulated recordings and answers from ``--recordings``. With ``--leaderboard FOLDER`` the
+whole replica is compared by the entries of a leaderboard, and no detector runs.
 """
 
 from __future__ import annotations
@@ -14,10 +15,11 @@ from pathlib import Path
 
 from dcrb_ros.exam.detector_families import families_of, shipped_members
 from dcrb_ros.exam.evaluation import no_progress
-from dcrb_ros.exam.exam_file import exam_of
+from dcrb_ros.exam.exam_file import exam_of, read_exam
+from dcrb_ros.exam.leaderboard import read_entries
 from dcrb_ros.exam.limits import Limits
 from dcrb_ros.exam.predictivity_figure import write_predictivity_figure
-from dcrb_ros.exam.predictivity_report import HEADS, Comparison, compare_with_field, markdown, rows
+from dcrb_ros.exam.predictivity_report import HEADS, Comparison, compare_entries, compare_with_field, markdown, rows
 from dcrb_ros.exam.recording_cache import checked_folder, default_folder
 from dcrb_ros.exam.replica import ReplicaPlan, replica_tree
 from dcrb_ros.recordings.manifest import model_fingerprint
@@ -46,11 +48,17 @@ def compared(given: argparse.Namespace, without: tuple[str, ...]) -> Comparison:
     return compare_with_field(recordings, exam, [*shipped_members(), *members], broken, folder, Limits(), given.workers, no_progress)
 
 
+def compared_by_entries(given: argparse.Namespace) -> Comparison:
+    """Return the comparison of the leaderboard's replica by its entries."""
+    entries, measured = read_entries(given.leaderboard), read_entries(given.leaderboard / "measured")
+    return compare_entries(given.measured / "recordings.csv", read_exam(given.replica), entries, measured)
+
+
 def page(comparisons: dict[str, Comparison]) -> str:
     """Return the results page."""
     whole = comparisons[list(comparisons)[-1]]
     parts = [(name, *rows(one.families[:1])[0][1:]) for name, one in comparisons.items()]
-    members = [(name, *rows(one.members[:1])[0][1:]) for name, one in comparisons.items()]
+    members = [(name, *rows(one.members[:1])[0][1:]) for name, one in comparisons.items() if one.members != one.families]
     commit = subprocess.run(
         ["git", "rev-parse", "--short=8", "HEAD"], stdout=subprocess.PIPE, text=True, check=True, cwd=ROOT
     ).stdout.strip()
@@ -73,10 +81,7 @@ def page(comparisons: dict[str, Comparison]) -> str:
             "",
             table(("replica", *HEADS[1:]), parts),
             "",
-            "Over all members:",
-            "",
-            table(("replica", *HEADS[1:]), members),
-            "",
+            *(["Over all members:", "", table(("replica", *HEADS[1:]), members), ""] if members else []),
             "## The whole replica",
             "",
             markdown(whole),
@@ -98,6 +103,8 @@ def main() -> int:
     parser.add_argument("--longest", type=float, default=5.0)
     parser.add_argument("--published", action="store_true", help="only the published settings of each family but the shipped one")
     parser.add_argument("--workers", type=int, default=1)
+    parser.add_argument("--leaderboard", type=Path, help="folder with entries, and with those on MEASURED in its subfolder measured/")
+    parser.add_argument("--replica", type=Path, default=ROOT / "examples" / "detectors" / "exam.yaml", help="exam of these entries")
     parser.add_argument("--only", nargs="+", choices=list(VARIANTS), default=list(VARIANTS))
     given = parser.parse_args()
     if not (given.measured / "recordings.csv").is_file():
@@ -108,7 +115,8 @@ def main() -> int:
         return 0
     comparisons = {}
     for name in given.only:
-        comparisons[name] = compared(given, VARIANTS[name])
+        by_entries = given.leaderboard is not None and not VARIANTS[name]
+        comparisons[name] = compared_by_entries(given) if by_entries else compared(given, VARIANTS[name])
         print(f"{name}\n{markdown(comparisons[name])}", flush=True)
     write_whole(given.output, page(comparisons))
     write_predictivity_figure(comparisons[given.only[-1]], given.figure)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dcrb_ros.cli.literal_help import Commands
-from dcrb_ros.cli.options import Force, JsonOutput, Quiet, Workers, worker_count
+from dcrb_ros.cli.options import Force, JsonOutput, Quiet, Workers, refuse_given, worker_count
 from dcrb_ros.cli.output_file import PICTURES, check_free, check_output, replacing
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.writing import write_whole
@@ -52,10 +52,17 @@ def replica(
 
 
 def predictivity(
+    context: typer.Context,
     table: Table,
     replica: Annotated[Path | None, typer.Option(help="Exam of dcrb exam replica. Default: one with the default options.")] = None,
     detectors: Annotated[
         Path | None, typer.Option(help="Folder of detectors, one family in each file, beside the shipped detector.", file_okay=False)
+    ] = None,
+    entries: Annotated[
+        Path | None, typer.Option(help="Folder with entries of the replica, to compare them instead of running detectors.", file_okay=False)
+    ] = None,
+    measured: Annotated[
+        Path | None, typer.Option(help="Folder with entries of the same detectors on the measured recordings.", file_okay=False)
     ] = None,
     recordings: Annotated[
         Path | None, typer.Option(help="Folder that keeps simulated recordings and answers. Default: a folder in the user's cache.")
@@ -76,8 +83,9 @@ def predictivity(
     from dcrb_ros.cli.first_start import announce_compilation
     from dcrb_ros.exam.detector_families import families_of, shipped_members
     from dcrb_ros.exam.exam_file import exam_of, read_exam
+    from dcrb_ros.exam.leaderboard import read_entries
     from dcrb_ros.exam.limits import Limits
-    from dcrb_ros.exam.predictivity_report import compare_with_field, markdown, origin_of
+    from dcrb_ros.exam.predictivity_report import compare_entries, compare_with_field, markdown, origin_of
     from dcrb_ros.exam.recording_cache import checked_folder, default_folder
     from dcrb_ros.exam.replica import ReplicaPlan, replica_tree
 
@@ -87,12 +95,18 @@ def predictivity(
     count, given = worker_count(workers), _checked(table)
     exam = exam_of(replica_tree(given, ReplicaPlan()), f"the replica of {table}") if replica is None else read_exam(replica)
     origin_of(exam, given)
-    folder = checked_folder(recordings or default_folder())
-    members, broken = families_of(detectors, folder) if detectors is not None else ([], [])
-    announce_compilation(quiet=quiet)
-    comparison = compare_with_field(
-        given, exam, [*shipped_members(), *members], broken, folder, Limits(), count, partial(progress_of, quiet=quiet)
-    )
+    if entries is not None and measured is not None:
+        refuse_given(context, "runs detectors, but entries are compared: leave it out", "detectors", "recordings", "workers", "quiet")
+        comparison = compare_entries(given, exam, read_entries(entries), read_entries(measured))
+    elif entries is not None or measured is not None:
+        raise Refusal("--entries and --measured belong together: give the folders with the entries of both sides")
+    else:
+        folder = checked_folder(recordings or default_folder())
+        members, broken = families_of(detectors, folder) if detectors is not None else ([], [])
+        announce_compilation(quiet=quiet)
+        comparison = compare_with_field(
+            given, exam, [*shipped_members(), *members], broken, folder, Limits(), count, partial(progress_of, quiet=quiet)
+        )
     _print(comparison, as_json)  # first, so that no result is lost if a file cannot be written
     if output is not None:
         write_whole(output, markdown(comparison))

@@ -48,7 +48,7 @@ def agreement(exam: Sequence[Entry], measured: Sequence[Entry]) -> Agreement:
     Raises:
         Refusal: there are fewer than three detectors in both, two entries of one detector, or entries with different scenarios.
     """
-    first, second = _by_name(exam, "the exam"), _by_name(measured, "the measured recordings")
+    first, second = by_name(exam, "the exam"), by_name(measured, "the measured recordings")
     common = [name for name in first if name in second]
     if len(common) < FEWEST:
         raise Refusal(
@@ -71,13 +71,18 @@ def agreement(exam: Sequence[Entry], measured: Sequence[Entry]) -> Agreement:
     )
 
 
-def _by_name(entries: Sequence[Entry], where: str) -> dict[str, Entry]:
-    by_name: dict[str, Entry] = {}
+def by_name(entries: Sequence[Entry], where: str) -> dict[str, Entry]:
+    """Return entries by the name of their detector; ``where`` names their scenarios.
+
+    Raises:
+        Refusal: two entries have the same name, or different scenarios.
+    """
+    named: dict[str, Entry] = {}
     for entry in entries:
-        if entry.detector in by_name:
+        if entry.detector in named:
             raise Refusal(f"two entries of {where} are called '{entry.detector}': give them different names with --name")
-        by_name[entry.detector] = entry
+        named[entry.detector] = entry
     several = sorted({entry.scenarios_sha256[:16] for entry in entries})
     if len(several) > 1:
         raise Refusal(f"the entries of {where} have {len(several)} sets of scenarios ({', '.join(several)}): compare entries of one set")
-    return by_name
+    return named

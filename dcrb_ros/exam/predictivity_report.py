@@ -10,14 +10,17 @@ from typing import Any
 
 import numpy as np
 
+from dcrb_ros.exam.agreement import by_name
 from dcrb_ros.exam.detector_families import BrokenFamily, Member
 from dcrb_ros.exam.evaluation import OnDone
 from dcrb_ros.exam.exam_file import Exam, ReplicaOrigin
+from dcrb_ros.exam.exam_scenarios import led_signals
+from dcrb_ros.exam.leaderboard_entry import Entry
 from dcrb_ros.exam.limits import Limits
 from dcrb_ros.exam.measured import read_table
 from dcrb_ros.exam.predictivity import Compared, Marks, Predictivity, check_families, class_mean, predictivities
 from dcrb_ros.exam.predictivity_marks import answers_of
-from dcrb_ros.exam.predictivity_task import Task, measured_tasks, simulate_missing, simulated_tasks
+from dcrb_ros.exam.predictivity_task import COMPARED, Task, measured_tasks, simulate_missing, simulated_tasks
 from dcrb_ros.exam.replica import table_digest
 from dcrb_ros.exam.statistics import CONFIDENCE, Interval
 from dcrb_ros.schema.arrays import Floats
@@ -86,6 +89,46 @@ def compare_with_field(
     check_families([member.family for member in kept], _reasons(both))
     marks = _marks(kept, found.answers, first, second)
     return Comparison(marks, tuple(predictivities(marks)), tuple(predictivities(marks.representatives)), tuple(both), origin, len(second))
+
+
+def compare_entries(table: Path, exam: Exam, entries: Sequence[Entry], measured: Sequence[Entry]) -> Comparison:
+    """Return the comparison that follows from entries of the same detectors in a replica and on the measured recordings of its table.
+
+    Each detector is a family of its own. The measured recordings must have been cut to the longest part of the replica.
+
+    Raises:
+        Refusal: the replica is one of another table, an entry was made with another exam or lacks a recording, or fewer than three
+            detectors are in both.
+    """
+    origin, ours, field = origin_of(exam, table), by_name(entries, "the exam"), by_name(measured, "the measured recordings")
+    foreign = next((name for name, entry in ours.items() if entry.scenarios_sha256 != exam.digest), None)
+    if foreign is not None:
+        raise Refusal(f"the entry '{foreign}' was made with another exam than '{exam.name}': make it with dcrb score REPLICA --entry")
+    counterparts: dict[str, list[str]] = {}
+    for case in exam.cases:
+        counterparts.setdefault(str(case.expectation.tags["recording"]), []).append(case.name)
+    led = {signal.recording.tags["recording"] for signal in led_signals(exam, Path()) if signal.lead is not None}
+    recordings = tuple(
+        Compared(one.name, one.machine, one.truth, one.bearing, one.name in led)
+        for one in read_table(table, origin.speed)
+        if one.truth in COMPARED and one.name in counterparts
+    )
+    names = tuple(name for name in ours if name in field)
+    check_families(names)
+    right = {name: _right_answers(ours[name]) for name in names}, {name: _right_answers(field[name]) for name in names}
+    lacking = next(((name, one.name) for name in names for one in recordings if one.name not in right[1][name]), None)
+    if lacking is not None:
+        raise Refusal(f"the entry '{lacking[0]}' on measured recordings lacks {lacking[1]}: make it with all recordings of {table}")
+    in_exam = [[float(np.mean([right[0][name][k] for k in counterparts[one.name]])) for one in recordings] for name in names]
+    in_field = [[right[1][name][one.name] for one in recordings] for name in names]
+    marks = Marks(names, names, (True,) * len(names), recordings, np.array(in_field), np.array(in_exam))
+    found = tuple(predictivities(marks))
+    return Comparison(marks, found, found, (), origin, sum(len(counterparts[one.name]) for one in recordings))
+
+
+def _right_answers(entry: Entry) -> dict[str, float]:
+    """Return by scenario whether the answer is right, 1 or 0."""
+    return {scenario.name: float(scenario.answer == scenario.family) for scenario in entry.scenarios}
 
 
 def _reasons(broken: Sequence[BrokenFamily]) -> list[str]:
@@ -186,12 +229,9 @@ def markdown(comparison: Comparison) -> str:
         "",
         markdown_table(HEADS, rows(comparison.families)),
         "",
-        f"Over all {len(exam)} members:",
-        "",
-        markdown_table(HEADS, rows(comparison.members)),
-        "",
-        markdown_table(("detector", "exam [%]", "field [%]"), detectors),
-        "",
     ]
+    if len(exam) > families:
+        lines += [f"Over all {len(exam)} members:", "", markdown_table(HEADS, rows(comparison.members)), ""]
+    lines += [markdown_table(("detector", "exam [%]", "field [%]"), detectors), ""]
     lines += [f"Left out: {printable(one.name)}, {printable(one.reason)}" for one in comparison.broken]
     return "\n".join(lines)

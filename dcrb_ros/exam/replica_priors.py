@@ -93,7 +93,7 @@ PRIORS: tuple[Prior, ...] = (
     Prior("impacts.axial_share", "machine", Uniform(0.0, 0.1), "-", "a choice", "impacts", (), "rollers"),
     Prior("impacts.time_spread", "bearing", Lognormal(4e-5, 3.0), "s", "jitter of three rigs", "impacts", RINGS, "balls"),
     Prior("impacts.time_spread", "bearing", Lognormal(5e-5, 2.0), "s", "a choice", "impacts", RINGS, "rollers"),
-    Prior("impacts.spin_memory", "bearing", LogUniform(0.02, 2.0), "s", "a choice", "impacts", ("roller",), "balls"),
+    Prior("impacts.spin_memory", "bearing", LogUniform(0.002, 0.05), "s", "consecutive impacts on CWRU", "impacts", ("roller",), "balls"),
     Prior(BACKGROUND, "machine", LABORATORY.background, "dB", "over the healthy bearing", "background", (), "balls"),
     Prior(BACKGROUND, "machine", AXLE_BOX.background, "dB", "over the healthy bearing", "background", (), "rollers"),
     Prior(LINES, "machine", LABORATORY.lines, "-", "share of lines on CWRU and HIT", "background", (), "balls"),

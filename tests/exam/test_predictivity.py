@@ -17,14 +17,14 @@ from dcrb_ros.exam import predictivity_report
 from dcrb_ros.exam.detector_families import families_of, shipped_members
 from dcrb_ros.exam.evaluation import no_progress
 from dcrb_ros.exam.exam_file import ReplicaOrigin, read_exam
-from dcrb_ros.exam.leaderboard_entry import read_entry
+from dcrb_ros.exam.leaderboard_entry import Entry, read_entry
 from dcrb_ros.exam.limits import Limits
 from dcrb_ros.exam.marking import VerdictMarking
 from dcrb_ros.exam.measured import read_measured
 from dcrb_ros.exam.plugin import load_plugin
 from dcrb_ros.exam.predictivity import Compared, Marks, class_mean, drawn_bearings, drawn_families, halves, predictivities, scopes
 from dcrb_ros.exam.predictivity_marks import answers_of
-from dcrb_ros.exam.predictivity_report import Comparison, as_json, markdown
+from dcrb_ros.exam.predictivity_report import Comparison, as_json, compare_entries, markdown
 from dcrb_ros.exam.predictivity_task import measured_tasks
 from dcrb_ros.exam.verification import differences
 from dcrb_ros.schema.refusal import Refusal
@@ -332,12 +332,42 @@ def test_a_replica_is_compared_on_the_command_line(tmp_path: Path, capsys: pytes
     assert {s.name: s.answer for s in written.scenarios} == dict.fromkeys(("calm_1/1", "calm_2/1", "outer_1/1"), "outer_ring")
     assert (written.last_verdict, VerdictMarking().mark(written), written.false_alarms) == (True, 50.0, 2)
     assert list(differences(written, read_exam(made))) == []
+    _compare_entries(tmp_path, folder, made, written, capsys)
     capsys.readouterr()
     assert dcrb("score", made, "--node", "true", *scored) == 2
     assert "--node true cannot be evaluated by a replica, whose signals have one axis" in capsys.readouterr().err
     (folder / "recordings.csv").write_text("\n".join(lines[:3]) + "\n")
     assert dcrb("exam", "predictivity", str(folder), *common) == 2
     assert "was made from another table" in capsys.readouterr().err
+
+
+def _compare_entries(folder: Path, measured: Path, replica: str, second: Entry, capsys: pytest.CaptureFixture[str]) -> None:
+    """Compare entries of three detectors of a replica with entries on measured recordings."""
+
+    def entries(names: str) -> list[Entry]:
+        answers = ("healthy", "healthy", "outer_ring"), ("healthy",) * 3, ("outer_ring",) * 3
+        recordings = [names.format(name) for name in ("calm_1", "calm_2", "outer_1")]
+        given = [zip(second.scenarios, recordings, each, strict=True) for each in answers]
+        scenarios = [[one.model_copy(update={"name": name, "answer": answer}) for one, name, answer in rows] for rows in given]
+        return [second.model_copy(update={"detector": f"d{k}", "scenarios": rows}) for k, rows in enumerate(scenarios)]
+
+    table, exam = measured / "recordings.csv", read_exam(replica)
+    about = as_json(compare_entries(table, exam, entries("{}/1"), entries("{}")))
+    assert [(one["exam"], one["field"]) for one in about["detectors"]] == [(1.0, 1.0), (0.5, 0.5), (0.5, 0.5)]
+    assert (about["families"][0]["tau_b"]["value"], about["counterparts"]) == (1.0, 3)
+    with pytest.raises(Refusal, match=r"the entry 'd0' on measured recordings lacks calm_1: make it with all recordings of"):
+        compare_entries(table, exam, entries("{}/1"), entries("{}/1"))
+    other = [one.model_copy(update={"scenarios_sha256": "0" * 64}) for one in entries("{}/1")]
+    with pytest.raises(Refusal, match=r"the entry 'd0' was made with another exam than 'replica of measured'"):
+        compare_entries(table, exam, other, entries("{}"))
+    command = ("exam", "predictivity", str(measured), "--replica", replica, "--entries", str(folder))
+    for options, sentence in (
+        ((), "--entries and --measured belong together"),
+        (("--measured", str(folder), "--workers", "2"), "--workers runs detectors, but entries are compared"),
+        (("--measured", str(folder)), "1 family of detectors is left, but an order takes 3"),
+    ):
+        assert dcrb(*command, *options) == 2
+        assert sentence in capsys.readouterr().err
 
 
 def test_too_few_families_are_refused_with_the_reason_before_anything_is_simulated(
