@@ -67,7 +67,8 @@ class Case(NamedTuple):
 
 def simulated(bench: str, seed: int, *settings: str) -> tuple[Case, Case]:
     """Return the acceleration in Y of an individual of a bench, behind the modes of its axle box and at the outer ring itself."""
-    given = (f"surfaces.seed={seed}", f"simulation.seed={seed}", f"structure.modes={MODES}", f"structure.seed={seed}", *settings)
+    path = ("structure.housing=none", f"structure.modes={MODES}", f"structure.seed={seed}")
+    given = (f"surfaces.seed={seed}", f"simulation.seed={seed}", *path, *settings)
     configuration = load_configuration(bench, given)
     blocks = list(Simulation(configuration, waveform_only=True).blocks(SETTLING + DURATION))
     start, shaft = round(SETTLING * blocks[0].rate), configuration.operating.speed / (2.0 * np.pi)

@@ -61,7 +61,8 @@ def _scores(axes: Axes, board: Board) -> None:
     labels = [f"{name}  {number}" for number, name in enumerate(_names(board), 1)]
     axes.set_yticks(range(len(board.ranking)), labels, fontsize=8, parse_math=False)
     axes.set(xlabel=f"{board.marking.name} [{board.marking.unit}]", xlim=(-2.0, 102.0), ylim=(len(board.ranking) - 0.5, -0.5))
-    axes.legend(fontsize=8, loc="lower right")
+    if len(names) > 1:
+        axes.legend(fontsize=8, loc="best")
     axes.grid(alpha=0.25)
 
 

@@ -84,7 +84,7 @@ def inconsistencies(c: Configuration) -> Iterator[str]:
     if not (geometry or faults):
         yield from step_limits(c)
         yield from oil_limits(c, material_of(c.bearing))
-    yield from thermal_limits(c.thermal, c.faults.condition, c.lubrication.law)
+    yield from thermal_limits(c.thermal, c.faults.condition, c.lubrication.law, c.cage.joint)
     yield from _splitting(c)
     if not rates:
         yield from measurement_limits(c.measurement)

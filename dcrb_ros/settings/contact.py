@@ -70,7 +70,9 @@ class Contact(Group):
     )
     damping: float = quantity(0.0, "N s/m", "Constant damping of a closed contact, in addition to loss_time", 0.0, 1e5, symbol="c")
     notch: Literal["sink", "edge"] = choice(
-        "sink", "Law for notches: sink lowers the raceway along its normal (the paper); edge gives each edge a fillet with its own normal"
+        "sink",
+        "Law for notches of smooth surfaces: sink lowers the raceway along its normal (the paper); edge gives each edge a fillet with its "
+        "own normal",
     )
     edge_radius: float = length(0.0001, "Fillet radius of the edges of a notch, for the law edge", 1e-6, 0.005, symbol="rho")
 

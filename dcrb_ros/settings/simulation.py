@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from dcrb_ros.schema.fields import Group, quantity
 
-SHORTEST_STEP = 1e-7
-"""Shortest time step [s]."""
+SHORTEST_STEP, LONGEST_STEP = 1e-7, 2e-5
+"""Range of the time step [s]."""
 
 
 class SimulationParameters(Group):
@@ -20,7 +20,7 @@ class SimulationParameters(Group):
         "s",
         "Time step; a sampling interval must be a whole number of steps",
         SHORTEST_STEP,
-        2e-5,
+        LONGEST_STEP,
         symbol="h",
         remedy="the contacts oscillate at up to 18 kHz and need 20 us or less",
     )

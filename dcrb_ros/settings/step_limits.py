@@ -12,7 +12,7 @@ from dcrb_ros.core.laws.pereira import pereira_coefficients, pereira_stiffness
 from dcrb_ros.faults.geometry import BrokenBar
 from dcrb_ros.settings.groups import ParameterGroups
 from dcrb_ros.settings.loaded_contacts import contact_stiffness, heaviest, load_and_weight
-from dcrb_ros.settings.simulation import SHORTEST_STEP
+from dcrb_ros.settings.simulation import LONGEST_STEP, SHORTEST_STEP
 
 LARGEST_PHASE = 1.8
 """Largest phase of the stiffest mode in a step [rad]: leapfrog is unstable from 2 on, and impacts stiffen the contacts."""
@@ -29,7 +29,9 @@ def whole_steps(step: float, rate: int) -> Iterator[str]:
     ratio = 1.0 / (step * rate)
     whole = max(2, round(ratio))
     if abs(ratio - whole) > 1e-6 * whole:
-        nearest = ", ".join(f"{1.0 / (rate * n)!r}" for n in sorted({max(2, math.floor(ratio)), max(2, math.ceil(ratio))}))
+        fewest, most = max(2, math.ceil(1.0 / (LONGEST_STEP * rate))), math.floor(1.0 / (SHORTEST_STEP * rate))
+        counts = sorted({min(max(n, fewest), most) for n in (math.floor(ratio), math.ceil(ratio))})
+        nearest = ", ".join(f"{1.0 / (rate * n)!r}" for n in counts)
         yield (
             f"simulation.step = {step!r} s divides a sampling interval at sensor.sampling_rate = {rate} Hz into {ratio:.6g} steps; "
             f"this must be a whole number, at least 2: take {nearest} s"

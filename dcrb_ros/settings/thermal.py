@@ -52,8 +52,11 @@ class Thermal(Group):
     sensor_resolution: float = quantity(0.5, "K", "Step of a reading of temperature; 0 for none", 0.0, 10.0)
 
 
-def thermal_limits(thermal: Thermal, condition: Condition, lubrication: str) -> Iterator[str]:
-    """Yield a sentence for each reason why a law of ``lubrication`` gives no temperatures, and for each fault without effect."""
+def thermal_limits(thermal: Thermal, condition: Condition, lubrication: str, joint: str) -> Iterator[str]:
+    """Yield a sentence for each reason why a law of ``lubrication`` gives no temperatures, and for each fault without effect.
+
+    ``joint`` is that of rollers and cage.
+    """
     heated, dry = thermal.law == "network", lubrication == "dry"
     if heated and dry:
         yield (
@@ -68,4 +71,9 @@ def thermal_limits(thermal: Thermal, condition: Condition, lubrication: str) -> 
         yield (
             f"faults.overfilled.share = {condition.oil_share:g} only heats where lubrication.law is {lubrication}, and thermal.law "
             "is none: take thermal.law = network, or lubrication.law = film_with_cages"
+        )
+    if condition.oil_share > 0.0 and lubrication == "film_with_cages" and joint == "revolute":
+        yield (
+            f"faults.overfilled.share = {condition.oil_share:g} drags on free rollers where lubrication.law is film_with_cages, and "
+            "cage.joint is revolute: take cage.joint = pocket, or lubrication.law = film with thermal.law = network"
         )

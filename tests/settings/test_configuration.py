@@ -15,6 +15,8 @@ from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.documentation import parameter_table
 from dcrb_ros.settings.files import fields_by_key, flatten, load_configuration, to_yaml, validated
 from dcrb_ros.settings.shipped import shipped
+from dcrb_ros.settings.simulation import SHORTEST_STEP, SimulationParameters
+from dcrb_ros.settings.step_limits import whole_steps
 
 FIELDS = fields_by_key()
 
@@ -217,6 +219,14 @@ def test_a_step_that_does_not_divide_the_sampling_interval_is_refused_with_one_t
     with pytest.raises(Refusal, match="must be a whole number, at least 2") as refused:
         load_configuration("dry", settings)
     load_configuration("dry", [*settings, f"simulation.step={proposed_step(refused)}"])
+
+
+@pytest.mark.parametrize(("rate", "step"), [(20000, 1.9e-5), (51200, SHORTEST_STEP), (204800, 2e-5), (1000, 1.95e-5)])
+def test_every_step_that_is_proposed_for_a_sampling_rate_is_within_the_range_of_the_step(rate: int, step: float) -> None:
+    (words,) = whole_steps(step, rate)
+    for proposed in re.findall(r"\d[\d.]*e-\d+", words.partition("take ")[2]):
+        SimulationParameters(step=float(proposed))
+        assert not list(whole_steps(float(proposed), rate))
 
 
 def test_modes_too_fast_for_any_step_are_refused_with_what_to_check() -> None:

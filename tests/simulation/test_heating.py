@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import dcrb_ros
+from dcrb_ros.bearing.quasi_steady import lost_in_grease
 from dcrb_ros.bearing.thermal_fit import oil_state
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import load_configuration
@@ -157,6 +158,17 @@ def test_a_lighter_fault_is_refused_where_it_would_do_nothing() -> None:
     ):
         with pytest.raises(Refusal, match=word):
             load_configuration("dry", settings)
+
+
+def test_too_much_grease_is_refused_where_it_does_not_drag_on_pinned_rollers() -> None:
+    overfilled = {"faults.overfilled.share": 0.1}
+    pinned = overfilled | {"cage.joint": "revolute", "thermal.law": "network"}
+    load_configuration("healthy", overfilled)
+    with pytest.raises(Refusal, match="joint is revolute: take") as refused:
+        load_configuration("healthy", pinned)
+    assert "faults.overfilled.share = 0.1" in str(refused.value)
+    heated = load_configuration("healthy", pinned | {"lubrication.law": "film"})
+    assert lost_in_grease(heated, 50.0) > 100.0
 
 
 def test_the_housing_sensor_lags_behind_a_step_by_its_time_constant() -> None:

@@ -93,7 +93,8 @@ def spectral_coherence(
     Returns
     -------
     SpectralCoherence
-        Cyclic orders [-], carrier frequencies [Hz] and coherence, shape (frequencies, orders) [-].
+        Cyclic orders [-], carrier frequencies [Hz] and coherence, shape (frequencies, orders) [-]. A line halfway between two orders is
+        lower by 15 %, the loss of a Hann window.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""A spall: material broken out, with a shallow lip where rollers enter, a steep edge behind, and a rough floor."""
+"""A spall: material broken out, with a shallow lip on the side of the smaller azimuths, a steep edge on the other, and a rough floor."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from dcrb_ros.faults.shapes.shape import Marks, Shape, half_width
 from dcrb_ros.schema.arrays import Floats
 
 ENTRY, EXIT = 0.5e-3, 0.2e-3
-"""Length of the lip on which rollers enter, and of the edge behind [m]; each takes a third of a small spall at most."""
+"""Length of the lip, and of the edge on the other side [m]; each takes a third of a small spall at most. When the shaft turns
+counter-clockwise, rollers enter an outer raceway's spall over the lip, and an inner raceway's over the edge."""
 GRAIN = 0.3e-3
 """Distance over which the floor is alike [m]."""
 LEAST_DEPTH = 0.2
