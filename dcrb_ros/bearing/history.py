@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dcrb_ros.runtime.frames import pandas
+from dcrb_ros.schema.arguments import of_type
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.stream.states import LubricationState, States, ThermalState
@@ -122,8 +123,9 @@ class StateHistory:
         Raises
         ------
         Refusal
-            There is no such body.
+            There is no such body, or the name is not a text.
         """
+        of_type(str)("name", name)
         if name not in self.names:
             known = f"{self.names[0]} to {self.names[-1]}"
             raise Refusal(f"there is no body '{name}': the bearing has {known}{nearest(name, self.names)}")

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.runtime.frames import pandas
+from dcrb_ros.schema.arguments import numbers
 from dcrb_ros.schema.arrays import Floats, Integers
 
 if TYPE_CHECKING:
@@ -42,7 +43,13 @@ class TachoPulses:
         """Return the turns of the shaft since the first pulse at some times [s], same shape [-]; NaN before the first and after the last.
 
         The turns are interpolated linearly between pulses. A fluctuation faster than the pulses is therefore lost.
+
+        Raises
+        ------
+        Refusal
+            The times are no numbers.
         """
+        numbers("time", time)
         at = np.asarray(time, np.float64)
         if len(self) < 2 or not self.pulses_per_turn:
             return np.full(at.shape, math.nan)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dcrb_ros.runtime.frames import pandas
+from dcrb_ros.schema.arguments import number
 from dcrb_ros.schema.arrays import Floats
 
 if TYPE_CHECKING:
@@ -52,7 +53,15 @@ class TemperatureReadings:
         return ", ".join(f"{field.name} {getattr(self, field.name)[number]:.4g} deg C" for field in fields(self) if field.name != "time")
 
     def between(self, start: float, stop: float) -> TemperatureReadings:
-        """Return the readings with ``start <= time < stop`` [s]; there may be none."""
+        """Return the readings with ``start <= time < stop`` [s]; there may be none.
+
+        Raises
+        ------
+        Refusal
+            ``start`` or ``stop`` is not a number.
+        """
+        number("start", start)
+        number("stop", stop)
         inside = (self.time >= start) & (self.time < stop)
         return TemperatureReadings(**{field.name: getattr(self, field.name)[inside] for field in fields(self)})
 

@@ -23,7 +23,11 @@ from dcrb_ros.text.yaml import parsed, read_yaml
 
 VOLTS = {"V": 1.0, "mV": 1e-3}
 """Units of voltage [V]."""
-UNITS = (*ACCELERATION_UNITS, *VOLTS, "relative")
+RELATIVE = "relative"
+"""Unit of a waveform whose unit is unknown."""
+UNITS = (*ACCELERATION_UNITS, *VOLTS, RELATIVE)
+COPY = "a copy of ax"
+"""What the description of a sensor with one axis says of the second."""
 SENSITIVITY = re.compile(r"((?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?) *(m?V)/(g|\(m/s\^2\)|m/s\^2)")
 """A sensitivity with its unit."""
 

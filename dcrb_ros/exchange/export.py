@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from dcrb_ros.exchange.description import COPY, RELATIVE
 from dcrb_ros.exchange.files import WRITERS, Array
 from dcrb_ros.exchange.pulse_train import LEVELS, sampled_pulses
 from dcrb_ros.exchange.temperatures import CHANNELS, TIME, own_arrays
@@ -132,10 +133,15 @@ def _description(recording: Recording, path: Path, columns: dict[str, Array], la
     wav = path.suffix.lower() == ".wav"
     known = (name for name in sorted(columns) if name in CHANNELS or name in (*IMPORTED, TIME))
     channels: dict[str, Any] = {name: number for number, name in enumerate(_in_wav(columns), 1)} if wav else {name: name for name in known}
+    sensor = recording.manifest.get("sensor", {}) if recording.imported else {}
+    source = recording.manifest["imported"].get("source", {}) if recording.imported else {}
+    axes = sensor.get("axes")
+    if isinstance(axes, dict) and axes.get("ay") == COPY:
+        del channels["ay"]
     tacho, warm = "tacho" in channels, any(name in channels for name in CHANNELS)
     return {
         "sampling_rate": recording.sampling_rate,
-        "unit": "m/s^2",
+        "unit": RELATIVE if sensor.get("acceleration_unit") == RELATIVE else "m/s^2",
         "channels": channels,
         **({"pulses_per_turn": recording.pulses_per_turn or 1, "tacho_levels": list(LEVELS)} if tacho else {}),
         **({"temperature_deviation": _deviation(recording)} if warm else {}),
@@ -143,6 +149,7 @@ def _description(recording: Recording, path: Path, columns: dict[str, Array], la
         "first_index": int(columns["index"][0]),
         "block_size": max(16, block_size),
         "labels": labels,
+        **({"source": source} if source else {}),
     }
 
 

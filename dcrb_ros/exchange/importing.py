@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.bearing.frequencies import Orders
-from dcrb_ros.exchange.description import Description, read_description
+from dcrb_ros.exchange.description import COPY, RELATIVE, Description, read_description
 from dcrb_ros.exchange.joining import JoinedFiles
 from dcrb_ros.exchange.pulse_train import PulseTrain, counted_pulses, joined_turns, pulse_train, turns_at_speed, wrapped, wrapped_angle
 from dcrb_ros.exchange.temperatures import CHANNELS, LATEST_STAMP, checked_channels, readings_of
@@ -251,7 +251,7 @@ class WaveformImport:
             "sampling_rate_unit": "Hz",
             **({} if self.measured_rate == self.rate else {"measured_sampling_rate": self.measured_rate}),
             "acceleration_unit": self._unit,
-            "axes": {"ay": "a copy of ax", **{name: str(channel) for name, channel in channels.axes.items()}},
+            "axes": {"ay": COPY, **{name: str(channel) for name, channel in channels.axes.items()}},
             "shaft_angle_unit": "rad",
             "shaft_angle": self._angle_words(),
             **({PULSES_PER_TURN: self.pulses_per_turn} if self.pulses_per_turn else {}),
@@ -264,7 +264,7 @@ class WaveformImport:
 
     @property
     def _unit(self) -> str:
-        return "relative" if self.description.unit == "relative" else "m/s^2"
+        return RELATIVE if self.description.unit == RELATIVE else "m/s^2"
 
     def _angle_words(self) -> str:
         """Return how the angle of the shaft was found."""
@@ -287,7 +287,7 @@ class WaveformImport:
             notes.append(
                 f"pulses of the tacho are missing or too many in {self.irregular_pulses} intervals, which were counted as whole pulses"
             )
-        if self._unit == "relative":
+        if self._unit == RELATIVE:
             notes.append("the unit is unknown: what is given in m/s^2 is relative")
         return notes
 

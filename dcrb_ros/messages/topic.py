@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from dcrb_ros.messages.cdr import decoded, stamp_of
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.block import Block
 from dcrb_ros.stream.diagnosis import Diagnosis
 
@@ -85,6 +86,19 @@ class Message:
     def content(self) -> Any:
         """Content of the message, as its topic decodes it."""
         return self.topic.decoded(self.data)
+
+
+def chosen_topics(topics: Iterable[Topic]) -> tuple[Topic, ...]:
+    """Return the topics that a reader is asked for.
+
+    Raises:
+        Refusal: they are not topics, such as names.
+    """
+    chosen = tuple(topics) if isinstance(topics, Iterable) else (topics,)
+    for topic in chosen:
+        if not isinstance(topic, Topic):
+            raise Refusal(f"topics: {topic!r} is not a topic: give those of dcrb_ros.messages.topics, such as [DIAGNOSIS]")
+    return chosen
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ from dcrb_ros.viewer.live import SHOWN, LiveView
 from dcrb_ros.viewer.show import checked_output
 from dcrb_ros.viewer.vehicle_content import shown_topics
 from dcrb_ros.viewer.vehicle_live import VehicleLiveView
-from dcrb_ros.viewer.window import window_to_fill
+from dcrb_ros.viewer.window import ViewerFailure, window_to_fill
 
 FLUSH_PERIOD = 0.2
 """Wall time between two batches of data sent to Rerun [s]."""
@@ -46,6 +46,7 @@ class ViewerNode(BenchNode):
         """Show in the file ``save``, the viewer at the address ``connect``, or a window that is opened; a bench or a ``vehicle``."""
         super().__init__("viewer")
         self._save, self._address, self._vehicle = save, connect, vehicle
+        self._file: Path | None = None
         self._shown: set[str] = set()
         self._resources = ExitStack()
         self._viewer_closed = lambda: False
@@ -87,6 +88,7 @@ class ViewerNode(BenchNode):
         path, number = self._save, run
         while run > 1 and (path == self._save or path.exists()):
             path, number = self._save.with_stem(f"{self._save.stem}-{number}"), number + 1
+        self._file = path
         stream.save(path)
         return stream
 
@@ -96,8 +98,19 @@ class ViewerNode(BenchNode):
         return self._viewer_closed()
 
     def close(self) -> None:
-        """Send the remaining data."""
-        self._resources.close()
+        """Send the remaining data.
+
+        Raises:
+            ViewerFailure: the file could not be written to its end.
+        """
+        try:
+            self._resources.close()
+        except RuntimeError as error:
+            if self._file is None or isinstance(error, ViewerFailure):
+                raise
+            # Rerun writes in a thread of its own, whose error it only logs.
+            remedy = "free some space or give another file"
+            raise ViewerFailure(f"{self._file} is incomplete, it cannot be written ({error}): {remedy}") from None
 
 
 def _check_address(address: str) -> None:

@@ -17,6 +17,7 @@ from dcrb_ros.bearing.waveform import Piece, Waveform
 from dcrb_ros.messages.description import decode_range
 from dcrb_ros.messages.points import Vibration, decode_vibration
 from dcrb_ros.messages.statuses import decode_truth
+from dcrb_ros.messages.topic import chosen_topics
 from dcrb_ros.messages.topics import (
     DETECTED,
     GROUND_TRUTH,
@@ -36,6 +37,7 @@ from dcrb_ros.recordings.manifest import DAMAGE, OUTCOME, Outcome, not_understoo
 from dcrb_ros.recordings.recorded_run import RecordedRun
 from dcrb_ros.recordings.storage import StoredMessage, valid_files
 from dcrb_ros.recordings.vehicle_folder import box_of, boxes_in, record_name
+from dcrb_ros.schema.arguments import of_type, optional
 from dcrb_ros.schema.numbers import sampling_rate
 from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import AlteredSamples, Refusal
@@ -197,10 +199,12 @@ class Recording(RecordedRun):
         Raises
         ------
         Refusal
-            The recording has no manifest, and describes a second bench after the first.
+            ``topics`` are not topics, such as names, or ``namespace`` is not a text. The recording has no manifest, and describes a second
+            bench after the first.
         """
+        optional(of_type(str))("namespace", namespace)
         prefix = self.namespace if namespace is None else namespace
-        chosen = frozenset((*SIMULATED, *DETECTED) if topics is None else topics)
+        chosen = frozenset((*SIMULATED, *DETECTED) if topics is None else chosen_topics(topics))
         wanted = {topic.resolved(prefix): topic for topic in (chosen | {SENSOR} if self.described else chosen)}
         messages = (Message(wanted[entry.channel.topic], entry.message.log_time, entry.message.data) for entry in self._messages(wanted))
         if not self.described:

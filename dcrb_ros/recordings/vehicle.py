@@ -8,6 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from dcrb_ros.messages.topic import chosen_topics
 from dcrb_ros.messages.topics import DETECTED, NAMESPACE, SIMULATED, Message, Topic
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DETECTED, VEHICLE_TRUTH
 from dcrb_ros.messages.vehicle import box_path, decode_description
@@ -103,13 +104,21 @@ class VehicleRecording:
         return max(recorded_samples(box).end for box in self.boxes.values()) / self.sampling_rate
 
     def topics(self, chosen: Iterable[Topic] = (*SIMULATED, *DETECTED)) -> dict[str, Topic]:
-        """Return topics of every box, and all of the vehicle, by their names in the file."""
-        each = [topic.below(box_path(name)) for name in self.boxes for topic in chosen]
+        """Return topics of every box, and all of the vehicle, by their names in the file.
+
+        Raises:
+            Refusal: ``chosen`` are not topics, such as names.
+        """
+        each = [topic.below(box_path(name)) for name in self.boxes for topic in chosen_topics(chosen)]
         return {topic.resolved(self.namespace): topic for topic in (*each, *BESIDE, *VEHICLE_DETECTED)}
 
     def messages(self, topics: Iterable[Topic]) -> Iterator[Message]:
-        """Yield the messages on some of `topics`, in the order of the file."""
-        wanted, flaws = {topic.resolved(self.namespace): topic for topic in topics}, list[str]()
+        """Yield the messages on some of `topics`, in the order of the file.
+
+        Raises:
+            Refusal: ``topics`` are not topics, such as names.
+        """
+        wanted, flaws = {topic.resolved(self.namespace): topic for topic in chosen_topics(topics)}, list[str]()
         for file in self._files:
             for entry in file.messages(flaws, wanted):
                 yield Message(wanted[entry.channel.topic], entry.message.log_time, entry.message.data)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from numbers import Real
 from typing import Any, ParamSpec, TypeVar
 
@@ -88,6 +88,15 @@ def texts(name: str, value: Any) -> None:
     """Refuse what is neither a text nor a sequence of texts."""
     if not (isinstance(value, str) or (isinstance(value, (list, tuple)) and all(isinstance(text, str) for text in value))):
         raise Refusal(f"{name} is not a text or a list of texts: give names")
+
+
+def keyed(name: str, value: Any) -> None:
+    """Refuse what is not a mapping with texts as keys, such as that of changed parameters."""
+    if not isinstance(value, Mapping):
+        raise Refusal(f"{name} is a {type(value).__name__}: give a mapping of dotted keys to values, such as {{'operating.speed': 100.0}}")
+    for key in value:
+        if not isinstance(key, str):
+            raise Refusal(f"{name} has the key {key!r}, which is a {type(key).__name__}: give a text, such as 'operating.speed'")
 
 
 def optional(check: Check) -> Check:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection
+from numbers import Real
 
 from dcrb_ros.core.layout.state import SHAFT_ANGLE, SHAFT_SPEED, TARGET_SPEED, TARGET_X, TARGET_Y, State
 from dcrb_ros.core.payload import Payload
@@ -19,7 +20,8 @@ def commanded(name: str, key: str, value: float, unit: str) -> float:
         next((m.ge for m in Operating.model_fields[key].metadata if hasattr(m, "ge")), -math.inf),
         next((m.le for m in Operating.model_fields[key].metadata if hasattr(m, "le")), math.inf),
     )
-    if not (math.isfinite(value) and low <= value <= high):
+    valid = isinstance(value, Real) and not isinstance(value, bool) and low <= value <= high
+    if not (valid and math.isfinite(value)):
         raise Refusal(
             f"{name} = {value} {unit} is refused: it must be a number within {low:g} .. {high:g} {unit}; "
             "the previous command remains in effect"

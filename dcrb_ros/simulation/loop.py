@@ -20,7 +20,7 @@ from dcrb_ros.core.layout.state import copy_of
 from dcrb_ros.core.layout.workspace import workspace
 from dcrb_ros.core.solver.step import advance
 from dcrb_ros.measurement.sensor import Sensor
-from dcrb_ros.schema.arguments import of_type, optional
+from dcrb_ros.schema.arguments import keyed, of_type, optional
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.numbers import finite_number
 from dcrb_ros.schema.refusal import Refusal
@@ -91,6 +91,7 @@ class Simulation:
             raise Refusal(f"{configuration!r} is not a Configuration: give dcrb_ros.load_configuration('healthy') or another one")
         of_type(bool)("waveform_only", waveform_only)
         optional(of_type(Drive))("drive", drive)
+        of_type(Surroundings)("surroundings", surroundings)
         self._waveform_only = waveform_only
         self.configuration = configuration
         """The present configuration, with the changes that have taken effect."""
@@ -161,6 +162,7 @@ class Simulation:
         Refusal
             A parameter is unknown or fixed, a value is invalid, or the values contradict each other; nothing is changed.
         """
+        keyed("changes", changes)
         # The ground truth contains the values as Python prints them.
         changes = {key: value.item() if isinstance(value, np.generic) else value for key, value in changes.items()}
         if changes:
@@ -174,6 +176,7 @@ class Simulation:
         Refusal
             `change` would refuse it.
         """
+        keyed("changes", changes)
         self._pending.check_change(changes, self._altered)
 
     def _altered(self, changes: Mapping[str, Any]) -> Configuration:

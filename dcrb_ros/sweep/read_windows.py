@@ -17,7 +17,7 @@ from dcrb_ros.bearing.waveform import Waveform
 from dcrb_ros.runtime.optional import installed
 from dcrb_ros.schema.arrays import Samples
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.sweep.sweep_file import Windows
+from dcrb_ros.sweep.sweep_file import LONGEST_WINDOW, Windows
 from dcrb_ros.sweep.windows import cut_windows, window_starts
 
 USUAL_LENGTH = 4096
@@ -160,10 +160,11 @@ class ReadWindows(Sequence[tuple[Samples, int]]):
 
 def _shape(length: int | None, hop: int | None) -> Windows:
     for name, value in (("length", length), ("hop", hop)):
-        if value is not None and (type(value) is not int or value < 1):
-            raise Refusal(f"{name} = {value!r} is not a number of samples: give a whole number above 0")
-    samples = USUAL_LENGTH if length is None else length
-    step = max(1, samples // 2) if hop is None else hop
+        whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+        if value is not None and not (whole and 1 <= value <= LONGEST_WINDOW):
+            raise Refusal(f"{name} = {value!r} is not a number of samples: give a whole number within 1 .. {LONGEST_WINDOW}")
+    samples = USUAL_LENGTH if length is None else int(length)
+    step = max(1, samples // 2) if hop is None else int(hop)
     if step > samples:
         raise Refusal(f"hop = {step} samples is above length = {samples}: give at most the length, so that no samples are left out")
     return Windows.model_construct(length=samples, overlap=1.0 - step / samples)

@@ -25,10 +25,14 @@ NO_FAULTS: Mapping[str, Value] = {f"faults.{key}": value for key, value in flatt
 """Values of all fault parameters without faults."""
 
 
+LONGEST_WINDOW = 10_000_000
+"""Most samples in a window [-]."""
+
+
 class Windows(Group):
     """Division of the waveform into windows."""
 
-    length: int = Field(ge=16, le=10_000_000)
+    length: int = Field(ge=16, le=LONGEST_WINDOW)
     """Samples in a window [-]."""
     overlap: float = Field(0.0, ge=0.0, le=0.99)
     """Overlap of consecutive windows as a share of their length [-]."""

@@ -20,12 +20,13 @@ def read_rows(path: Path, needed: Sequence[str], optional: Sequence[str] = ()) -
     Raises:
         Refusal: the file cannot be read, lacks a needed column, has an unknown one or one twice, or a row has more or fewer fields.
     """
-    text = read_text(path, LARGEST_TABLE).removeprefix("\ufeff")
-    try:
-        lines = [line for line in csv.reader(io.StringIO(text, newline=""), strict=True) if line]
-    except csv.Error as error:
-        raise Refusal(f"{path} cannot be read as CSV: {error}") from None
-    columns, known = [name.strip() for name in (lines[0] if lines else ())], (*needed, *optional)
+    return [row for _, row in read_numbered_rows(path, needed, optional)]
+
+
+def read_numbered_rows(path: Path, needed: Sequence[str], optional: Sequence[str] = ()) -> list[tuple[int, dict[str, str]]]:
+    """Return the rows as `read_rows` does, each after the number of its first line in the file, from 1, with blank lines counted."""
+    (_, header), *records = _records(path) or [(1, [])]
+    columns, known = [name.strip() for name in header], (*needed, *optional)
     missing = [name for name in needed if name not in columns]
     unknown = next((name for name in columns if name not in known), None)
     if missing:
@@ -36,7 +37,21 @@ def read_rows(path: Path, needed: Sequence[str], optional: Sequence[str] = ()) -
     twice = next((name for name in columns if columns.count(name) > 1), None)
     if twice is not None:
         raise Refusal(f"{path} has the column {twice} twice: remove one")
-    for number, line in enumerate(lines[1:], 2):
-        if len(line) != len(columns):
-            raise Refusal(f"{path}, row {number}: {len(line)} fields, but {len(columns)} columns: quote a value that contains a comma")
-    return [{name: value.strip() for name, value in zip(columns, line, strict=True)} for line in lines[1:]]
+    for line, fields in records:
+        if len(fields) != len(columns):
+            raise Refusal(f"{path}, line {line}: {len(fields)} fields, but {len(columns)} columns: quote a value that contains a comma")
+    return [(line, {name: value.strip() for name, value in zip(columns, fields, strict=True)}) for line, fields in records]
+
+
+def _records(path: Path) -> list[tuple[int, list[str]]]:
+    """Return the fields of every line that is not blank, after its number; a value in quotes may continue on further lines."""
+    reader = csv.reader(io.StringIO(read_text(path, LARGEST_TABLE).removeprefix("\ufeff"), newline=""), strict=True)
+    records, line = [], 1
+    try:
+        for fields in reader:
+            if fields:
+                records.append((line, fields))
+            line = reader.line_num + 1
+    except csv.Error as error:
+        raise Refusal(f"{path} cannot be read as CSV: line {line}: {error}") from None
+    return records

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -11,6 +12,7 @@ from typing import Any
 
 import yaml
 
+from dcrb_ros.schema.arguments import of_type, texts
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
@@ -73,6 +75,9 @@ def read_vehicle(source: str | Path, settings: Sequence[str] | Mapping[str, Any]
 
 def read_parameters(source: str | Path, settings: Sequence[str] | Mapping[str, Any] = ()) -> dict[str, Any]:
     """Return the parameters of a file or a shipped name by dotted keys, with settings on top, unchecked; see `read_vehicle`."""
+    of_type(str, os.PathLike)("source", source)
+    if not isinstance(settings, Mapping):
+        texts("settings", settings)
     path = find_shipped("vehicle", source)
     tree = read_yaml(path)
     while isinstance(tree, Mapping) and len(tree) == 1 and (next(iter(tree)) in ("/**", KEY)):
@@ -87,7 +92,7 @@ def layered(tree: Mapping[str, Any], settings: Sequence[str] | Mapping[str, Any]
     flat = flatten(tree)
     if isinstance(settings, Mapping):
         return {**flat, **flatten(settings)}
-    for text in settings:
+    for text in (settings,) if isinstance(settings, str) else settings:
         key, equals, value = text.partition("=")
         if not equals or not key.strip():
             raise Refusal(f"--set {text}: write KEY=VALUE, for example axle_1.left.faults.outer_1.width=0.002")

@@ -7,6 +7,7 @@ from collections import deque
 from collections.abc import Mapping
 from typing import Any
 
+from dcrb_ros.schema.arguments import keyed
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.pending import MAX_PENDING
@@ -44,6 +45,7 @@ class VehicleRequests:
         Raises:
             Refusal: a key or a value is invalid, a box refuses its changes, or too many requests are waiting; nothing is changed.
         """
+        keyed("changes", changes)
         asked = sorted_changes(self._vehicle, self._wheels, changes)
         model = {key: value for key, value in changes.items() if sorted_changes(self._vehicle, self._wheels, {key: value}).of_model}
         with self._lock:

@@ -107,11 +107,13 @@ def bench_info(data: bytes, title: str) -> BenchInfo:
     """
     rate, orders = decode_sensor(data)
     try:
-        described = parsed_json(decode_text(data), SOURCE, LARGEST_DESCRIPTION).get("bearing")
-        bearing = Bearing.model_validate(described) if described else Bearing()
-    except (ValueError, AttributeError) as error:
+        described = parsed_json(decode_text(data), SOURCE, LARGEST_DESCRIPTION).get("bearing") or {}
+        # A bench describes its whole bearing, an import only the geometry from which the orders follow.
+        whole = "outer_raceway_radius" in described
+        bearing = Bearing.model_validate(described) if whole else Bearing()
+    except (ValueError, AttributeError, TypeError) as error:
         raise Refusal(f"the bearing in the sensor's description is invalid ({type(error).__name__})") from None
-    return BenchInfo(title, bearing, orders, rate, imported=not described, pulses_per_turn=decode_pulses_per_turn(data))
+    return BenchInfo(title, bearing, orders, rate, imported=not whole, pulses_per_turn=decode_pulses_per_turn(data))
 
 
 def detector_output_in(received: Mapping[Topic, Sequence[bytes]]) -> DetectorOutput:

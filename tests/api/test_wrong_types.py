@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -11,6 +12,9 @@ import pytest
 
 import dcrb_ros
 from dcrb_ros import Refusal, Waveform
+from dcrb_ros.recordings.recorder import Recorder
+from dcrb_ros.vehicle.file import read_vehicle
+from dcrb_ros.vehicle.simulation import VehicleSimulation
 
 plt.switch_backend("Agg")
 RATE, SAMPLES = 6400, 6400
@@ -126,6 +130,53 @@ def test_arguments_of_wrong_types_are_refused_in_one_sentence(name: str) -> None
 def test_the_other_arguments_are_taken(name: str) -> None:
     # A call that is refused for another argument would tell nothing about the one of a wrong type.
     getattr(dcrb_ros, name)(**CALLS[name])
+
+
+def test_arguments_of_methods_are_refused_in_one_sentence(tmp_path: Path) -> None:
+    configuration = dcrb_ros.load_configuration("dry")
+    simulation = dcrb_ros.Simulation(configuration)
+    with Recorder(tmp_path / "bag", configuration, simulation.bodies) as recorder:
+        recorder.write(next(simulation.blocks()))
+    recording = dcrb_ros.Recording(tmp_path / "bag")
+    zeros = np.zeros((2, 3))
+    states = dcrb_ros.StateHistory(
+        time=np.arange(2.0), names=("row1/roller01", "cage1", "inner_ring"), azimuth=zeros, speed=zeros, inner_force=zeros
+    )
+    pulses = dcrb_ros.TachoPulses(time=np.arange(3.0), number=np.arange(3), pulses_per_turn=1)
+    none = np.zeros(0)
+    readings = dcrb_ros.TemperatureReadings(time=none, outer_ring=none, box=none, ambient=none)
+    vehicle = VehicleSimulation(read_vehicle("bogie"))
+    calls: dict[str, tuple[Callable[..., Any], Mapping[str, Any]]] = {
+        "command_speed": (simulation.command_speed, {"speed": 100.0}),
+        "command_load": (simulation.command_load, {"x": 0.0, "y": -1000.0}),
+        "change": (simulation.change, {"changes": {}}),
+        "check_change": (simulation.check_change, {"changes": {}}),
+        "Simulation": (dcrb_ros.Simulation, {"configuration": configuration, "surroundings": None}),
+        "column": (states.column, {"name": "cage1"}),
+        "turns": (pulses.turns, {"time": 0.5}),
+        "between": (readings.between, {"start": 0.0, "stop": 1.0}),
+        "messages": (recording.messages, {"topics": (), "namespace": "/dcrb"}),
+        "read_vehicle": (read_vehicle, {"source": "bogie", "settings": ()}),
+        "vehicle.change": (vehicle.change, {"changes": {}}),
+        "vehicle.command": (vehicle.command, {"speed_kmh": 100.0}),
+    }
+    wrong = {**WRONG, "key": {1: 1.0}, "no key": {None: 1.0}}
+    answers = {
+        (name, argument, label): outcome(function, {**arguments, argument: value})
+        for name, (function, arguments) in calls.items()
+        for argument in arguments
+        for label, value in wrong.items()
+    }
+    assert {place: answer for place, answer in answers.items() if answer} == {}
+
+
+def test_a_vehicle_takes_one_setting_as_a_text() -> None:
+    assert read_vehicle("bogie", "vehicle.speed_kmh=77") == read_vehicle("bogie", ["vehicle.speed_kmh=77"])
+
+
+def test_a_truth_value_is_no_commanded_speed() -> None:
+    with pytest.raises(Refusal, match=r"command/speed = True rad/s is refused"):
+        dcrb_ros.Simulation(dcrb_ros.load_configuration("dry")).command_speed(True)
 
 
 def test_blocks_and_names_of_wrong_types_are_refused_in_one_sentence() -> None:

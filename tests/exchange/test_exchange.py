@@ -66,6 +66,23 @@ def test_export_and_import_round_trip(suffix: str, tmp_path: Path) -> None:
         assert "imported" in dcrb("info", str(tmp_path / "new")).stdout
 
 
+@pytest.mark.parametrize("suffix", list(WRITERS))
+def test_a_measurement_of_one_axis_in_an_unknown_unit_stays_one(suffix: str, noise: np.ndarray[Any, Any], tmp_path: Path) -> None:
+    np.savez(tmp_path / "x.npz", de=noise)
+    given = described(tmp_path, unit="relative", source={"rig": "a"}, labels={"load": 5})
+    WaveformImport(tmp_path / "x.npz", given).write(tmp_path / "bag")
+    old = Recording(tmp_path / "bag")
+    beside = export(old, tmp_path / f"wave{suffix}")
+    WaveformImport(tmp_path / f"wave{suffix}", beside).write(tmp_path / "new")
+    new = Recording(tmp_path / "new")
+    assert [m.data for m in old.messages((VIBRATION,))] == [m.data for m in new.messages((VIBRATION,))]
+    assert new.manifest["units"] == old.manifest["units"]
+    assert new.manifest["sensor"]["acceleration_unit"] == "relative"
+    assert new.manifest["sensor"]["axes"]["ay"] == old.manifest["sensor"]["axes"]["ay"]
+    assert new.manifest["imported"]["source"] == {"rig": "a"}
+    assert new.manifest["imported"]["labels"] == {"load": 5}
+
+
 @pytest.mark.parametrize("suffix", [".npz", ".csv", ".mat", ".parquet", ".wav"])
 def test_gaps_are_preserved_or_refused(suffix: str, tmp_path: Path) -> None:
     bag = recorded(tmp_path / "bag", 60, split_duration=0.4)

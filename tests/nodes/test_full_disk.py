@@ -25,6 +25,8 @@ from dcrb_ros.simulation.loop import Simulation
 
 pytestmark = [pytest.mark.node, pytest.mark.slow]
 
+BAG = Path(__file__).parents[2] / "bags" / "outer_ring_defect"
+
 
 def test_a_full_disk_is_reported_and_publishing_continues(tmp_path: Path) -> None:
     number, bag = domain(), tmp_path / "bag"
@@ -63,6 +65,19 @@ def test_a_recording_that_cannot_be_created_is_refused_and_reported(tmp_path: Pa
         client.until(lambda: len(client.received[VIBRATION]) > blocks + 50, "more of the waveform")
     assert Recording(bag).complete
     assert not (tmp_path / "bag-2").exists()
+
+
+def test_a_viewer_names_its_file_that_cannot_be_written(tmp_path: Path) -> None:
+    number, document = domain(), tmp_path / "live.rrd"
+    with node("viewer", ["--save", str(document)], environment(number), tmp_path / "viewer.log") as viewer:
+        resource.prlimit(viewer.process.pid, resource.RLIMIT_FSIZE, (50_000, 50_000))
+        given = parameters(bag=str(BAG), rate=0.0, listeners=1, wait=PATIENCE)
+        with node("replayer", given, environment(number), tmp_path / "replayer.log") as replayer:
+            assert replayer.process.wait(PATIENCE) == 0, replayer.output
+        wait_for(lambda: document.exists() and document.stat().st_size == 50_000, PATIENCE)
+        assert viewer.end(signal.SIGINT) == 1, viewer.output
+    assert viewer.output.count(f"viewer: {document} is incomplete, it cannot be written") == 1, viewer.output
+    assert "free some space or give another file" in viewer.output
 
 
 def test_the_bench_shows_the_verdict_and_fails(tmp_path: Path) -> None:

@@ -116,6 +116,7 @@ def test_windows_are_arrays_with_the_classes_of_the_set(folder: Path) -> None:
 def test_windows_of_another_length_are_those_of_the_waveform(folder: Path) -> None:
     data_set = read(folder)
     windows = data_set.windows("test", length=500, hop=100)
+    assert len(data_set.windows("test", length=np.int64(500), hop=np.int32(100))) == len(windows)  # type: ignore[arg-type]
     waveform = data_set.waveform(data_set.labels("test")["run"][0])
     assert len(windows) == 2 * 6
     assert np.array_equal(windows[2][0], waveform.acceleration[200:700].T)
@@ -273,6 +274,8 @@ def test_a_row_of_an_old_set_that_cannot_be_true_is_refused(column: str, value: 
     [
         (lambda data_set: data_set.windows("trian"), "did you mean 'train'"),
         (lambda data_set: data_set.windows("train", length=0), "length = 0 is not a number of samples"),
+        (lambda data_set: data_set.windows("train", length=10**400), "0 is not a number of samples: give a whole number within 1"),
+        (lambda data_set: data_set.windows("train", hop=True), "hop = True is not a number of samples"),
         (lambda data_set: data_set.windows("train", length=100, hop=200), "hop = 200 samples is above length"),
         (lambda data_set: data_set.waveform("nothing"), "has no run 'nothing'"),
         (lambda data_set: data_set.lives(), "has no lives.parquet"),

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.text.tables import LARGEST_TABLE, read_rows
+from dcrb_ros.text.tables import LARGEST_TABLE, read_numbered_rows, read_rows
 
 NEEDED, OPTIONAL = ("file", "fault"), ("load",)
 
@@ -23,6 +23,12 @@ def test_values_are_by_column_without_spaces_and_empty_lines(tmp_path: Path) -> 
     assert found == [{"file": "a, b", "load": "5", "fault": "x"}]
 
 
+def test_rows_have_the_numbers_of_their_first_lines(tmp_path: Path) -> None:
+    table = tmp_path / "a.csv"
+    table.write_text('\nfile,fault\n\na,x\n\n"b\nc",y\nd,z\n')
+    assert [number for number, _ in read_numbered_rows(table, NEEDED)] == [4, 6, 8]
+
+
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
@@ -30,9 +36,10 @@ def test_values_are_by_column_without_spaces_and_empty_lines(tmp_path: Path) -> 
         ("file,falt\n", "lacks the columns fault: it needs file, fault; unknown is 'falt'; did you mean 'fault'"),
         ("file,fault,lod\n", "has the unknown column 'lod'; did you mean 'load'"),
         ("file,fault,fault\n", "has the column fault twice"),
-        ("file,fault\na,b\na,b,c\n", "row 3: 3 fields, but 2 columns"),
-        ("file,fault\na\n", "row 2: 1 fields, but 2 columns"),
-        ('file,fault\n"a,b\n', "cannot be read as CSV"),
+        ("file,fault\na,b\na,b,c\n", "line 3: 3 fields, but 2 columns"),
+        ("file,fault\n\na,b\n\n\na,b,c\n", "line 6: 3 fields, but 2 columns"),
+        ("file,fault\na\n", "line 2: 1 fields, but 2 columns"),
+        ('file,fault\n"a,b\n', "cannot be read as CSV: line 2: "),
         ("x" * (LARGEST_TABLE + 1), f"at most {LARGEST_TABLE}"),
     ],
 )

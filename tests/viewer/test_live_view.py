@@ -159,9 +159,14 @@ def test_a_reset_starts_a_new_recording(run: Run, tmp_path: Path) -> None:
     assert rows(tmp_path / "1.rrd")["/waveform"] > rows(tmp_path / "2.rrd")["/waveform"] > 0
 
 
-def test_imported_data_are_shown_without_a_bearing(run: Run, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "bearing",
+    ["null", '{"balls": 9, "diameter": 8e-3, "pitch_diameter": 0.04}', '{"rollers": 9, "roller_radius": 4e-3, "pitch_radius": 0.02}'],
+)
+def test_imported_data_are_shown_without_a_bearing(bearing: str, run: Run, tmp_path: Path) -> None:
     bench = Bench(tmp_path)
-    sensor = encode_text('{"sampling_rate": 51200, "orders": {"FTF": 0.4, "BPFO": 3.6, "BPFI": 5.4, "BSF": 2.4}}')
+    orders = '{"FTF": 0.4, "BPFO": 3.6, "BPFI": 5.4, "BSF": 2.4}'
+    sensor = encode_text(f'{{"sampling_rate": 51200, "orders": {orders}, "bearing": {bearing}}}')
     bench.take([Message(SENSOR, 0, sensor), *(message for message in messages(run) if message.topic is VIBRATION)])
     bench.view.close()
     found = rows(tmp_path / "1.rrd")
