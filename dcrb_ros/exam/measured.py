@@ -114,7 +114,7 @@ def read_table(table: Path, speed: str = "lines") -> list[MeasuredRecording]:
     rows = read_rows(table, tuple(dict.fromkeys((*COLUMNS, SPEEDS[speed]))), (*OPTIONAL_COLUMNS, *REPLICA_COLUMNS))
     if not rows:
         raise Refusal(f"{table} has no rows: list the recordings with {', '.join(COLUMNS)}")
-    recordings = [_row(table, number, row, SPEEDS[speed]) for number, row in enumerate(rows, 2)]
+    recordings = [_row(table, number, row, SPEEDS[speed]) for number, row in rows]
     names = [recording.name for recording in recordings]
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:

@@ -13,7 +13,7 @@ from dcrb_ros.bearing.waveform import Waveform
 from dcrb_ros.exchange.importing import WaveformImport
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.shipped import find_shipped
-from dcrb_ros.text.tables import read_numbered_rows
+from dcrb_ros.text.tables import read_rows
 
 NEEDED = ("file", "fault")
 TEXTS = ("name", "split", "bearing_id", "machine")
@@ -49,7 +49,7 @@ def listed_runs(table: Path, about: str, rate: int = 0) -> Iterator[ListedRun]:
         Refusal: a column or a value is unknown, a file cannot be imported or has another hash than stated, or a rate is not a whole
             multiple of ``rate``.
     """
-    for number, row in read_numbered_rows(table, NEEDED, COLUMNS[len(NEEDED) :]):
+    for number, row in read_rows(table, NEEDED, COLUMNS[len(NEEDED) :]):
         line = f"{table}, line {number}"
         if not row["file"] or not row["fault"]:
             raise Refusal(f"{line}: file and fault are needed: give both")

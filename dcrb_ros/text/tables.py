@@ -14,17 +14,14 @@ LARGEST_TABLE = 10_000_000
 """Largest table that is read [bytes]: some 100 000 rows."""
 
 
-def read_rows(path: Path, needed: Sequence[str], optional: Sequence[str] = ()) -> list[dict[str, str]]:
+def read_rows(path: Path, needed: Sequence[str], optional: Sequence[str] = ()) -> list[tuple[int, dict[str, str]]]:
     """Return the rows of a CSV file with a header; values have no space at their ends.
+
+    Each follows the number of its first line in the file, from 1, with blank lines counted.
 
     Raises:
         Refusal: the file cannot be read, lacks a needed column, has an unknown one or one twice, or a row has more or fewer fields.
     """
-    return [row for _, row in read_numbered_rows(path, needed, optional)]
-
-
-def read_numbered_rows(path: Path, needed: Sequence[str], optional: Sequence[str] = ()) -> list[tuple[int, dict[str, str]]]:
-    """Return the rows as `read_rows` does, each after the number of its first line in the file, from 1, with blank lines counted."""
     (_, header), *records = _records(path) or [(1, [])]
     columns, known = [name.strip() for name in header], (*needed, *optional)
     missing = [name for name in needed if name not in columns]

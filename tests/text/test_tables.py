@@ -8,14 +8,14 @@ from pathlib import Path
 import pytest
 
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.text.tables import LARGEST_TABLE, read_numbered_rows, read_rows
+from dcrb_ros.text.tables import LARGEST_TABLE, read_rows
 
 NEEDED, OPTIONAL = ("file", "fault"), ("load",)
 
 
 def rows(path: Path, text: str) -> list[dict[str, str]]:
     path.write_bytes(text.encode())
-    return read_rows(path, NEEDED, OPTIONAL)
+    return [row for _, row in read_rows(path, NEEDED, OPTIONAL)]
 
 
 def test_values_are_by_column_without_spaces_and_empty_lines(tmp_path: Path) -> None:
@@ -26,7 +26,7 @@ def test_values_are_by_column_without_spaces_and_empty_lines(tmp_path: Path) -> 
 def test_rows_have_the_numbers_of_their_first_lines(tmp_path: Path) -> None:
     table = tmp_path / "a.csv"
     table.write_text('\nfile,fault\n\na,x\n\n"b\nc",y\nd,z\n')
-    assert [number for number, _ in read_numbered_rows(table, NEEDED)] == [4, 6, 8]
+    assert [number for number, _ in read_rows(table, NEEDED)] == [4, 6, 8]
 
 
 @pytest.mark.parametrize(
