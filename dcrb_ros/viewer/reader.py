@@ -31,6 +31,7 @@ from dcrb_ros.messages.topics import (
 from dcrb_ros.messages.topics.diagnosis import decode_scores
 from dcrb_ros.recordings.arrays import truths_of
 from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.recordings.vehicle_folder import title_of
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.stream.states import BodyNames
@@ -54,7 +55,7 @@ def read_content(recording: Recording) -> Content:
         raise Refusal(f"{recording.path} has no block on {topic}: give a recording that contains the waveform")
     bearing = recording.bearing
     bench = BenchInfo(
-        recording.path.stem,
+        title_of(recording.path),
         bearing or Bearing(),
         recording.orders,
         recording.sampling_rate,
