@@ -228,6 +228,13 @@ def test_content_has_every_sample_and_state(run: Run, content: Content) -> None:
     assert content.motion.time_ns.tolist() == [states.time_ns for states in run.states]
 
 
+def test_the_title_is_the_name_of_the_recording(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = recorded(run, tmp_path / "run.v1")
+    monkeypatch.chdir(path)
+    for given, title in ((path, "run.v1"), (path / "run.v1_0.mcap", "run.v1_0"), (Path(), "run.v1")):
+        assert read_content(Recording(given)).title == title
+
+
 def test_sample_times_follow_the_sampling_rate(content: Content) -> None:
     expected = np.arange(len(content.waveform.time_ns)) * 1_000_000_000 // 51200
     assert np.abs(content.waveform.time_ns - expected).max() <= 1
@@ -579,7 +586,13 @@ def test_the_order_map_comes_first_where_the_speed_varies(content: Content, freq
 
 def test_the_axis_of_levels_ends_at_labelled_values() -> None:
     times = np.arange(2)
-    for values, ends in (((3.0, 18.7), (0.0, 20.0)), ((-2.0, 20.0), (-10.0, 20.0)), ((0.0, 0.0), (0.0, 10.0))):
+    for values, ends in (
+        ((3.0, 18.7), (0.0, 20.0)),
+        ((-2.0, 20.0), (-10.0, 20.0)),
+        ((0.0, 0.0), (0.0, 10.0)),
+        ((math.nan, 18.7), (0.0, 20.0)),
+        ((-math.inf, math.inf), (0.0, 10.0)),
+    ):
         axis = level_axis(Series(times, ("BPFO",), np.array(values)[:, None]))
         assert axis.range is not None
         assert axis.range.as_arrow_array().to_pylist() == [list(ends)]
