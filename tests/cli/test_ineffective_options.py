@@ -82,6 +82,7 @@ LIST, RECORDED, VEHICLE = ("score", "smoke", "--list"), ("score", "bag"), ("dete
         (REMAKE, ("--runs", "3"), "--runs does not apply to --remake"),
         (("import", "--list"), ("--about", "cwru-12k"), "leave out everything else"),
         (("import", "--show", "cwru-12k"), ("--set", "a=1"), "leave out everything else"),
+        (("import", "--list"), ("--force",), "leave out everything else"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
 )
