@@ -142,9 +142,19 @@ def detect(
     """
     source = _signal(signal, sampling_rate, shaft_angle, bearing)
     result = watch(source, parameters=parameters, baseline=baseline, temperatures=temperatures, bearing=bearing)
-    if result.verdict == "waiting":
-        raise Refusal(f"the signal holds {result.duration:.2f} s of waveform, too little for a verdict: {result.reason}")
+    check_verdict(result, "the signal")
     return result
+
+
+def check_verdict(result: DetectionResult, name: str) -> None:
+    """Refuse a signal on which there is no verdict; ``name`` is its name in the message.
+
+    Raises:
+        Refusal: all diagnoses are ``waiting``.
+    """
+    if result.verdict == "waiting":
+        reason = f"give at least {SHORT:g} s" if result.duration < SHORT else result.reason
+        raise Refusal(f"{name} holds {result.duration:.2f} s of waveform, too little for a verdict: {reason}")
 
 
 def watch(
@@ -166,7 +176,7 @@ def watch(
         # A short signal is judged by a shorter window; the confidence is lower accordingly.
         history, _ = _diagnoses(_detector(signal, _brief(chosen), described, baseline), signal.pieces(), readings)
     if not history:
-        reason = f"{duration:.2f} s have arrived, but a verdict needs {chosen.least_window:g} s"
+        reason = f"{duration:.2f} s have arrived, but a verdict needs {SHORT:g} s"
         history = [Diagnosis(max(0, samples - 1), duration, "waiting", reason)]
     return DetectionResult(tuple(history), duration)
 
