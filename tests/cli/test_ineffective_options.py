@@ -49,6 +49,7 @@ LIST, RECORDED, VEHICLE = ("score", "smoke", "--list"), ("score", "bag"), ("dete
         (("view", "bag", "--screenshot", "new.png"), ("--web",), "--web opens a viewer"),
         (("view", "run", "--save", "new.rrd"), ("--web",), "--web opens a viewer"),
         (("view", "bag"), ("--force",), "--force has no effect without --save or --screenshot"),
+        (("compare", "bag", "bag"), ("--force",), "--force has no effect without -o"),
         (FROM, ("--force",), "--force has no effect without -o"),
         (("detect", "bag"), ("--force",), "--force has no effect without --report or --save-baseline"),
         (("bench", "dry"), ("--force",), "--force has no effect without --record"),
