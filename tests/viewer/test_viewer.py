@@ -28,6 +28,7 @@ from dcrb_ros.bearing.fault_lines import fault_combs
 from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.bearing.payload import body_names
 from dcrb_ros.cli.view import view
+from dcrb_ros.diagnosis.detection import detect
 from dcrb_ros.diagnosis.detector import Diagnosis
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.messages.encoder import diagnosis_messages
@@ -51,6 +52,7 @@ from dcrb_ros.viewer.spectrum import ORDER_STEP, diagnoses, envelope_spectra, ov
 from dcrb_ros.viewer.summary import markdown, shown_truths
 from dcrb_ros.viewer.window import ViewerFailure
 
+BAGS = Path(__file__).parents[2] / "bags"
 DURATION = 2.5
 SPEEDS = ((100.0, 0), (100.0, 500_000_000), (200.0, 1_000_000_000))
 """Speeds [rad/s] and their times [ns]."""
@@ -214,6 +216,17 @@ def test_number_of_windows_depends_on_the_duration(seconds: float, windows: int)
     angle = np.mod(PAPER_SPEED * np.arange(count) / 6400, 2.0 * math.pi).astype(np.float32)
     waveform = TimedWaveform(np.arange(count) * 10**9 // 6400, noise, angle, 6400)
     assert len(diagnoses(waveform, characteristic_orders(Bearing()))) == windows
+
+
+@pytest.mark.parametrize("name", ["healthy", "outer_ring_defect"])
+def test_the_verdict_on_a_whole_and_a_short_signal_is_that_of_detect(name: str) -> None:
+    recording = Recording(BAGS / name)
+    whole = read_content(recording)
+    assert whole.detector_output.verdicts[-1].name == detect(recording).verdict == name.removesuffix("_defect")
+    waveform, count = whole.waveform, round(1.5 * whole.waveform.rate)
+    short = TimedWaveform(*(array[:count] for array in (waveform.time_ns, waveform.acceleration, waveform.shaft_angle)), rate=waveform.rate)
+    judged = diagnoses(short, recording.orders, bearing=recording.bearing)[-1]
+    assert judged.verdict == detect(recording).verdict
 
 
 # --- content of a recording ---
