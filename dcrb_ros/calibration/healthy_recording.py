@@ -82,7 +82,7 @@ def checked_recording(signal: Signal, name: str, *, trust: bool = False) -> Heal
         raise Refusal(f"{name} is not a recording: give a Recording, a SimulationResult or a Waveform")
     whole = signal.waveform()
     waveform = longest_stretch(whole)
-    acceleration = waveform.acceleration.T.astype(np.float64)
+    acceleration = waveform.acceleration[:, :2].T.astype(np.float64)
     if not len(waveform) or not np.isfinite(acceleration).all():
         raise Refusal(f"{name} is empty or has samples that are not numbers: give a waveform")
     if float(np.ptp(acceleration, axis=1).max()) == 0.0:

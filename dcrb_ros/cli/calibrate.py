@@ -12,7 +12,7 @@ import typer
 from dcrb_ros.cli import completion
 from dcrb_ros.cli.first_start import announce_compilation
 from dcrb_ros.cli.options import Bag, Force, JsonOutput, Quiet, Settings, warn_of_digest
-from dcrb_ros.cli.output_file import PICTURES, check_free, check_output, replacing
+from dcrb_ros.cli.output_file import PICTURES, check_force, check_free, check_output, replacing
 from dcrb_ros.runtime.terminal import console, steps, table
 from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
@@ -99,6 +99,7 @@ def compare(
 
     Example: dcrb compare bags/healthy bags/outer_ring_defect -o difference.png
     """
+    check_force("-o", output, force=force)
     if output is not None:
         check_output("-o", output, PICTURES)
         check_free("-o", output, force=force)

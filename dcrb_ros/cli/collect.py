@@ -31,6 +31,7 @@ def collect(
     from dcrb_ros.sweep.reader import DataSet
     from dcrb_ros.sweep.store import Store
     from dcrb_ros.sweep.sweep_file import Windows
+    from dcrb_ros.sweep.table import LABELS
 
     if not table.is_file():
         raise Refusal(f"there is no list {table}: give a CSV file with the columns file and fault")
@@ -46,6 +47,11 @@ def collect(
     with catch_warnings(record=True) as warned:
         simplefilter("always")
         DataSet(output)  # reads what was written, and compares it with its hashes
+    from pyarrow import parquet
+
+    numbers = parquet.read_table(output / LABELS, columns=["windows"])["windows"].to_pylist()
+    if without := numbers.count(0):
+        typer.echo(f"warning: {without} of {len(numbers)} recordings have no {window} samples without a gap, and thus no window", err=True)
     for warning in warned:
         typer.echo(f"warning: {warning.message}", err=True)
     shares = ", ".join(f"{count} {fault} in {split}" for (split, fault), count in sorted(counts.items()))

@@ -52,8 +52,7 @@ def detect(
 
     A page to send, with the trend over the recordings: dcrb detect monday tuesday --report bearing.html
     """
-    from dcrb_ros.diagnosis.detection import detect as detect_in
-    from dcrb_ros.diagnosis.detection import watch
+    from dcrb_ros.diagnosis.detection import check_verdict, watch
     from dcrb_ros.recordings.reader import Recording
     from dcrb_ros.recordings.vehicle_folder import vehicle_boxes
 
@@ -79,8 +78,10 @@ def detect(
     diagnosed = []
     for bag in bags:
         recording = Recording(bag)
+        result = watch(recording, parameters=parameters, baseline=known)
         # A program gets an answer in any case, and a page has all recordings; otherwise the reason for no verdict is the error message.
-        result = (detect_in if report is None and not as_json else watch)(recording, parameters=parameters, baseline=known)
+        if report is None and not as_json:
+            check_verdict(result, str(bag))
         warn_of_digest(recording, str(bag))
         diagnosed.append((bag, recording, result))
         if not as_json:
@@ -191,7 +192,7 @@ def _learned(
         check_output("--save-baseline", save, (".yaml", ".yml"))
         check_free("--save-baseline", save, force=force)
     recording = Recording(healthy)
-    learned = learn_baseline(recording, name=healthy.name, parameters=parameters)
+    learned = learn_baseline(recording, name=healthy.resolve().name, parameters=parameters)
     warn_of_digest(recording, str(healthy))
     if save is not None:
         with replacing("--save-baseline", save, force=force):

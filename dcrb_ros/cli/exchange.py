@@ -64,7 +64,7 @@ def import_(
     from dcrb_ros.settings.shipped import find_shipped
 
     if list_ or show:
-        if (list_ and show) or files or about or output or settings:
+        if (list_ and show) or files or about or output or settings or force:
             raise Refusal("--list and --show print descriptions and import nothing: leave out everything else")
         print("\n".join(listed()) if list_ else find_shipped("description", show).read_text(encoding="utf-8"), end="\n" if list_ else "")
         return

@@ -60,6 +60,7 @@ def plot(
         raise Refusal(f"--start {start:g} s is out of range: give a simulated time of 0 s or later")
     from dcrb_ros.plots.overview import write_overview
     from dcrb_ros.recordings.reader import Recording
+    from dcrb_ros.recordings.vehicle_folder import title_of
 
     recording = Recording(bag)
     begin = next(recording.pieces()).first_index / recording.sampling_rate if start is None else start
@@ -67,7 +68,7 @@ def plot(
     check_gaps(waveform)
     readings = recording.temperatures().between(begin, begin + duration)
     with replacing("-o", output, force=force, source=bag):
-        over_orders = write_overview(waveform, output, title=recording.path.resolve().stem, order=order, readings=readings)
+        over_orders = write_overview(waveform, output, title=title_of(recording.path), order=order, readings=readings)
     warn_of_digest(recording, str(bag))
     if order and not over_orders:
         typer.echo("the spectrum is over frequency, because the shaft does not turn far enough in one direction for orders", err=True)

@@ -142,9 +142,19 @@ def detect(
     """
     source = _signal(signal, sampling_rate, shaft_angle, bearing)
     result = watch(source, parameters=parameters, baseline=baseline, temperatures=temperatures, bearing=bearing)
-    if result.verdict == "waiting":
-        raise Refusal(f"the signal holds {result.duration:.2f} s of waveform, too little for a verdict: {result.reason}")
+    check_verdict(result, "the signal")
     return result
+
+
+def check_verdict(result: DetectionResult, name: str) -> None:
+    """Refuse a signal on which there is no verdict; ``name`` is its name in the message.
+
+    Raises:
+        Refusal: all diagnoses are ``waiting``.
+    """
+    if result.verdict == "waiting":
+        reason = f"give at least {SHORT:g} s" if result.duration < SHORT else result.reason
+        raise Refusal(f"{name} holds {result.duration:.2f} s of waveform, too little for a verdict: {reason}")
 
 
 def watch(
@@ -164,9 +174,9 @@ def watch(
     duration = samples / signal.sampling_rate
     if duration >= SHORT and all(diagnosis.verdict == "waiting" for diagnosis in history):
         # A short signal is judged by a shorter window; the confidence is lower accordingly.
-        history, _ = _diagnoses(_detector(signal, _brief(chosen), described, baseline), signal.pieces(), readings)
+        history, _ = _diagnoses(_detector(signal, brief(chosen), described, baseline), signal.pieces(), readings)
     if not history:
-        reason = f"{duration:.2f} s have arrived, but a verdict needs {chosen.least_window:g} s"
+        reason = f"{duration:.2f} s have arrived, but a verdict needs {SHORT:g} s"
         history = [Diagnosis(max(0, samples - 1), duration, "waiting", reason)]
     return DetectionResult(tuple(history), duration)
 
@@ -206,7 +216,7 @@ def learn_baseline(
     duration = sum(len(piece.acceleration) for piece in pieces) / source.sampling_rate
     start = pieces[0].first_index / source.sampling_rate if pieces else 0.0
     learner = BaselineLearner(min(chosen.window, duration), start)
-    for tried in (chosen, _brief(chosen)):
+    for tried in (chosen, brief(chosen)):
         detector = _detector(source, tried, described, None)
         detector.learner = learner
         history, _ = _diagnoses(detector, pieces, TemperatureReadings.none())
@@ -255,7 +265,7 @@ def _signal(signal: Signal | npt.ArrayLike, rate: float | None, shaft_angle: npt
     return replace(first, acceleration=np.column_stack([first.acceleration, last.acceleration[:, 1]]))
 
 
-def _brief(parameters: DetectorParameters) -> DetectorParameters:
+def brief(parameters: DetectorParameters) -> DetectorParameters:
     """Return parameters by which little signal gives a verdict."""
     return parameters.model_copy(update={"least_window": SHORT_WINDOW, "confirm": 1, "least_turns": FEWEST_TURNS})
 

@@ -68,9 +68,9 @@ class Content:
     axes: Literal["both", "y"]
     """``both``, or ``y`` for a recording of one axis, whose X repeats Y."""
     rms: float
-    """Root mean square of the acceleration over its axes, without the mean [m/s^2]."""
+    """Root mean square of the acceleration over the first two axes, without the mean [m/s^2]."""
     peak: float
-    """Largest magnitude of the acceleration in one axis [m/s^2]."""
+    """Largest magnitude of the acceleration in one of these axes [m/s^2]."""
     largest_sample: int
     """Index of the sample with that magnitude."""
 
@@ -108,7 +108,7 @@ def read_content(recording: Recording, judged: Samples) -> Content:
     pieces = recording.pieces()
     while together := list(islice(pieces, TOGETHER)):
         kept += [piece for piece in together if piece.first_index <= judged.last and piece.end_index > judged.first]
-        acceleration = np.nan_to_num(np.concatenate([piece.acceleration for piece in together]))
+        acceleration = np.nan_to_num(np.concatenate([piece.acceleration[:, :2] for piece in together]))
         count += len(acceleration)
         total += acceleration.sum(axis=0, dtype=np.float64)
         squares += np.square(acceleration, dtype=np.float64).sum(axis=0)

@@ -87,7 +87,7 @@ class Replay:
         """Yield the bundles in the order of time, with the sensor description where it is recorded again, or differs.
 
         Raises:
-            Refusal: the offset skips all messages.
+            Refusal: the recording has no message on the topics, or the offset skips all of them.
         """
         begin = end = start = None
         waiting: dict[Topic, tuple[Message, bool]] = {}
@@ -114,6 +114,8 @@ class Replay:
             for topic in list(waiting):
                 collected += self._unsent(*waiting.pop(topic))
             collected.append(message)
+        if start is None:
+            raise Refusal(f"{self.recording.path} has no message on the topics to replay: dcrb info lists the topics that it has")
         if begin is None or end is None:
             raise Refusal(f"{self.recording.path} has no message later than {self._offset_ns * 1e-9:g} s after its start: lower the offset")
         yield Bundle(begin, end, tuple(collected))

@@ -32,6 +32,12 @@ def box_of(path: Path) -> tuple[Path, str]:
     return path, ""
 
 
+def title_of(path: Path) -> str:
+    """Return the name of a recording or of a box in it: that of its folder, or that of its file without the suffix."""
+    whole = path.resolve()
+    return whole.stem if whole.is_file() else whole.name
+
+
 def boxes_in(records: Iterable[str]) -> tuple[str, ...]:
     """Return the boxes that metadata records of these names describe.
 

@@ -149,7 +149,8 @@ class ReadWindows(Sequence[tuple[Samples, int]]):
             from pyarrow import parquet
 
             table = parquet.read_table(data, columns=["ax", "ay", "fault"])
-            axes = [table[key].combine_chunks().flatten().to_numpy().reshape(len(table), -1) for key in ("ax", "ay")]
+            values = [table[key].combine_chunks().flatten().to_numpy() for key in ("ax", "ay")]
+            axes = [flat.reshape(len(table), len(flat) // max(1, len(table))) for flat in values]
             x, faults = np.stack(axes, axis=1).astype(np.float32, copy=False), table["fault"].to_pylist()
         if len(x) != row["windows"]:
             raise Refusal(

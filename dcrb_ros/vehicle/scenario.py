@@ -13,7 +13,15 @@ from typing import Any
 
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import flatten
-from dcrb_ros.simulation.scenario import MAX_CHANGES, MAX_TICKS, Entry, ScheduledChange, planned_changes, timeline_entries
+from dcrb_ros.simulation.scenario import (
+    MAX_CHANGES,
+    MAX_TICKS,
+    START_GROUPS,
+    Entry,
+    ScheduledChange,
+    planned_changes,
+    timeline_entries,
+)
 from dcrb_ros.vehicle.changes import RANGES, checked_command, sorted_changes
 from dcrb_ros.vehicle.description import Vehicle
 from dcrb_ros.vehicle.file import layered
@@ -52,11 +60,13 @@ def starting_parameters(tree: Any, parameters: Mapping[str, Any], source: str) -
     """Return the parameters of a vehicle at the start of a scenario, None for none: with the values under ``start``, if there are any.
 
     Raises:
-        Refusal: ``start`` has no parameters.
+        Refusal: ``start`` has no parameters, or those of a bearing.
     """
     start = tree.get("start", {}) if isinstance(tree, Mapping) else {}
     if not isinstance(start, Mapping):
         raise Refusal(f"{source}: 'start' must name parameters and their values, such as vehicle.speed_kmh: 60.0")
+    if any(str(key).partition(".")[0] in START_GROUPS for key in start):
+        raise Refusal(f"{source} is a scenario of a bearing, not of a vehicle: give one with keys of a vehicle's file, such as bogie_ride")
     return layered(parameters, start)
 
 

@@ -60,8 +60,9 @@ def whole_time(content: Content) -> rrb.archetypes.TimeAxis:
 
 
 def level_axis(levels: Series) -> rrb.ScalarAxis:
-    """Return the vertical axis of levels; it ends at labelled values [dB]."""
-    low, high = (float(value) for value in (levels.values.min(initial=0.0), levels.values.max(initial=1.0)))
+    """Return the vertical axis of the levels that are finite numbers; it ends at labelled values [dB]."""
+    finite = levels.values[np.isfinite(levels.values)]
+    low, high = (float(value) for value in (finite.min(initial=0.0), finite.max(initial=1.0)))
     return rrb.ScalarAxis(range=(LEVEL_TICK * math.floor(low / LEVEL_TICK), LEVEL_TICK * math.ceil(high / LEVEL_TICK)))
 
 

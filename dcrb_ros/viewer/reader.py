@@ -31,6 +31,7 @@ from dcrb_ros.messages.topics import (
 from dcrb_ros.messages.topics.diagnosis import decode_scores
 from dcrb_ros.recordings.arrays import truths_of
 from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.recordings.vehicle_folder import title_of
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.stream.states import BodyNames
@@ -54,7 +55,7 @@ def read_content(recording: Recording) -> Content:
         raise Refusal(f"{recording.path} has no block on {topic}: give a recording that contains the waveform")
     bearing = recording.bearing
     bench = BenchInfo(
-        recording.path.stem,
+        title_of(recording.path),
         bearing or Bearing(),
         recording.orders,
         recording.sampling_rate,
@@ -63,7 +64,9 @@ def read_content(recording: Recording) -> Content:
     )
     temperatures = recording.temperatures()
     return content_of(
-        messages, bench, lambda waveform: _in_background(lambda: detector_output_of(waveform, recording.orders, messages, temperatures))
+        messages,
+        bench,
+        lambda waveform: _in_background(lambda: detector_output_of(waveform, recording.orders, messages, temperatures, bearing)),
     )
 
 
@@ -100,12 +103,16 @@ def waveform_of(messages: Sequence[bytes], rate: int) -> TimedWaveform:
 
 
 def detector_output_of(
-    waveform: TimedWaveform, orders: Orders, messages: Mapping[Topic, Sequence[bytes]], temperatures: TemperatureReadings
+    waveform: TimedWaveform,
+    orders: Orders,
+    messages: Mapping[Topic, Sequence[bytes]],
+    temperatures: TemperatureReadings,
+    bearing: Bearing | None,
 ) -> DetectorOutput:
     """Return the shipped detector's output for a waveform and temperatures; recorded indicators and verdicts take precedence."""
     truths = truths_of(messages.get(GROUND_TRUTH, ())[-1:])
     lapse = max((truth.thermal.get("acceleration", 1.0) for truth in truths), default=1.0)
-    judgements = diagnoses(waveform, orders, temperatures, lapse)
+    judgements = diagnoses(waveform, orders, temperatures, lapse, bearing)
     return DetectorOutput(
         indicators=series_of(messages.get(FAULT_INDICATORS, ())) or indicators_of(judgements),
         verdicts=verdicts_in(messages.get(DIAGNOSIS, ())) or verdicts_of(judgements),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,8 +15,12 @@ from dcrb_ros.messages.points import decode_spectrum
 from dcrb_ros.messages.statuses import ERROR
 from dcrb_ros.messages.topics.diagnosis import LEVELS
 from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.stream.diagnosis import Diagnosis
 from dcrb_ros.viewer.content import Series, TimedWaveform, Times, Verdict
+
+if TYPE_CHECKING:
+    from dcrb_ros.diagnosis.parameters import DetectorParameters
 
 HIGHEST_ORDER = 31.0
 """Highest order shown: four harmonics of BPFO and three of BPFI of the default bearing, and lines of FTF that can be distinguished [-]."""
@@ -49,14 +54,19 @@ class Spectra:
 
 
 def diagnoses(
-    waveform: TimedWaveform, orders: Orders, temperatures: TemperatureReadings | None = None, heat_time_lapse: float = 1.0
+    waveform: TimedWaveform,
+    orders: Orders,
+    temperatures: TemperatureReadings | None = None,
+    heat_time_lapse: float = 1.0,
+    bearing: Bearing | None = None,
 ) -> list[Diagnosis]:
     """Return the diagnoses of the waveform, and of ``temperatures``, by the shipped detector; a short waveform is a single window.
 
-    Its parameters are the default ones, but for the ``heat_time_lapse`` of the bench [-].
+    Its parameters are the default ones, but for the ``heat_time_lapse`` of the bench [-]. As by `dcrb_ros.detect`, it knows the geometry of
+    the ``bearing``, if there is one, and a short signal on which it gives no verdict is judged again.
     """
+    from dcrb_ros.diagnosis.detection import SHORT, brief
     from dcrb_ros.diagnosis.parameters import DetectorParameters
-    from dcrb_ros.diagnosis.thermal_detector import TemperatureFeed, ThermalFaultDetector
 
     usual = DetectorParameters()
     seconds = len(waveform.time_ns) / waveform.rate
@@ -65,9 +75,22 @@ def diagnoses(
         return []
     hop = min(window, max(SHORTEST_HOP, seconds / SPECTRA_WANTED))
     parameters = usual.model_copy(update={"window": window, "hop": hop, "heat_time_lapse": heat_time_lapse})
-    detector, feed = ThermalFaultDetector(orders, waveform.rate, parameters), TemperatureFeed(temperatures or TemperatureReadings.none())
-    judgements = []
-    for piece in pieces(waveform, round(hop * waveform.rate)):
+    readings = temperatures or TemperatureReadings.none()
+    judgements = _judgements(waveform, orders, readings, parameters, bearing)
+    if seconds >= SHORT and all(diagnosis.verdict == "waiting" for diagnosis in judgements):
+        judgements = _judgements(waveform, orders, readings, brief(parameters), bearing)
+    return judgements
+
+
+def _judgements(
+    waveform: TimedWaveform, orders: Orders, readings: TemperatureReadings, parameters: DetectorParameters, bearing: Bearing | None
+) -> list[Diagnosis]:
+    """Return the diagnoses of the waveform by a detector with these parameters."""
+    from dcrb_ros.diagnosis.thermal_detector import TemperatureFeed, ThermalFaultDetector
+
+    detector, feed, judgements = ThermalFaultDetector(orders, waveform.rate, parameters), TemperatureFeed(readings), []
+    detector.take_bearing(bearing)
+    for piece in pieces(waveform, round(parameters.hop * waveform.rate)):
         index = (int(waveform.time_ns[piece.start]) * waveform.rate + 500_000_000) // 1_000_000_000
         diagnosis = detector.update(index, waveform.acceleration[piece], waveform.shaft_angle[piece])
         feed.give(detector.take_temperature, 1e-9 * float(waveform.time_ns[piece.stop - 1]))

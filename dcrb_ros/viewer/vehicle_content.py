@@ -17,6 +17,7 @@ from dcrb_ros.messages.topics import ENVELOPE_SPECTRUM, FEATURES, VIBRATION, Top
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DIAGNOSIS, VEHICLE_TRUTH
 from dcrb_ros.messages.vehicle import box_path, encode_vehicle_diagnosis
 from dcrb_ros.recordings.vehicle import VehicleRecording
+from dcrb_ros.recordings.vehicle_folder import title_of
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.diagnosis import Diagnosis
@@ -91,7 +92,7 @@ def read_vehicle_content(recording: VehicleRecording) -> VehicleContent:
     for message in recording.messages(shown_topics(recording.boxes)):
         received[message.topic].append(message.data)
     description = recording.description
-    content = content_of(received, description, recording.path.name)
+    content = content_of(received, description, title_of(recording.path))
     if not content.waveforms:
         raise Refusal(f"{recording.path} has no waveform of any box: give a recording that contains outer_ring/vibration")
     diagnoses = diagnoses_of(content)

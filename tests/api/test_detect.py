@@ -84,7 +84,7 @@ def test_the_lines_of_every_component_are_given(run: SimulationResult) -> None:
 
 
 def test_refusals(run: SimulationResult) -> None:
-    with pytest.raises(Refusal, match=r"the signal holds 0.80 s of waveform, too little for a verdict"):
+    with pytest.raises(Refusal, match=r"the signal holds 0.80 s of waveform, too little for a verdict: give at least 1 s$"):
         detect(run.between(stop=0.8))
     with pytest.raises(Refusal, match="the orders of the bearing are unknown"):
         detect(np.zeros(51200), 51200)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 from typing import Any, Literal
 
@@ -26,6 +27,7 @@ from dcrb_ros import (
     simulate,
 )
 from dcrb_ros.recordings.recorder import Recorder
+from dcrb_ros.recordings.vehicle_folder import title_of
 from dcrb_ros.settings.configuration import Configuration
 
 mpl.use("Agg")
@@ -185,6 +187,15 @@ def test_command_writes_a_picture(suffix: str, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert done.stdout.strip() == f"{file}: 2.00 s of {BAGS / 'run_up'} from 0.50 s on"
     assert file.read_bytes()[:4] in (b"\x89PNG", b"<?xm", b"%PDF")
+
+
+def test_the_title_of_the_picture_is_the_name_of_the_recording(tmp_path: Path) -> None:
+    bag, file = tmp_path / "run.v1", tmp_path / "picture.svg"
+    shutil.copytree(BAGS / "healthy", bag)
+    done = dcrb("plot", str(bag), "-o", str(file), "--duration", "0.5")
+    assert done.returncode == 0, done.stderr
+    assert "<!-- run.v1, mean shaft frequency" in file.read_text()
+    assert [title_of(path) for path in (bag / "axle_1.left", bag / "healthy_0.mcap")] == ["axle_1.left", "healthy_0"]
 
 
 def test_command_proposes_the_longest_stretch_without_lost_samples(tmp_path: Path) -> None:

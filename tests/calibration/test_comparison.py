@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -55,6 +56,12 @@ def test_one_axis_is_compared_with_y() -> None:
     found = compare(single, whole)
     assert [one.axis for one in found.axes] == ["y"]
     assert found.axes[0].level_distance == pytest.approx(0.0, abs=1e-9)
+
+
+def test_of_three_axes_the_first_two_are_compared() -> None:
+    two, other = signal(), signal(seed=2)
+    three = replace(two, acceleration=np.column_stack([two.acceleration, other.acceleration[:, 0]]))
+    assert compare(three, other).as_dict() == compare(two, other).as_dict()
 
 
 def test_recordings_that_cannot_be_compared_are_refused() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.signal import lfilter
@@ -24,6 +26,12 @@ def test_a_sound_recording_is_accepted() -> None:
     found = checked_recording(recorded(), "sound")
     assert (found.axes, found.rate, found.unit) == (("x", "y"), RATE, "m/s^2")
     assert found.speed == pytest.approx(2.0 * np.pi * 20.0, rel=1e-6)
+
+
+def test_of_three_axes_the_first_two_are_calibrated() -> None:
+    two = recorded()
+    three = replace(two, acceleration=np.column_stack([two.acceleration, recorded(seed=2).acceleration[:, 0]]))
+    assert np.array_equal(checked_recording(three, "three").acceleration, checked_recording(two, "two").acceleration)
 
 
 @pytest.mark.parametrize(("seconds", "rate"), [(1.5, RATE), (0.01, RATE)])

@@ -155,6 +155,13 @@ def test_a_list_that_cannot_be_used_is_refused(files: Path, tmp_path: Path, text
     assert reason in str(done.exception)
 
 
+def test_recordings_without_a_window_are_counted(files: Path, tmp_path: Path) -> None:
+    command = ["collect", str(files / "files.csv"), "--about", str(files / "about.yaml"), "--window", "20000", "-o", str(tmp_path / "set")]
+    done = CliRunner().invoke(app, command)
+    assert done.exit_code == 0, done.output
+    assert "warning: 1 of 2 recordings have no 20000 samples without a gap, and thus no window" in done.output
+
+
 def test_a_machine_in_two_splits_is_named_and_the_set_has_hashes(files: Path, measured: Path, tmp_path: Path) -> None:
     table = files / "machines.csv"
     table.write_text(

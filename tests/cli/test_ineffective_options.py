@@ -49,6 +49,7 @@ LIST, RECORDED, VEHICLE = ("score", "smoke", "--list"), ("score", "bag"), ("dete
         (("view", "bag", "--screenshot", "new.png"), ("--web",), "--web opens a viewer"),
         (("view", "run", "--save", "new.rrd"), ("--web",), "--web opens a viewer"),
         (("view", "bag"), ("--force",), "--force has no effect without --save or --screenshot"),
+        (("compare", "bag", "bag"), ("--force",), "--force has no effect without -o"),
         (FROM, ("--force",), "--force has no effect without -o"),
         (("detect", "bag"), ("--force",), "--force has no effect without --report or --save-baseline"),
         (("bench", "dry"), ("--force",), "--force has no effect without --record"),
@@ -82,6 +83,7 @@ LIST, RECORDED, VEHICLE = ("score", "smoke", "--list"), ("score", "bag"), ("dete
         (REMAKE, ("--runs", "3"), "--runs does not apply to --remake"),
         (("import", "--list"), ("--about", "cwru-12k"), "leave out everything else"),
         (("import", "--show", "cwru-12k"), ("--set", "a=1"), "leave out everything else"),
+        (("import", "--list"), ("--force",), "leave out everything else"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import re
 import shutil
@@ -185,6 +186,18 @@ def test_one_axis_counts_once_in_the_rms(measured: Path) -> None:
     samples = np.loadtxt(measured.parent / "measured.csv", skiprows=1)
     assert content.rms == pytest.approx(float(samples.std()), rel=1e-6)
     assert content.axes == "y"
+
+
+def test_of_three_axes_the_page_has_the_first_two(tmp_path: Path) -> None:
+    samples = np.random.default_rng(1).standard_normal((2400, 3)).round(5)
+    np.savetxt(tmp_path / "three.csv", samples, header="a,b,c", comments="", delimiter=",", fmt="%.5f")
+    (tmp_path / "about.yaml").write_text(ABOUT, encoding="utf-8")
+    axes, bag = ["--set", "channels.ay=b", "--set", "channels.az=c"], tmp_path / "three"
+    assert dcrb("import", str(tmp_path / "three.csv"), "--about", str(tmp_path / "about.yaml"), *axes, "-o", str(bag)) == 0
+    content = read_content(Recording(bag), Samples(0, 0))
+    assert content.axes == "both"
+    assert content.rms == pytest.approx(math.sqrt(float(samples[:, :2].var(axis=0).sum())), rel=1e-6)
+    assert content.peak == pytest.approx(float(np.abs(samples[:, :2]).max()))
 
 
 def test_a_file_without_its_folder_has_a_page(tmp_path: Path) -> None:

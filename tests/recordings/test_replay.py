@@ -106,6 +106,13 @@ def test_an_offset_beyond_the_end_is_refused(tmp_path: Path) -> None:
         list(replay.bundles())
 
 
+@pytest.mark.parametrize("topics", ["", "diagnosis"])
+def test_a_recording_without_the_topics_is_refused(topics: str, tmp_path: Path) -> None:
+    replay = replay_of(tmp_path / "bag", [] if not topics else at(50, 70), topics=topics)
+    with pytest.raises(Refusal, match="has no message on the topics to replay: dcrb info lists the topics that it has"):
+        list(replay.bundles())
+
+
 @pytest.mark.parametrize(
     ("topics", "expected"),
     [

@@ -56,6 +56,12 @@ def test_a_whole_recording_needs_no_index(tmp_path: Path) -> None:
     assert len(data_set.windows("test", length=400)) == 9
 
 
+def test_a_recording_that_is_shorter_than_a_window_has_none(tmp_path: Path) -> None:
+    runs = [MeasuredRun(name, recorded((0, samples)), "healthy") for name, samples in (("short", 499), ("long", 1000))]
+    write_measured_set(runs, Store(str(tmp_path)), title="set", licence="CC0-1.0", windows=Windows(length=500, kind="parquet"))
+    assert DataSet(tmp_path).windows("test").arrays()[0].shape == (2, 2, 500)
+
+
 @pytest.mark.parametrize("stretches", [((0, 1), (5, 6)), ((0, 1),)])
 def test_single_samples_have_no_speed(stretches: tuple[tuple[int, int], ...], tmp_path: Path) -> None:
     assert stored(recorded(*stretches), tmp_path / "set").labels()["speed"].isna().all()

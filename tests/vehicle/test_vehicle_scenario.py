@@ -86,6 +86,12 @@ def test_the_start_replaces_parameters_of_the_vehicle() -> None:
     assert start.axles[1].radius == 0.459
 
 
+@pytest.mark.parametrize("start", [{"operating.speed_kmh": 20.0}, {"faults": {"outer_1": {"width": 0.002}}}])
+def test_the_scenario_of_a_bearing_is_refused_by_its_name(start: dict[str, Any]) -> None:
+    with pytest.raises(Refusal, match=r"ride.yaml is a scenario of a bearing, not of a vehicle: give one"):
+        starting_parameters({"start": start, "timeline": []}, {}, "ride.yaml")
+
+
 @pytest.mark.parametrize(
     ("entries", "message"),
     [

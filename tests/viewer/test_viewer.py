@@ -28,6 +28,7 @@ from dcrb_ros.bearing.fault_lines import fault_combs
 from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.bearing.payload import body_names
 from dcrb_ros.cli.view import view
+from dcrb_ros.diagnosis.detection import detect
 from dcrb_ros.diagnosis.detector import Diagnosis
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.messages.encoder import diagnosis_messages
@@ -51,6 +52,7 @@ from dcrb_ros.viewer.spectrum import ORDER_STEP, diagnoses, envelope_spectra, ov
 from dcrb_ros.viewer.summary import markdown, shown_truths
 from dcrb_ros.viewer.window import ViewerFailure
 
+BAGS = Path(__file__).parents[2] / "bags"
 DURATION = 2.5
 SPEEDS = ((100.0, 0), (100.0, 500_000_000), (200.0, 1_000_000_000))
 """Speeds [rad/s] and their times [ns]."""
@@ -216,6 +218,17 @@ def test_number_of_windows_depends_on_the_duration(seconds: float, windows: int)
     assert len(diagnoses(waveform, characteristic_orders(Bearing()))) == windows
 
 
+@pytest.mark.parametrize("name", ["healthy", "outer_ring_defect"])
+def test_the_verdict_on_a_whole_and_a_short_signal_is_that_of_detect(name: str) -> None:
+    recording = Recording(BAGS / name)
+    whole = read_content(recording)
+    assert whole.detector_output.verdicts[-1].name == detect(recording).verdict == name.removesuffix("_defect")
+    waveform, count = whole.waveform, round(1.5 * whole.waveform.rate)
+    short = TimedWaveform(*(array[:count] for array in (waveform.time_ns, waveform.acceleration, waveform.shaft_angle)), rate=waveform.rate)
+    judged = diagnoses(short, recording.orders, bearing=recording.bearing)[-1]
+    assert judged.verdict == detect(recording).verdict
+
+
 # --- content of a recording ---
 
 
@@ -226,6 +239,13 @@ def test_content_has_every_sample_and_state(run: Run, content: Content) -> None:
     assert content.motion.azimuth == pytest.approx(run.series("azimuth"))
     assert content.motion.force == pytest.approx(run.series("inner_force"))
     assert content.motion.time_ns.tolist() == [states.time_ns for states in run.states]
+
+
+def test_the_title_is_the_name_of_the_recording(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = recorded(run, tmp_path / "run.v1")
+    monkeypatch.chdir(path)
+    for given, title in ((path, "run.v1"), (path / "run.v1_0.mcap", "run.v1_0"), (Path(), "run.v1")):
+        assert read_content(Recording(given)).title == title
 
 
 def test_sample_times_follow_the_sampling_rate(content: Content) -> None:
@@ -579,7 +599,13 @@ def test_the_order_map_comes_first_where_the_speed_varies(content: Content, freq
 
 def test_the_axis_of_levels_ends_at_labelled_values() -> None:
     times = np.arange(2)
-    for values, ends in (((3.0, 18.7), (0.0, 20.0)), ((-2.0, 20.0), (-10.0, 20.0)), ((0.0, 0.0), (0.0, 10.0))):
+    for values, ends in (
+        ((3.0, 18.7), (0.0, 20.0)),
+        ((-2.0, 20.0), (-10.0, 20.0)),
+        ((0.0, 0.0), (0.0, 10.0)),
+        ((math.nan, 18.7), (0.0, 20.0)),
+        ((-math.inf, math.inf), (0.0, 10.0)),
+    ):
         axis = level_axis(Series(times, ("BPFO",), np.array(values)[:, None]))
         assert axis.range is not None
         assert axis.range.as_arrow_array().to_pylist() == [list(ends)]

@@ -212,7 +212,7 @@ def extract_features(
     extractor = FeatureExtractor(source.orders, source.sampling_rate, window=window, hop=hop, families=families, axes=axes)
     tables, tracked, seconds = [], False, 0.0
     for piece in source.pieces():
-        tables.append(extractor.update(piece.first_index, piece.acceleration, piece.shaft_angle))
+        tables.append(extractor.update(piece.first_index, piece.acceleration[:, :2], piece.shaft_angle))
         tracked, seconds = tracked or _tracked(piece), seconds + len(piece.shaft_angle) / source.sampling_rate
     if not tracked:
         raise Refusal("the signal has no shaft angle, over which the features are taken: give shaft_angle in rad")
