@@ -72,7 +72,7 @@ MEASURED ?= ../shared/measured
 sim_to_real: environment ## Train on simulated bearings, test on measured ones in MEASURED, half an hour (SIM_TO_REAL='--machines 64 --seconds 8')
 	$(BIN)/python benchmarks/sim_to_real.py $(MEASURED) $(SIM_TO_REAL)
 
-predictivity: environment ## Compare replicas of the recordings in MEASURED with them, hours on two cores: rewrites docs/results/predictivity.md (PREDICTIVITY='--workers 8')
+predictivity: environment ## Compare replicas of the recordings in MEASURED with them, hours on two cores: rewrites docs/results/predictivity.md (PREDICTIVITY='--workers 8', or '--leaderboard docs/leaderboard' for its entries in seconds)
 	$(BIN)/python benchmarks/predictivity.py $(MEASURED) $(PREDICTIVITY)
 
 bags: environment ## Make the recordings of bags/ anew, where the model has changed

@@ -142,10 +142,11 @@ PICTURES = {
     "signals-outer": Picture(SIGNALS_RUN, ("bench healthy", *SIGNALS)),
     "signals-inner": Picture(SIGNALS_RUN, SIGNALS),
     "predictivity": Picture(
-        "python {root}/benchmarks/predictivity.py $MEASURED --published --machines 4 --counterparts 2 --longest 3"
+        "python {root}/benchmarks/predictivity.py $MEASURED --leaderboard {root}/docs/leaderboard"
         " --only 'path, impacts and background' -o predictivity.md --figure {file}",
         (
             "bench ball_bearing_6205",
+            "file docs/leaderboard/leaderboard.md",
             "drawing dcrb_ros/exam/replica_priors.py",
             "drawing dcrb_ros/exam/predictivity_figure.py",
         ),

@@ -54,8 +54,8 @@ def compared_by_entries(given: argparse.Namespace) -> Comparison:
     return compare_entries(given.measured / "recordings.csv", read_exam(given.replica), entries, measured)
 
 
-def page(comparisons: dict[str, Comparison]) -> str:
-    """Return the results page."""
+def page(comparisons: dict[str, Comparison], source: str) -> str:
+    """Return the results page; ``source`` says from what the whole replica was evaluated."""
     whole = comparisons[list(comparisons)[-1]]
     parts = [(name, *rows(one.families[:1])[0][1:]) for name, one in comparisons.items()]
     members = [(name, *rows(one.members[:1])[0][1:]) for name, one in comparisons.items() if one.members != one.families]
@@ -67,8 +67,7 @@ def page(comparisons: dict[str, Comparison]) -> str:
         [
             "# Predictivity of the exam",
             "",
-            f"Written by `make predictivity` on {date}, model `{model_fingerprint()}`. "
-            f"The shipped detector has the rules of commit `{commit}`.",
+            f"Written by `make predictivity` on {date}, {source}. The shipped detector has the rules of commit `{commit}`.",
             "[Does an exam predict your rig?](../how-to/predict-your-rig.md) explains the method and the figures. Impacts, housing and",
             "background have priors that follow statistics of these recordings, so this is no test on held-out rigs. No prior was",
             "fitted to the marks of a detector.",
@@ -118,7 +117,11 @@ def main() -> int:
         by_entries = given.leaderboard is not None and not VARIANTS[name]
         comparisons[name] = compared_by_entries(given) if by_entries else compared(given, VARIANTS[name])
         print(f"{name}\n{markdown(comparisons[name])}", flush=True)
-    write_whole(given.output, page(comparisons))
+    source = f"model `{model_fingerprint()}`"
+    if given.leaderboard is not None:
+        models = sorted({entry.model for entry in read_entries(given.leaderboard)})
+        source = f"from the entries of the [leaderboard](../leaderboard/leaderboard.md), model `{', '.join(models)}`"
+    write_whole(given.output, page(comparisons, source))
     write_predictivity_figure(comparisons[given.only[-1]], given.figure)
     return 0
 

@@ -29,7 +29,7 @@ def write_board_figure(board: Board, file: Path) -> None:
     scores, pairs = figure.subplots(1, 2, width_ratios=(1.4, 1.0))
     _scores(scores, board)
     _pairs(pairs, board)
-    figure.suptitle(f"{board.exam}: {board.marking.name} of 100", fontsize=12, parse_math=False)
+    figure.suptitle(f"{board.exam}: {board.marking.name} [{board.marking.unit}]", fontsize=12, parse_math=False)
     with whole_file(file) as temporary:
         figure.savefig(temporary)
 

@@ -28,6 +28,8 @@ def write_predictivity_figure(comparison: Comparison, file: Path) -> None:
     axes.plot([0.0, 100.0], [0.0, 100.0], color="0.8", lw=1.0, zorder=0)
     for published, colour, label in ((False, COLOURS[1], "other settings"), (True, COLOURS[0], "published settings")):
         chosen = [k for k, one in enumerate(comparison.marks.published) if one is published]
+        if not chosen:
+            continue
         axes.plot(exam[chosen], field[chosen], "o", ms=5.0 if published else 3.5, color=colour, label=label, alpha=0.8)
     # Names would cover each other where many detectors have similar marks, so points have numbers in the order of the field.
     named = sorted((k for k in range(len(exam)) if comparison.marks.published[k]), key=lambda k: (-field[k], -exam[k]))
