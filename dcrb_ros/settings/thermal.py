@@ -53,7 +53,7 @@ class Thermal(Group):
 
 
 def thermal_limits(thermal: Thermal, condition: Condition, lubrication: str, joint: str) -> Iterator[str]:
-    """Yield a sentence for each reason why a law of ``lubrication`` gives no temperatures, and for each fault without effect.
+    """Yield a sentence for each reason why a law of ``lubrication`` gives no temperatures, and for the sun and each fault without effect.
 
     ``joint`` is that of rollers and cage.
     """
@@ -63,6 +63,8 @@ def thermal_limits(thermal: Thermal, condition: Condition, lubrication: str, joi
             "thermal.law = network takes its heat from the friction of an oil, and lubrication.law is dry: take lubrication.law = film, "
             "or thermal.law = none"
         )
+    if thermal.sun > 0.0 and not heated:
+        yield f"thermal.sun = {thermal.sun:g} W only heats, and thermal.law is none: take thermal.law = network"
     if condition.loss > 0.0 and dry:
         yield f"faults.lubrication.loss = {condition.loss:g} needs a lubricant, and lubrication.law is dry: take lubrication.law = film"
     if condition.seal_torque > 0.0 and not heated:

@@ -35,7 +35,7 @@ the rail no longer takes, on the 470 kg by which a wheelset resists turning."""
 BEFORE, AHEAD = 3, 4
 """Ticks before and after a step from which the motion by track and wheels is interpolated [-]."""
 SHAPE = 8.0
-"""Shape of the Kaiser window of this interpolation [-]: the images of a tone up to 2 kHz are 80 dB below it."""
+"""Shape of the Kaiser window of this interpolation [-]: the images of a tone up to 2 kHz are 75 dB below it."""
 
 
 def tick_weights() -> Floats:

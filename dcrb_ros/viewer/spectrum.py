@@ -62,7 +62,7 @@ def diagnoses(
 ) -> list[Diagnosis]:
     """Return the diagnoses of the waveform, and of ``temperatures``, by the shipped detector; a short waveform is a single window.
 
-    Its parameters are the default ones, but for the ``heat_time_lapse`` of the bench [-]. As by `dcrb_ros.detect`, it knows the geometry of
+    Its parameters are the default ones, but for the ``heat_time_lapse`` of the bench [-]. As by `dcrb_ros.detect`, it has the geometry of
     the ``bearing``, if there is one, and a short signal on which it gives no verdict is judged again.
     """
     from dcrb_ros.diagnosis.detection import SHORT, brief

@@ -153,6 +153,7 @@ def test_a_lighter_fault_is_refused_where_it_would_do_nothing() -> None:
         ({"thermal.law": "network"}, "lubrication.law is dry"),
         ({"faults.lubrication.loss": 0.5}, "needs a lubricant"),
         ({"faults.seal_rub.torque": 1.0}, "thermal.law is none"),
+        ({"thermal.sun": 108.0}, "thermal.sun = 108 W only heats, and thermal.law is none"),
         ({"faults.overfilled.share": 0.1}, "thermal.law = network"),
         ({"faults.clearance.lost": 5e-4}, "interference"),
     ):
