@@ -148,7 +148,7 @@ def contact_paths(vehicle: Vehicle, rate: float, gains: Sequence[float]) -> dict
     ``gains`` are the rms gains of the box over the contact in the first two of `BANDS`, which the structure moves [-]; from the second one
     they fall by 12 dB in an octave (an assumption).
     """
-    middles = [math.sqrt(a * b) for a, b in itertools.pairwise(BANDS)]
+    middles = [math.sqrt(a * b) for a, b in itertools.pairwise(BANDS[1:])]
     above = [20.0 * math.log10(gains[0]), *(20.0 * math.log10(gains[1]) - 40.0 * math.log10(middle / middles[0]) for middle in middles)]
     chosen = {}
     for source in range(len(vehicle.boxes)):

@@ -17,7 +17,7 @@ from dcrb_ros.vehicle.file import read_vehicle
 from dcrb_ros.vehicle.frame import FRAME, TICK, TrackEvent
 from dcrb_ros.vehicle.loads import quasi_static
 from dcrb_ros.vehicle.model import AHEAD, BEFORE, VehicleModel, tick_weights
-from dcrb_ros.vehicle.paths import BANDS, Paths, bearing_paths
+from dcrb_ros.vehicle.paths import BANDS, Paths, bearing_paths, contact_paths
 from dcrb_ros.vehicle.structure import Structure, wheelset
 from dcrb_ros.vehicle.track import PAGE, Rails, Random, coherence, irregularity
 from dcrb_ros.vehicle.wheels import jump
@@ -302,6 +302,21 @@ def test_bearings_are_heard_with_the_levels_of_the_file() -> None:
     paths.add(source, target)
     arrival = np.array([np.flatnonzero(target[box, 0])[0] for box in (1, 2, 3)]) / model.rate
     assert arrival == pytest.approx(np.array([2.0, 2.56, 4.56]) / 3000.0, abs=0.1e-3)
+
+
+def test_contacts_are_heard_with_the_levels_of_the_structure_and_fall_above_it() -> None:
+    vehicle, rate = smooth(), 102400.0
+    paths = contact_paths(vehicle, rate, (0.2, 0.5, 9.0, 9.0, 9.0))
+
+    def levels(box: int, bands: range) -> list[float]:
+        grids = [np.geomspace(BANDS[band], BANDS[band + 1], 400) for band in bands]
+        return [10.0 * float(np.log10(paths[0, box].response(grid, rate).mean())) for grid in grids]
+
+    # 0.2 and 0.5 are -14.0 and -6.0 dB; the middles of the next bands are 2 and 4.5 times that of the second.
+    fall = [40.0 * float(np.log10(ratio)) for ratio in (2.0, 20.0**0.5)]
+    assert levels(0, range(2, 4)) == pytest.approx([-6.0 - fall[0], -6.0 - fall[1]], abs=0.5)
+    assert levels(2, range(2)) == pytest.approx([-14.0 - 7.0, -6.0 - 8.0], abs=0.5)
+    assert levels(1, range(2, 3)) == pytest.approx([-6.0 - fall[0] - 11.0], abs=0.5)
 
 
 def test_paths_are_reciprocal_and_take_energy() -> None:
