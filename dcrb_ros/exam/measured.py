@@ -20,7 +20,7 @@ from dcrb_ros.bearing.frequencies import CHARACTERISTIC_FREQUENCIES, Orders
 from dcrb_ros.diagnosis.detector import FaultDetector
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exam.case import canonical
-from dcrb_ros.exam.criteria import Criteria, DelayLimits
+from dcrb_ros.exam.criteria import UNLIMITED, Criteria, DelayLimits
 from dcrb_ros.exam.evaluation import Outcome, Scenario, ScenarioSet, Signal, named
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.led_signal import LEAD, JudgedRecording, LedSignal, expectation, healthy_lead
@@ -48,8 +48,6 @@ LONGEST = 60.0
 """Longest part of a recording that is judged [s]: the longest window of the detector."""
 SHORTEST = 0.5
 """Shortest recording that is judged [s]."""
-UNLIMITED = 1e6
-"""Delays and silences do not count: there is one verdict per recording [s]."""
 FOUND = 0.9
 """Share of the outer and inner-ring faults that must be named."""
 
