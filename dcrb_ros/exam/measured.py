@@ -244,7 +244,7 @@ def whole_scenarios(folder: Path, speed: str, longest: float = LONGEST) -> Scena
     recordings = read_measured(folder, speed)
     signals = [WholeRecording(recording, longest) for recording in recordings]
     scenarios = [Scenario(named(s.recording.name, s.expectation), partial(_itself, s)) for s in signals]
-    return _scenario_set(speed, longest, recordings, scenarios)
+    return _scenario_set(speed, [longest, "whole"], recordings, scenarios)
 
 
 def led_scenarios(folder: Path, speed: str, longest: float = LONGEST) -> ScenarioSet[LedSignal[MeasuredRecording]]:
@@ -255,18 +255,18 @@ def led_scenarios(folder: Path, speed: str, longest: float = LONGEST) -> Scenari
     recordings = read_measured(folder, speed)
     signals = [LedSignal(one, healthy_lead(one, recordings), longest, min(longest, LEAD)) for one in recordings]
     scenarios = [Scenario(named(s.recording.name, s.expectation), partial(_itself, s)) for s in signals]
-    return _scenario_set(speed, longest, recordings, scenarios)
+    return _scenario_set(speed, [longest], recordings, scenarios)
 
 
 def _scenario_set(
-    speed: str, longest: float, recordings: Sequence[MeasuredRecording], scenarios: Sequence[Scenario[Signal]]
+    speed: str, task: Sequence[float | str], recordings: Sequence[MeasuredRecording], scenarios: Sequence[Scenario[Signal]]
 ) -> ScenarioSet[Signal]:
-    """Return the scenarios with a digest of the samples and of everything in the table on which the task depends."""
+    """Return the scenarios with a digest of the ``task``, the samples and everything in the table on which the verdicts depend."""
     rows = [
         [one.name, one.truth, one.rig, one.machine, one.unit, one.rate, one.speed, one.orders.as_dict(), one.gain_known]
         for one in recordings
     ]
-    digest = hashlib.sha256(canonical([files_hash(recordings), longest, rows]).encode()).hexdigest()
+    digest = hashlib.sha256(canonical([files_hash(recordings), *task, rows]).encode()).hexdigest()
     return ScenarioSet(f"measured, speed {speed}", measured_criteria(), scenarios, digest)
 
 
