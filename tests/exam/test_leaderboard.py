@@ -136,6 +136,33 @@ def test_an_edited_entry_is_refused(path: tuple[Any, ...], value: Any, sentence:
 
 
 @pytest.mark.parametrize(
+    ("family", "verdicts", "answer", "sentence"),
+    [
+        ("outer_ring", ("healthy", "outer_ring"), "outer_ring", ""),
+        ("outer_ring", ("healthy", "outer_ring", "waiting"), "outer_ring", ""),
+        ("outer_ring", ("outer_ring", "healthy"), "outer_ring", "the answer is outer_ring, but the last verdict is healthy"),
+        ("healthy", ("cage", "healthy"), "cage", "the answer is cage, but the last verdict is healthy"),
+        ("healthy", ("waiting",), "healthy", "the answer is healthy, but the last verdict is nothing"),
+        ("healthy", ("cage", "waiting"), "waiting", ""),  # the alarm was before the onset
+        ("outer_ring", ("inner_ring",), "outer_ring", ""),  # with name_right off
+    ],
+)
+def test_the_answer_of_an_entry_of_last_verdicts_is_the_last_one(
+    family: str, verdicts: tuple[str, ...], answer: str, sentence: str, tmp_path: Path
+) -> None:
+    entry = detector(1, 0.5)
+    number = next(k for k, one in enumerate(entry.scenarios) if one.family == family and not one.found)
+    given = StoredDiagnoses.of([ReceivedDiagnosis(1.0 + k, verdict) for k, verdict in enumerate(verdicts)])
+    one = entry.scenarios[number].model_copy(update={"answer": answer, "diagnoses": given, "credit": {}})
+    one = one if family == "healthy" else one.model_copy(update={"credit": dict.fromkeys(FULL, 0.0)})
+    (tmp_path / "e.json").write_text(json.dumps(entry.model_copy(update={"scenarios": [one], "last_verdict": True}).model_dump()))
+    with pytest.raises(Refusal) as refused:
+        read_entry(tmp_path / "e.json")
+    # One scenario has no exam score, so an entry whose answers are right is refused for the scores that it states.
+    assert (sentence or "states exam scores that do not follow") in str(refused.value)
+
+
+@pytest.mark.parametrize(
     ("path", "value"), [(("scenarios", FOUND, "delay_turns"), 1.0), (("false_alarms",), 3), (("detector",), "other"), (("passed",), None)]
 )
 def test_a_written_entry_that_was_edited_is_refused(path: tuple[Any, ...], value: Any, tmp_path: Path) -> None:
