@@ -5,12 +5,15 @@ from __future__ import annotations
 import dataclasses
 import math
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 import yaml
 
 from dcrb_ros.cli.exam_list import print_scenarios
+from dcrb_ros.exam import exam_scenarios
 from dcrb_ros.exam.exam_file import Exam, exam_of
 from dcrb_ros.exam.exam_scenarios import expectations, led_signals
 from dcrb_ros.exam.kinds import matching
@@ -87,6 +90,22 @@ def test_the_digest_contains_the_machines() -> None:
     others[3]["tags"]["machine"] = "m2"
     assert replica(*others).digest != exam.digest
     assert replica(*others, replica=None).digest == replica(*GIVEN, replica=None).digest
+
+
+def test_a_known_gain_is_part_of_the_signal_and_of_the_digest() -> None:
+    known = [*GIVEN[:-1], {**GIVEN[-1], "tags": {**GIVEN[-1]["tags"], "gain": "known"}}]
+    assert [signal.recording.gain_known for signal in led_signals(replica(*known), Path())] == [False, False, False, False, True]
+    assert replica(*known).digest != replica(*GIVEN).digest
+
+
+def test_a_recording_has_the_axis_of_the_load(monkeypatch: pytest.MonkeyPatch) -> None:
+    both = np.array([[1.0, 2.0]]).repeat(20000, axis=0)
+    monkeypatch.setattr(exam_scenarios, "cached_recording", lambda case, folder: folder / case.name)
+    monkeypatch.setattr(exam_scenarios, "Recording", lambda path: SimpleNamespace(acceleration=both))
+    recording = led_signals(replica(*GIVEN), Path())[0].recording
+    part = recording.longest_part(1.5)
+    assert (part.shape, set(part)) == ((15000,), {2.0})
+    assert len(part) == recording.samples_within(1.5)
 
 
 def test_a_scenario_without_a_machine_is_refused() -> None:
