@@ -35,8 +35,9 @@ def print_scenarios(exam: AnyExam) -> None:
 
 
 def _cells(exam: Exam) -> Iterable[tuple[str, ...]]:
-    for case in exam.cases:
-        expectation = case.expectation
+    from dcrb_ros.exam.exam_scenarios import expectations
+
+    for expectation in expectations(exam):
         name = expectation.name if expectation.required else f"{expectation.name} (not required)"
         onset = f"{expectation.onset:g}" if expectation.faulty else "-"
         yield name, expectation.verdict, onset, f"{expectation.duration:g}", expectation.twin or "-"

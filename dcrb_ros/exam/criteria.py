@@ -9,6 +9,9 @@ from pydantic import create_model
 from dcrb_ros.schema.fields import Group, choice, quantity
 from dcrb_ros.schema.verdicts import FAULTS
 
+UNLIMITED = 1e6
+"""Largest delay and silence of the criteria [s]: neither counts, because the last verdict does."""
+
 _LIMITS: dict[str, Any] = {
     name: (float, quantity(fault.delay, "s", f"Longest delay of the verdict {name}", 0.0, 1e6)) for name, fault in FAULTS.items()
 }

@@ -290,7 +290,8 @@ def _case(
     if faulty:
         onset = fault_time if fault or entry.onset is not None else _onset(configuration, events, entry.verdict, where)
     limit = file.criteria.delay.of(entry.verdict) if faulty else 0.0
-    if faulty and duration < onset + limit - 1e-9:
+    # The last verdict of a replica counts, whenever it is given.
+    if faulty and file.replica is None and duration < onset + limit - 1e-9:
         raise Refusal(
             f"{where}: it ends {duration - onset:g} s after the onset, but criteria.delay.{entry.verdict} allows {limit:g} s: "
             "increase the duration or reduce the limit"

@@ -6,14 +6,14 @@ Each recording of a replica follows a healthy one of the same simulated machine,
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
 from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.exam.case import Case, simulation_seeds
 from dcrb_ros.exam.evaluation import Scenario, ScenarioSet
-from dcrb_ros.exam.exam_file import GAIN_TAG, MACHINE_TAG, Exam
+from dcrb_ros.exam.exam_file import GAIN_TAG, MACHINE_TAG, Exam, ReplicaOrigin
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.led_signal import JudgedRecording, LedSignal, healthy_lead
 from dcrb_ros.exam.measured import KNOWN
@@ -48,11 +48,18 @@ class SimulatedRecording(JudgedRecording):
         return round(min(seconds, self.case.simulation.duration) * self.rate)
 
 
-def _recording_of(case: Case, exam: Exam, folder: Path) -> SimulatedRecording:
+def _recording_of(case: Case, exam: Exam, origin: ReplicaOrigin, folder: Path) -> SimulatedRecording:
     expectation, configuration = case.expectation, case.simulation.configuration
-    machine = expectation.tags.get(MACHINE_TAG)
+    machine, duration = expectation.tags.get(MACHINE_TAG), case.simulation.duration
+    flaw = ""
     if machine is None:
-        raise Refusal(f"scenario '{case.name}' of the replica {exam.name} has no tag {MACHINE_TAG}: make it again with dcrb exam replica")
+        flaw = f"has no tag {MACHINE_TAG}"
+    elif case.simulation.scenario is not None or expectation.onset:
+        flaw = "changes while it is recorded, but a recording has one speed and one truth"
+    elif not duration <= origin.longest:
+        flaw = f"lasts {duration:g} s, but replica.longest is {origin.longest:g} s"
+    if flaw:
+        raise Refusal(f"scenario '{case.name}' of the replica {exam.name} {flaw}: make it again with dcrb exam replica")
     return SimulatedRecording(
         name=case.name,
         rig=str(expectation.tags.get("rig", machine)),
@@ -71,11 +78,11 @@ def led_signals(exam: Exam, folder: Path) -> list[LedSignal[SimulatedRecording]]
     """Return the recordings of a replica, which are kept in a folder, each after a healthy one of its machine if there is one.
 
     Raises:
-        Refusal: the exam is no replica, or one of its scenarios names no machine.
+        Refusal: the exam is no replica, or one of its scenarios names no machine, changes during the recording or is too long.
     """
     if exam.replica is None:
         raise Refusal(f"the exam '{exam.name}' is no replica: make one with dcrb exam replica")
-    recordings, longest = [_recording_of(case, exam, folder) for case in exam.cases], exam.replica.longest
+    recordings, longest = [_recording_of(case, exam, exam.replica, folder) for case in exam.cases], exam.replica.longest
     return [LedSignal(recording, healthy_lead(recording, recordings), longest, longest) for recording in recordings]
 
 
@@ -83,7 +90,16 @@ def expectations(exam: Exam) -> list[Expectation]:
     """Return what is expected of a detector in each scenario of an exam; nothing is simulated."""
     if exam.replica is None:
         return [case.expectation for case in exam.cases]
-    return [signal.expectation() for signal in led_signals(exam, Path())]
+    return [_expectation(signal) for signal in led_signals(exam, Path())]
+
+
+def _expectation(signal: LedSignal[SimulatedRecording]) -> Expectation:
+    """Return what is expected of a simulated recording; it is required if the file says so, and each part has its own speed."""
+    expected, recording = signal.expectation(), signal.recording
+    speed = 2.0 * math.pi * recording.speed
+    before = 2.0 * math.pi * signal.lead.speed if signal.lead else speed
+    knots = ((expected.onset, before), (math.nextafter(expected.onset, math.inf), speed))
+    return replace(expected, required=recording.case.expectation.required, speeds=knots)
 
 
 def simulated_scenarios(exam: Exam, folder: Path) -> ScenarioSet[Recording]:
@@ -97,7 +113,7 @@ def simulated_scenarios(exam: Exam, folder: Path) -> ScenarioSet[Recording]:
 def replica_scenarios(exam: Exam, folder: Path) -> ScenarioSet[LedSignal[SimulatedRecording]]:
     """Return the scenarios of a replica; see `led_signals`."""
     scenarios = [
-        Scenario(signal.expectation(), partial(_simulated, signal), recorded=partial(_is_simulated, signal))
+        Scenario(_expectation(signal), partial(_simulated, signal), recorded=partial(_is_simulated, signal))
         for signal in led_signals(exam, folder)
     ]
     return ScenarioSet(exam.name, exam.criteria, scenarios, exam.digest, exam.seal, simulation_seeds(exam.cases))

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -102,17 +103,25 @@ def interval(values: Floats) -> tuple[float, float]:
 def draws(contributions: Sequence[Contribution], seed: int = SEED) -> Floats:
     """Return the weight of each scenario in each bootstrap sample, shape (`RESAMPLES`, scenarios).
 
-    Scenarios are drawn with replacement within their family, so that every sample has faults of all families and healthy time.
+    Scenarios are drawn with replacement within their family, so that every sample has faults of all families and healthy time. The array
+    cannot be written, because later calls return it again.
     """
-    counts = np.zeros((RESAMPLES, len(contributions)))
-    for number, members in enumerate(_grouped(contributions).values()):
+    return _drawn(tuple(map(tuple, _grouped(contributions).values())), seed)
+
+
+@lru_cache(maxsize=4)
+def _drawn(groups: tuple[tuple[int, ...], ...], seed: int) -> Floats:
+    """Return the weights for the positions of the scenarios of each family; a leaderboard takes the same ones for every pair of entries."""
+    counts = np.zeros((RESAMPLES, sum(map(len, groups))))
+    for number, members in enumerate(groups):
         random = np.random.default_rng([seed, number, len(members)])
         # One draw fewer than scenarios, each with more weight: otherwise the variance is (n - 1)/n of the true one (Rao and Wu 1988).
         drawn = max(1, len(members) - 1)
         chosen = random.integers(0, len(members), (RESAMPLES, drawn))
         positions = chosen + len(members) * np.arange(RESAMPLES)[:, None]
         times = np.bincount(positions.ravel(), minlength=RESAMPLES * len(members)).reshape(RESAMPLES, len(members))
-        counts[:, members] = times * (len(members) / drawn)
+        counts[:, list(members)] = times * (len(members) / drawn)
+    counts.flags.writeable = False
     return counts
 
 

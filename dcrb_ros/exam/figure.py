@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from dcrb_ros.exam.criteria import UNLIMITED
 from dcrb_ros.exam.report import Report
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.verdicts import FAULTS
@@ -53,7 +54,8 @@ def _detection(axes: Axes, report: Report) -> None:
     axes.set_title("Probability of detection, 95 % confidence", fontsize=10)
     rows = report.detections()
     if not rows:
-        _empty(axes, "no defect with a width")
+        of_replica = any(result.expectation.width and result.expectation.last_verdict for result in report.faulty)
+        _empty(axes, "widths on different bearings\nare not compared" if of_replica else "no defect with a width")
         return
     verdicts, widest = list(dict.fromkeys(row.verdict for row in rows)), max(row.width for row in rows) * 1e3
     for position, verdict in enumerate(verdicts):
@@ -93,19 +95,24 @@ def _delay(axes: Axes, report: Report) -> None:
     if not rows:
         _empty(axes, "no scenario with a fault")
         return
+    longest = max(result.expectation.end - result.expectation.onset for result in report.faulty)
+    limited = any(row.limit < UNLIMITED for row in rows)
     for position, row in enumerate(rows):
         delays = [m.delay for m in report.faulty if m.expectation.verdict == row.verdict and m.found and m.delay is not None]
         spread = np.linspace(-0.2, 0.2, len(delays)) if len(delays) > 1 else np.zeros(len(delays))
         axes.plot(position + spread, delays, "o", ms=3.5, alpha=0.7, color=FAULTS[row.verdict].colour)
         if math.isfinite(row.median):
             axes.hlines(row.median, position - 0.3, position + 0.3, color="black", lw=1.5)
-        axes.hlines(row.limit, position - 0.4, position + 0.4, color="red", lw=1.0, ls="--")
+        if row.limit < UNLIMITED:
+            axes.hlines(row.limit, position - 0.4, position + 0.4, color="red", lw=1.0, ls="--")
         if not delays:
-            axes.text(position, 0.5 * row.limit, "none detected\nin time", ha="center", va="center", fontsize=8, color="#666666")
+            height = 0.5 * (row.limit if limited else longest)
+            axes.text(position, height, "none detected\nin time", ha="center", va="center", fontsize=8, color="#666666")
     axes.plot([], [], color="black", lw=1.5, label="median")
-    axes.plot([], [], color="red", lw=1.0, ls="--", label="limit")
+    if limited:
+        axes.plot([], [], color="red", lw=1.0, ls="--", label="limit")
     axes.set_xticks(range(len(rows)), [f"{row.verdict}\n{row.found} of {row.scenarios}" for row in rows], fontsize=8)
-    axes.set(ylabel="delay [s]", ylim=(0.0, None), xlim=(-0.6, len(rows) - 0.4))
+    axes.set(ylabel="delay [s]", ylim=(0.0, None if limited else longest), xlim=(-0.6, len(rows) - 0.4))
     axes.legend(fontsize=8, loc="center right")
     axes.grid(alpha=0.25, axis="y")
 

@@ -1,4 +1,4 @@
-"""The leaderboard: entries sorted by exam score, as Markdown and HTML."""
+"""The leaderboard: entries sorted by their mark, as Markdown and HTML."""
 
 from __future__ import annotations
 
@@ -158,7 +158,7 @@ def markdown(boards: Sequence[Board], figures: Sequence[str]) -> str:
     """Return leaderboards as Markdown; ``figures`` names the picture of each."""
     lines = ["# Leaderboard", "", "Written by `dcrb exam table`.", ""]
     for board, figure in zip(boards, figures, strict=True):
-        lines += [f"## {_plain(board.exam)}", "", about(board), "", f"![Marks of {_plain(board.exam)}]({figure})", ""]
+        lines += [f"## {_plain(board.exam)}", "", about(board), "", f"![{board.marking.caption} of {_plain(board.exam)}]({figure})", ""]
         lines += [table(board.heads, (tuple(map(_plain, row)) for row in rows(board))), ""]
     return "\n".join(lines)
 
@@ -175,7 +175,7 @@ def page(boards: Sequence[Board], figures: Sequence[str]) -> str:
         head = "".join(f"<th>{html.escape(cell)}</th>" for cell in board.heads)
         body = "\n".join("<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in rows(board))
         name = html.escape(board.exam)
-        picture = f'<img src="{html.escape(figure)}" alt="Marks of {name}">'
+        picture = f'<img src="{html.escape(figure)}" alt="{board.marking.caption} of {name}">'
         parts.append(f"<h2>{name}</h2>\n<p>{html.escape(about(board))}</p>\n{picture}\n<table>\n<tr>{head}</tr>\n{body}\n</table>")
     return f"{PAGE_HEAD}\n<body>\n<h1>Exam of fault detectors</h1>\n{chr(10).join(parts)}\n</body>\n</html>\n"
 

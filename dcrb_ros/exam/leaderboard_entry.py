@@ -16,14 +16,14 @@ from dcrb_ros.exam.credit import Credit
 from dcrb_ros.exam.exam_score import Contribution, ExamScore, exam_scores
 from dcrb_ros.exam.profile import PROFILES
 from dcrb_ros.exam.report import Report
-from dcrb_ros.exam.scoring import NO_ANSWER
+from dcrb_ros.exam.scoring import NO_ANSWER, WAITING
 from dcrb_ros.messages.received_diagnosis import LATEST, ReceivedDiagnosis
 from dcrb_ros.recordings.manifest import model_fingerprint, software
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.parameter_field import first_problem
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.schema.verdicts import VERDICTS, FaultClass, is_alarm
+from dcrb_ros.schema.verdicts import BEARING_FAULTS, VERDICTS, FaultClass, is_alarm
 from dcrb_ros.text.files import checked_path, read_text
 from dcrb_ros.text.json import LARGEST, digest_of, parsed_json
 from dcrb_ros.text.writing import write_whole
@@ -240,7 +240,7 @@ def _check(entry: Entry, path: Path) -> None:
         )
         if invalid or scenario.spoiled > scenario.periods:
             raise Refusal(f"{path} has an impossible credit in the scenario '{scenario.name}': make it again with dcrb score --entry")
-        contradiction = _contradiction(scenario)
+        contradiction = _contradiction(scenario) or (_contradicted_answer(scenario) if entry.last_verdict else "")
         if contradiction:
             raise Refusal(
                 f"{path} contradicts itself in the scenario '{scenario.name}': {contradiction}; make it again with dcrb score --entry"
@@ -272,6 +272,18 @@ def _contradiction(scenario: EntryScenario) -> str:
         if credit > most + EXACT or (delay is None and profile.naming > 0.0 and credit > 1.0 - EXACT):
             return f"a credit of {credit:g} ({profile.name}) for a fault that was not detected in time"
     return ""
+
+
+def _contradicted_answer(scenario: EntryScenario) -> str:
+    """Return how the answer of a scenario differs from its last verdict; the empty string if it does not."""
+    given = [verdict for verdict in scenario.diagnoses.verdicts if verdict != WAITING] if scenario.diagnoses else []
+    # The verdicts before the onset are no answer, so a detector may have none.
+    if scenario.diagnoses is None or scenario.answer in (WAITING, NO_ANSWER):
+        return ""
+    last = given[-1] if given else NO_ANSWER
+    # With criteria.name_right off, every bearing fault is taken as the correct one.
+    any_fault = {last, scenario.family} <= set(BEARING_FAULTS) and scenario.answer == scenario.family
+    return "" if last == scenario.answer or any_fault else f"the answer is {scenario.answer}, but the last verdict is {last}"
 
 
 def _most_credit(scenario: EntryScenario, naming: float) -> float:

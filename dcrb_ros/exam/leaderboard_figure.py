@@ -1,7 +1,8 @@
-"""The leaderboard as a figure: exam scores with their intervals, and which detectors are distinguished."""
+"""The leaderboard as a figure: marks with their intervals, and which detectors are distinguished."""
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 
 import numpy as np
@@ -29,7 +30,7 @@ def write_board_figure(board: Board, file: Path) -> None:
     scores, pairs = figure.subplots(1, 2, width_ratios=(1.4, 1.0))
     _scores(scores, board)
     _pairs(pairs, board)
-    figure.suptitle(f"{board.exam}: {board.marking.name} [{board.marking.unit}]", fontsize=12, parse_math=False)
+    figure.suptitle(f"{board.exam}: {board.marking.name}, 0 to 100", fontsize=12, parse_math=False)
     with whole_file(file) as temporary:
         figure.savefig(temporary)
 
@@ -73,16 +74,15 @@ MOST_NUMBERS = 15
 def _pairs(axes: Axes, board: Board) -> None:
     axes.set_title("Row better than column [% of samples]", fontsize=10)
     count = len(board.entries)
-    shares = np.full((count, count), np.nan)
-    for i in range(count):
-        for j in range(count):
-            if i != j:
-                comparison = board.marking.compare(board.entries[i], board.entries[j])
-                shares[i, j] = 100.0 * comparison.confidence
-                weight = "bold" if comparison.distinguished else "normal"
-                colour = "white" if shares[i, j] > 75.0 else "black"
-                text = f"{shares[i, j]:.0f}" if count <= MOST_NUMBERS else "×" * comparison.distinguished
-                axes.text(j, i, text, ha="center", va="center", fontsize=8, color=colour, fontweight=weight)
+    shares, marking, entries = np.full((count, count), np.nan), board.marking, board.entries
+    for i, j in itertools.combinations(range(count), 2):
+        comparison = marking.compare(entries[i], entries[j])
+        shares[i, j], shares[j, i] = 100.0 * comparison.confidence, 100.0 * (1.0 - comparison.confidence)
+        for row, column in ((i, j), (j, i)):
+            weight = "bold" if comparison.distinguished else "normal"
+            colour = "white" if shares[row, column] > 75.0 else "black"
+            text = f"{shares[row, column]:.0f}" if count <= MOST_NUMBERS else "×" * comparison.distinguished
+            axes.text(column, row, text, ha="center", va="center", fontsize=8, color=colour, fontweight=weight)
     axes.imshow(shares, cmap="Blues", vmin=0.0, vmax=110.0, aspect="auto")
     places = range(0, count, 1 if count <= MOST_NUMBERS else 5)
     axes.set_xticks(places, [str(k + 1) for k in places], fontsize=8)

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from dcrb_ros.exam.exam_score import SEED, ScoreDifference, compare, difference, draws, headline_score, interval, scores
+from dcrb_ros.exam.exam_score import DECIMALS, SEED, ScoreDifference, compare, difference, draws, headline_score, interval, scores
 from dcrb_ros.exam.leaderboard_entry import Entry, EntryScenario
 from dcrb_ros.exam.profile import HEADLINE, HEADLINE_PROFILE, PROFILES
 from dcrb_ros.exam.statistics import CONFIDENCE, Interval
@@ -22,6 +22,8 @@ class Marking(ABC):
 
     name: str
     """Name of the mark."""
+    caption: str
+    """Beginning of the description of a picture of the marks."""
     unit: str
     about: str
     """What the columns contain, as a sentence without its full stop."""
@@ -58,7 +60,7 @@ class Marking(ABC):
 class ScoreMarking(Marking):
     """The exam score; see `dcrb_ros.exam.exam_score`."""
 
-    name, unit = "exam score", "-"
+    name, caption, unit = "exam score", "Exam scores", "-"
     about = f"Exam scores of 100 with {CONFIDENCE:.0%} bootstrap intervals; sorted by {HEADLINE}"
 
     def heads(self, entries: Sequence[Entry]) -> tuple[str, ...]:
@@ -96,10 +98,10 @@ class ScoreMarking(Marking):
 class VerdictMarking(Marking):
     """The share of correct verdicts in the required scenarios [%], mean over the classes."""
 
-    name, unit = "correct verdicts", "%"
+    name, caption, unit = "correct verdicts", "Correct verdicts", "%"
     about = (
-        f"Correct verdicts as the mean over the classes with its {CONFIDENCE:.0%} bootstrap interval, by which entries are sorted, "
-        "and as numbers"
+        "Correct verdicts in the required scenarios, the mean over their classes, by which entries are sorted, with its "
+        f"{CONFIDENCE:.0%} bootstrap interval; and the numbers of correct verdicts in all scenarios"
     )
 
     def heads(self, entries: Sequence[Entry]) -> tuple[str, ...]:
@@ -122,7 +124,8 @@ class VerdictMarking(Marking):
 
     def mark(self, entry: Entry) -> float:
         """Return the share of correct verdicts [%]."""
-        return float(_shares(entry, np.ones((1, len(_required(entry)))))[0])
+        # Equal shares of several classes can differ in the last bit, depending on the order of the classes.
+        return round(float(_shares(entry, np.ones((1, len(_required(entry)))))[0]), DECIMALS)
 
     def samples(self, entry: Entry, seed: int = SEED) -> Floats:
         """Return this share in bootstrap samples, drawn within each class."""

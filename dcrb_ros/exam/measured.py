@@ -20,7 +20,7 @@ from dcrb_ros.bearing.frequencies import CHARACTERISTIC_FREQUENCIES, Orders
 from dcrb_ros.diagnosis.detector import FaultDetector
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exam.case import canonical
-from dcrb_ros.exam.criteria import Criteria, DelayLimits
+from dcrb_ros.exam.criteria import UNLIMITED, Criteria, DelayLimits
 from dcrb_ros.exam.evaluation import Outcome, Scenario, ScenarioSet, Signal, named
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.led_signal import LEAD, JudgedRecording, LedSignal, expectation, healthy_lead
@@ -48,8 +48,6 @@ LONGEST = 60.0
 """Longest part of a recording that is judged [s]: the longest window of the detector."""
 SHORTEST = 0.5
 """Shortest recording that is judged [s]."""
-UNLIMITED = 1e6
-"""Delays and silences do not count: there is one verdict per recording [s]."""
 FOUND = 0.9
 """Share of the outer and inner-ring faults that must be named."""
 
@@ -246,7 +244,7 @@ def whole_scenarios(folder: Path, speed: str, longest: float = LONGEST) -> Scena
     recordings = read_measured(folder, speed)
     signals = [WholeRecording(recording, longest) for recording in recordings]
     scenarios = [Scenario(named(s.recording.name, s.expectation), partial(_itself, s)) for s in signals]
-    return _scenario_set(speed, longest, recordings, scenarios)
+    return _scenario_set(speed, [longest, "whole"], recordings, scenarios)
 
 
 def led_scenarios(folder: Path, speed: str, longest: float = LONGEST) -> ScenarioSet[LedSignal[MeasuredRecording]]:
@@ -257,18 +255,18 @@ def led_scenarios(folder: Path, speed: str, longest: float = LONGEST) -> Scenari
     recordings = read_measured(folder, speed)
     signals = [LedSignal(one, healthy_lead(one, recordings), longest, min(longest, LEAD)) for one in recordings]
     scenarios = [Scenario(named(s.recording.name, s.expectation), partial(_itself, s)) for s in signals]
-    return _scenario_set(speed, longest, recordings, scenarios)
+    return _scenario_set(speed, [longest], recordings, scenarios)
 
 
 def _scenario_set(
-    speed: str, longest: float, recordings: Sequence[MeasuredRecording], scenarios: Sequence[Scenario[Signal]]
+    speed: str, task: Sequence[float | str], recordings: Sequence[MeasuredRecording], scenarios: Sequence[Scenario[Signal]]
 ) -> ScenarioSet[Signal]:
-    """Return the scenarios with a digest of the samples and of everything in the table on which the task depends."""
+    """Return the scenarios with a digest of the ``task``, the samples and everything in the table on which the verdicts depend."""
     rows = [
         [one.name, one.truth, one.rig, one.machine, one.unit, one.rate, one.speed, one.orders.as_dict(), one.gain_known]
         for one in recordings
     ]
-    digest = hashlib.sha256(canonical([files_hash(recordings), longest, rows]).encode()).hexdigest()
+    digest = hashlib.sha256(canonical([files_hash(recordings), *task, rows]).encode()).hexdigest()
     return ScenarioSet(f"measured, speed {speed}", measured_criteria(), scenarios, digest)
 
 

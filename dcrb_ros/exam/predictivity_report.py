@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,11 +16,12 @@ from dcrb_ros.exam.evaluation import OnDone
 from dcrb_ros.exam.exam_file import Exam, ReplicaOrigin
 from dcrb_ros.exam.exam_scenarios import led_signals
 from dcrb_ros.exam.leaderboard_entry import Entry
+from dcrb_ros.exam.led_signal import LEAD
 from dcrb_ros.exam.limits import Limits
-from dcrb_ros.exam.measured import read_table
+from dcrb_ros.exam.measured import TABLE, led_scenarios, read_measured, read_table
 from dcrb_ros.exam.predictivity import Compared, Marks, Predictivity, check_families, class_mean, predictivities
 from dcrb_ros.exam.predictivity_marks import answers_of
-from dcrb_ros.exam.predictivity_task import COMPARED, Task, measured_tasks, simulate_missing, simulated_tasks
+from dcrb_ros.exam.predictivity_task import Task, measured_tasks, simulate_missing, simulated_tasks
 from dcrb_ros.exam.replica import table_digest
 from dcrb_ros.exam.statistics import CONFIDENCE, Interval
 from dcrb_ros.schema.arrays import Floats
@@ -97,33 +98,63 @@ def compare_entries(table: Path, exam: Exam, entries: Sequence[Entry], measured:
     Each detector is a family of its own. The measured recordings must have been cut to the longest part of the replica.
 
     Raises:
-        Refusal: the replica is one of another table, an entry was made with another exam or lacks a recording, or fewer than three
-            detectors are in both.
+        Refusal: the replica is one of another table or has longer healthy parts than measured recordings, an entry was made with another
+            exam, another task or another truth, or lacks a recording, or fewer than three detectors are in both.
     """
     origin, ours, field = origin_of(exam, table), by_name(entries, "the exam"), by_name(measured, "the measured recordings")
     foreign = next((name for name, entry in ours.items() if entry.scenarios_sha256 != exam.digest), None)
     if foreign is not None:
         raise Refusal(f"the entry '{foreign}' was made with another exam than '{exam.name}': make it with dcrb score REPLICA --entry")
+    if origin.longest > LEAD:
+        raise Refusal(
+            f"the healthy parts of '{exam.name}' have up to {origin.longest:g} s, but those of dcrb score --measured {LEAD:g} s: give "
+            "--detectors instead of entries, or make a replica with a shorter --longest"
+        )
+    table_rows = read_table(table, origin.speed)
     counterparts: dict[str, list[str]] = {}
-    for case in exam.cases:
-        counterparts.setdefault(str(case.expectation.tags["recording"]), []).append(case.name)
+    for task in simulated_tasks(exam, table_rows, Path()):
+        counterparts.setdefault(task.original.name, []).append(task.signal.recording.name)
     led = {signal.recording.tags["recording"] for signal in led_signals(exam, Path()) if signal.lead is not None}
     recordings = tuple(
-        Compared(one.name, one.machine, one.truth, one.bearing, one.name in led)
-        for one in read_table(table, origin.speed)
-        if one.truth in COMPARED and one.name in counterparts
+        Compared(one.name, one.machine, one.truth, one.bearing, one.name in led) for one in table_rows if one.name in counterparts
     )
     names = tuple(name for name in ours if name in field)
     check_families(names)
+    _check_task(table, origin, field)
     right = {name: _right_answers(ours[name]) for name in names}, {name: _right_answers(field[name]) for name in names}
-    lacking = next(((name, one.name) for name in names for one in recordings if one.name not in right[1][name]), None)
-    if lacking is not None:
-        raise Refusal(f"the entry '{lacking[0]}' on measured recordings lacks {lacking[1]}: make it with all recordings of {table}")
+    for name in names:
+        _check_scenarios(f"the entry '{name}'", ours[name], {case.name: case.expectation.verdict for case in exam.cases}, exam.name)
+        _check_scenarios(f"the entry '{name}' on measured recordings", field[name], {one.name: one.truth for one in recordings}, str(table))
     in_exam = [[float(np.mean([right[0][name][k] for k in counterparts[one.name]])) for one in recordings] for name in names]
     in_field = [[right[1][name][one.name] for one in recordings] for name in names]
     marks = Marks(names, names, (True,) * len(names), recordings, np.array(in_field), np.array(in_exam))
     found = tuple(predictivities(marks))
     return Comparison(marks, found, found, (), origin, sum(len(counterparts[one.name]) for one in recordings))
+
+
+def _check_task(table: Path, origin: ReplicaOrigin, field: Mapping[str, Entry]) -> None:
+    """Refuse entries on measured recordings that were made with another task than that of the replica, if the recordings are there."""
+    folder = table.parent
+    if table.name != TABLE or not all(one.file.is_file() for one in read_measured(folder, origin.speed)):
+        return
+    digest = led_scenarios(folder, origin.speed, origin.longest).digest
+    other = next((name for name, entry in field.items() if entry.scenarios_sha256 != digest), None)
+    if other is not None:
+        raise Refusal(
+            f"the entry '{other}' was made with another task or other recordings than the replica: make it with dcrb score --measured "
+            f"{folder} --speed {origin.speed} --longest {origin.longest:g} --python CLASS"
+        )
+
+
+def _check_scenarios(what: str, entry: Entry, truths: Mapping[str, str], source: str) -> None:
+    """Refuse an entry that lacks a scenario or has another truth of it."""
+    stated = {scenario.name: scenario.family for scenario in entry.scenarios}
+    lacking = next((name for name in truths if name not in stated), None)
+    if lacking is not None:
+        raise Refusal(f"{what} lacks {lacking}: make it with all recordings of {source}")
+    other = next((name for name, truth in truths.items() if stated[name] != truth), None)
+    if other is not None:
+        raise Refusal(f"{what} takes {other} as {stated[other]}, but it is {truths[other]} in {source}: make the entry again")
 
 
 def _right_answers(entry: Entry) -> dict[str, float]:

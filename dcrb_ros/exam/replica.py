@@ -13,8 +13,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from dcrb_ros.exam.criteria import UNLIMITED
 from dcrb_ros.exam.exam_file import GAIN_TAG, MACHINE_TAG, exam_of
-from dcrb_ros.exam.measured import FOUND, KNOWN, UNLIMITED, MeasuredRecording, read_table
+from dcrb_ros.exam.measured import FOUND, KNOWN, MeasuredRecording, read_table
 from dcrb_ros.exam.replica_geometry import bearing_settings, geometry_of
 from dcrb_ros.exam.replica_priors import (
     AZIMUTH,
@@ -112,13 +113,12 @@ def replica_tree(table: Path, plan: ReplicaPlan, speed: str = "lines") -> dict[s
         )
     levels = _HealthyLevels(bench)
     scenarios = [scenario for recording in recordings for scenario in _counterparts(table, recording, recordings, bench, plan, levels)]
-    shortest = min(scenario["duration"] for scenario in scenarios)
     tree = {
         "exam": f"replica of {table.parent.name}",
         "about": "Counterparts of measured recordings, made by dcrb exam replica; dcrb exam predictivity compares them",
         "base": plan.bench,
         "onset": 0.0,
-        "criteria": {"delay": dict.fromkeys(FAULTS, shortest), "found": FOUND, "smallest_width": 0.0, "silence": UNLIMITED},
+        "criteria": {"delay": dict.fromkeys(FAULTS, UNLIMITED), "found": FOUND, "smallest_width": 0.0, "silence": UNLIMITED},
         "replica": {
             "table_sha256": table_digest(table),
             "speed": speed,

@@ -11,6 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from dcrb_ros.exam.breakdown import PARTIAL, family_areas, overall_area, strata
+from dcrb_ros.exam.criteria import UNLIMITED
 from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.statistics import CONFIDENCE, Interval
 from dcrb_ros.recordings.manifest import model_fingerprint
@@ -113,10 +114,15 @@ def _areas(report: Report) -> Iterator[Table]:
 
 def _delays(report: Report) -> Iterator[Table]:
     rows = [
-        (row.verdict, f"{row.found} of {row.scenarios}", number(row.median), number(row.p95), f"{row.limit:g}", number(row.turns, 1))
+        (row.verdict, f"{row.found} of {row.scenarios}", number(row.median), number(row.p95), _limit(row.limit), number(row.turns, 1))
         for row in report.delays()
     ]
     return _filled("Detection delay", ("fault", "detected", "median [s]", "95 % [s]", "limit [s]", "median [revolutions]"), rows)
+
+
+def _limit(limit: float) -> str:
+    """Return a limit of the delay as text [s], a dash if there is none."""
+    return f"{limit:g}" if limit < UNLIMITED else "-"
 
 
 def _detections(report: Report) -> Iterator[Table]:

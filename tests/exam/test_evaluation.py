@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 from made_up_blocks import BODIES, blocks, recorded
 
-from dcrb_ros.exam import evaluation, in_process, recording_cache
+from dcrb_ros.exam import evaluation, exam_scenarios, in_process, recording_cache
 from dcrb_ros.exam.case import Case
 from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.detector_run import PythonDetector, run_detector
@@ -285,8 +285,8 @@ def test_only_missing_recordings_are_simulated_and_all_are_reported(tmp_path: Pa
         return cache_path(case, folder)
 
     monkeypatch.setattr(recording_cache, "recording_flaw", lambda case, path: "")
-    monkeypatch.setattr(recording_cache, "cached_recording", recording)
-    monkeypatch.setattr(recording_cache, "Recording", Path)
+    monkeypatch.setattr(exam_scenarios, "cached_recording", recording)
+    monkeypatch.setattr(exam_scenarios, "Recording", Path)
     cache_path(CASES[1], tmp_path).mkdir()
     shown, mute = Shown(), Mute()
     evaluate(mute, simulated_scenarios(EXAM, tmp_path), progress=shown)

@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 import yaml
 
+from dcrb_ros.cli.exam_list import print_scenarios
+from dcrb_ros.exam import exam_scenarios
 from dcrb_ros.exam.exam_file import Exam, exam_of
 from dcrb_ros.exam.exam_scenarios import expectations, led_signals
 from dcrb_ros.exam.kinds import matching
+from dcrb_ros.exam.scoring import score_scenario
+from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.schema.refusal import Refusal
 
 ORIGIN = {
@@ -27,7 +34,7 @@ def scenario(name: str, machine: str, verdict: str = "healthy", rate: int = 1000
     return {
         "name": name,
         "verdict": verdict,
-        "duration": 3.0,
+        "duration": 2.0,
         "twin": False,
         "tags": {"machine": machine, "rig": "r"},
         "set": settings,
@@ -60,7 +67,7 @@ def test_a_healthy_recording_of_the_same_machine_at_the_nearest_speed_precedes_e
 
 def test_the_onset_is_the_end_of_the_healthy_recording() -> None:
     found = {expectation.name: expectation for expectation in expectations(replica(*GIVEN))}
-    # At most 2 s of each count; the healthy one of 1 s at 20 kHz is reduced to 10 kHz.
+    # The healthy recording of 1 s at 20 kHz is reduced to 10 kHz.
     assert {name: (one.onset, one.duration) for name, one in found.items()} == {
         **{"calm/1": (1.0, 3.0), "calm/2": (0.0, 2.0), "fast/1": (0.0, 1.0)},
         **{"outer/1": (1.0, 3.0), "outer/3": (0.0, 2.0)},
@@ -85,9 +92,73 @@ def test_the_digest_contains_the_machines() -> None:
     assert replica(*others, replica=None).digest == replica(*GIVEN, replica=None).digest
 
 
+def test_a_known_gain_is_part_of_the_signal_and_of_the_digest() -> None:
+    known = [*GIVEN[:-1], {**GIVEN[-1], "tags": {**GIVEN[-1]["tags"], "gain": "known"}}]
+    assert [signal.recording.gain_known for signal in led_signals(replica(*known), Path())] == [False, False, False, False, True]
+    assert replica(*known).digest != replica(*GIVEN).digest
+
+
+def test_a_recording_has_the_axis_of_the_load(monkeypatch: pytest.MonkeyPatch) -> None:
+    both = np.array([[1.0, 2.0]]).repeat(20000, axis=0)
+    monkeypatch.setattr(exam_scenarios, "cached_recording", lambda case, folder: folder / case.name)
+    monkeypatch.setattr(exam_scenarios, "Recording", lambda path: SimpleNamespace(acceleration=both))
+    recording = led_signals(replica(*GIVEN), Path())[0].recording
+    part = recording.longest_part(1.5)
+    assert (part.shape, set(part)) == ((15000,), {2.0})
+    assert len(part) == recording.samples_within(1.5)
+
+
 def test_a_scenario_without_a_machine_is_refused() -> None:
     with pytest.raises(Refusal, match=r"scenario 'alone' of the replica two machines has no tag machine: make it again"):
         expectations(replica(scenario("alone", "m1", tags={"rig": "r"}, base="healthy")))
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"duration": 2.5}, "lasts 2.5 s, but replica.longest is 2 s"),
+        ({"onset": 1.0}, "changes while it is recorded"),
+        ({"timeline": [{"at": 1.0, "set": {"operating.speed": 50.0}}]}, "changes while it is recorded"),
+    ],
+)
+def test_a_scenario_that_is_no_recording_is_refused(changes: dict[str, Any], sentence: str) -> None:
+    given = [scenario("calm", "m1", base="healthy"), scenario("outer", "m1", "outer_ring", **changes)]
+    with pytest.raises(Refusal, match=f"scenario 'outer' of the replica two machines {sentence}.*: make it again"):
+        expectations(replica(*given))
+
+
+def test_a_longest_part_that_is_no_time_is_refused() -> None:
+    with pytest.raises(Refusal, match=r"lasts 2 s, but replica\.longest is -1 s"):
+        expectations(replica(*GIVEN, replica={**ORIGIN, "longest": -1.0}))
+
+
+def test_a_scenario_is_required_as_its_file_says() -> None:
+    given = [*GIVEN, scenario("outer/4", "m4", "outer_ring", required=False)]
+    assert [one.name for one in expectations(replica(*given)) if not one.required] == ["outer/4"]
+
+
+def test_the_revolutions_are_those_of_each_part() -> None:
+    found = {one.name: one for one in expectations(replica(*GIVEN))}["outer/1"]
+    # 1 s at 200 rad/s, then 2 s at 190 rad/s in the other direction.
+    assert found.revolutions(0.0, found.onset) == pytest.approx(200.0 / (2.0 * math.pi))
+    assert found.revolutions(found.onset, found.end) == pytest.approx(380.0 / (2.0 * math.pi))
+    assert found.revolutions(0.0, found.end) == pytest.approx(580.0 / (2.0 * math.pi))
+
+
+def test_the_last_verdict_counts_whenever_it_is_given() -> None:
+    criteria = {"delay": dict.fromkeys(("outer_ring", "inner_ring", "roller"), 1e6), "smallest_width": 0.0, "silence": 1e6}
+    exam = replica(*GIVEN, criteria=criteria)
+    (late,) = [one for one in expectations(exam) if one.name == "outer/1"]
+    given = [ReceivedDiagnosis(time, verdict) for time, verdict in ((0.5, "healthy"), (2.9, "outer_ring"))]
+    assert score_scenario(late, given, exam.criteria).passed
+    with pytest.raises(Refusal, match=r"but criteria.delay.outer_ring allows 1e\+06 s"):
+        replica(*GIVEN, criteria=criteria, replica=None)
+
+
+def test_the_list_has_the_onset_in_the_signal(capsys: pytest.CaptureFixture[str]) -> None:
+    print_scenarios(replica(*GIVEN))
+    (row,) = [line for line in capsys.readouterr().out.splitlines() if "outer/1" in line]
+    assert [cell.strip() for cell in row.split("│")[2:5]] == ["outer_ring", "1", "3"]
 
 
 def test_a_selected_recording_keeps_what_precedes_it() -> None:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from full_disk import files_of_at_most
+from matplotlib.axes import Axes
 from same_process import dcrb
 
 from dcrb_ros.exam.agreement import agreement
@@ -18,6 +19,8 @@ from dcrb_ros.exam.exam_score import compare
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.leaderboard import boards, markdown, page, read_entries, rows
 from dcrb_ros.exam.leaderboard_entry import Entry, StoredDiagnoses, entry_of, read_entry, write_entry
+from dcrb_ros.exam.leaderboard_figure import write_board_figure
+from dcrb_ros.exam.marking import ScoreMarking
 from dcrb_ros.exam.profile import PROFILES
 from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.scoring import score_scenario
@@ -133,6 +136,33 @@ def test_an_edited_entry_is_refused(path: tuple[Any, ...], value: Any, sentence:
 
 
 @pytest.mark.parametrize(
+    ("family", "verdicts", "answer", "sentence"),
+    [
+        ("outer_ring", ("healthy", "outer_ring"), "outer_ring", ""),
+        ("outer_ring", ("healthy", "outer_ring", "waiting"), "outer_ring", ""),
+        ("outer_ring", ("outer_ring", "healthy"), "outer_ring", "the answer is outer_ring, but the last verdict is healthy"),
+        ("healthy", ("cage", "healthy"), "cage", "the answer is cage, but the last verdict is healthy"),
+        ("healthy", ("waiting",), "healthy", "the answer is healthy, but the last verdict is nothing"),
+        ("healthy", ("cage", "waiting"), "waiting", ""),  # the alarm was before the onset
+        ("outer_ring", ("inner_ring",), "outer_ring", ""),  # with name_right off
+    ],
+)
+def test_the_answer_of_an_entry_of_last_verdicts_is_the_last_one(
+    family: str, verdicts: tuple[str, ...], answer: str, sentence: str, tmp_path: Path
+) -> None:
+    entry = detector(1, 0.5)
+    number = next(k for k, one in enumerate(entry.scenarios) if one.family == family and not one.found)
+    given = StoredDiagnoses.of([ReceivedDiagnosis(1.0 + k, verdict) for k, verdict in enumerate(verdicts)])
+    one = entry.scenarios[number].model_copy(update={"answer": answer, "diagnoses": given, "credit": {}})
+    one = one if family == "healthy" else one.model_copy(update={"credit": dict.fromkeys(FULL, 0.0)})
+    (tmp_path / "e.json").write_text(json.dumps(entry.model_copy(update={"scenarios": [one], "last_verdict": True}).model_dump()))
+    with pytest.raises(Refusal) as refused:
+        read_entry(tmp_path / "e.json")
+    # One scenario has no exam score, so an entry whose answers are right is refused for the scores that it states.
+    assert (sentence or "states exam scores that do not follow") in str(refused.value)
+
+
+@pytest.mark.parametrize(
     ("path", "value"), [(("scenarios", FOUND, "delay_turns"), 1.0), (("false_alarms",), 3), (("detector",), "other"), (("passed",), None)]
 )
 def test_a_written_entry_that_was_edited_is_refused(path: tuple[Any, ...], value: Any, tmp_path: Path) -> None:
@@ -211,6 +241,26 @@ def test_exams_with_different_scenarios_have_boards_of_their_own() -> None:
 def test_entries_of_the_same_name_are_refused() -> None:
     with pytest.raises(Refusal, match="two entries of the exam made up are called 'mine'"):
         boards([detector(1, 0.5, name="mine"), detector(2, 0.5, name="mine")])
+
+
+def test_a_leaderboard_of_last_verdicts_names_its_marks() -> None:
+    (board,) = boards([detector(k, skill).model_copy(update={"last_verdict": True}) for k, skill in ((1, 0.3), (2, 0.9))])
+    assert "![Correct verdicts of made up](f.png)" in markdown([board], ["f.png"])
+    assert 'alt="Correct verdicts of made up"' in page([board], ["f.png"])
+
+
+def test_the_figure_compares_every_pair_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (board,) = boards([detector(k, 0.2 * k) for k in range(1, 5)])
+    pairs, compared, drawn = [], type(board.marking).compare, []
+    monkeypatch.setattr(ScoreMarking, "compare", lambda self, *pair: pairs.append(pair) or compared(self, *pair))
+    monkeypatch.setattr(Axes, "imshow", lambda _, shares, **options: drawn.append(shares))
+    write_board_figure(board, tmp_path / "f.png")
+    assert len(pairs) == 4 * 3 / 2
+    (shares,) = drawn
+    assert np.isnan(shares.diagonal()).all()
+    apart = ~np.eye(4, dtype=bool)
+    assert (shares + shares.T)[apart] == pytest.approx(100.0)
+    assert shares[0, 1] == pytest.approx(100.0 * compared(board.marking, *board.entries[:2]).confidence)
 
 
 def test_names_are_text_in_markdown_and_html() -> None:

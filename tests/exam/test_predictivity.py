@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 from functools import partial
 from pathlib import Path
@@ -20,7 +21,7 @@ from dcrb_ros.exam.exam_file import ReplicaOrigin, read_exam
 from dcrb_ros.exam.leaderboard_entry import Entry, read_entry
 from dcrb_ros.exam.limits import Limits
 from dcrb_ros.exam.marking import VerdictMarking
-from dcrb_ros.exam.measured import read_measured
+from dcrb_ros.exam.measured import led_scenarios, read_measured, whole_scenarios
 from dcrb_ros.exam.plugin import load_plugin
 from dcrb_ros.exam.predictivity import Compared, Marks, class_mean, drawn_bearings, drawn_families, halves, predictivities, scopes
 from dcrb_ros.exam.predictivity_marks import answers_of
@@ -352,14 +353,30 @@ def _compare_entries(folder: Path, measured: Path, replica: str, second: Entry, 
         return [second.model_copy(update={"detector": f"d{k}", "scenarios": rows}) for k, rows in enumerate(scenarios)]
 
     table, exam = measured / "recordings.csv", read_exam(replica)
-    about = as_json(compare_entries(table, exam, entries("{}/1"), entries("{}")))
+    digest = led_scenarios(measured, "lines", 1.0).digest
+    field = [one.model_copy(update={"scenarios_sha256": digest}) for one in entries("{}")]
+    about = as_json(compare_entries(table, exam, entries("{}/1"), field))
     assert [(one["exam"], one["field"]) for one in about["detectors"]] == [(1.0, 1.0), (0.5, 0.5), (0.5, 0.5)]
     assert (about["families"][0]["tau_b"]["value"], about["counterparts"]) == (1.0, 3)
+    renamed = [one.model_copy(update={"scenarios_sha256": digest}) for one in entries("{}/1")]
     with pytest.raises(Refusal, match=r"the entry 'd0' on measured recordings lacks calm_1: make it with all recordings of"):
-        compare_entries(table, exam, entries("{}/1"), entries("{}/1"))
+        compare_entries(table, exam, entries("{}/1"), renamed)
+    with pytest.raises(Refusal, match=r"the entry 'd0' lacks calm_1/1: make it with all recordings of replica of measured"):
+        compare_entries(table, exam, entries("{}"), field)
+    swapped = [one.model_copy(update={"scenarios": [s.model_copy(update={"family": "roller"}) for s in one.scenarios]}) for one in field]
+    with pytest.raises(Refusal, match=r"on measured recordings takes calm_1 as roller, but it is healthy in .*recordings.csv"):
+        compare_entries(table, exam, entries("{}/1"), swapped)
     other = [one.model_copy(update={"scenarios_sha256": "0" * 64}) for one in entries("{}/1")]
     with pytest.raises(Refusal, match=r"the entry 'd0' was made with another exam than 'replica of measured'"):
-        compare_entries(table, exam, other, entries("{}"))
+        compare_entries(table, exam, other, field)
+    assert exam.replica is not None
+    for task in (led_scenarios(measured, "lines", 5.0), whole_scenarios(measured, "lines", 1.0)):
+        elsewhere = [one.model_copy(update={"scenarios_sha256": task.digest}) for one in field]
+        with pytest.raises(Refusal, match=r"was made with another task .* than the replica: .* --speed lines --longest 1 --python CLASS"):
+            compare_entries(table, exam, entries("{}/1"), elsewhere)
+    long = dataclasses.replace(exam, replica=exam.replica.model_copy(update={"longest": 6.0}))
+    with pytest.raises(Refusal, match=r"have up to 6 s, but those of dcrb score --measured 5 s: give --detectors instead of entries"):
+        compare_entries(table, long, entries("{}/1"), field)
     command = ("exam", "predictivity", str(measured), "--replica", replica, "--entries", str(folder))
     for options, sentence in (
         ((), "--entries and --measured belong together"),

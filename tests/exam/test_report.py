@@ -57,6 +57,11 @@ def result(
     return ScenarioResult(expectation, answer, delay, delay, raised, healthy, score, 20, flaw, **more)
 
 
+def last_verdicts(one: ScenarioResult) -> ScenarioResult:
+    """Return a result whose last verdict is the answer."""
+    return dataclasses.replace(one, expectation=dataclasses.replace(one.expectation, last_verdict=True))
+
+
 def report(*results: ScenarioResult, **criteria: Any) -> Report:
     return Report("made up", "nobody", Criteria.model_validate(criteria), "0" * 64, results)
 
@@ -69,6 +74,25 @@ MIXED = report(
     result("healthy", "healthy", score=0.5, healthy=1796.0),
     result("healthy", "cage", score=1.5, alarms=(1.0, 6.0), healthy=1788.0),
 )
+
+
+def test_widths_on_the_bearings_of_a_replica_are_not_compared(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    given = result("outer_ring", "outer_ring", 1.5, width=0.001)
+    assert len(report(given).detections()) == 1
+    assert report(last_verdicts(given)).detections() == []
+    said: list[str] = []
+    monkeypatch.setattr(figure, "_empty", lambda _, text: said.append(text))
+    write_figure(report(last_verdicts(given)), tmp_path / "replica.png")
+    assert said[0].startswith("widths on different bearings")
+
+
+@pytest.mark.parametrize(("limit", "top", "labels"), [(1e6, 6.0, ["median"]), (2.0, 2.025, ["median", "limit"])])
+def test_delays_without_a_limit_are_drawn_up_to_the_end_of_the_scenarios(limit: float, top: float, labels: list[str]) -> None:
+    axes = Figure().subplots()
+    delays = dict.fromkeys(FAULTS, limit)
+    figure._delay(axes, report(result("outer_ring", "outer_ring", 1.5), result("inner_ring", "healthy"), delay=delays))
+    assert axes.get_ylim()[1] == pytest.approx(top)
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == labels
 
 
 def test_scenarios_graded_by_another_parameter_are_reported_over_it_and_not_over_their_width(
