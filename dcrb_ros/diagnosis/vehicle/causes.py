@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -154,7 +154,7 @@ class Kinks(NamedTuple):
     lag: float
     """Time until they meet the other one [s]."""
     louder: Floats
-    """By how much louder each is on the left than on the right at the first wheelset [dB]."""
+    """By how much louder each is on the left than on the right, over the noise of the rail [dB]."""
 
     @property
     def times(self) -> Floats:
@@ -168,16 +168,18 @@ def kinks_of(
     """Return the impacts that meet one wheelset after the other; None if the vehicle hardly moves, or without a shaft angle.
 
     Boxes of both wheelsets measure each kink. Which of them has more of it depends on the structure, so that times count only, with a
-    ``tolerance`` [s]. Boxes above a flat are left out, because it strikes in every turn.
+    ``tolerance`` [s]. Boxes above a flat are left out, because it strikes in every turn. On a side without an impact, one that is too faint
+    to be counted may be hidden.
     """
     expected = next((lag for side in SIDES if (lag := expected_lag(description, contacts, side)) is not None), None)
     if expected is None:
         return None
     lag = abs(expected)
-    measured = {name: contact.impacts for name, contact in contacts.items() if name not in wheels or wheels[name].verdict == "healthy"}
-    times = _together([impact.time for impacts in measured.values() for impact in impacts])
+    measured = {name: contact for name, contact in contacts.items() if name not in wheels or wheels[name].verdict == "healthy"}
+    times = _together([impact.time for contact in measured.values() for impact in contact.impacts])
     first = np.array([time for time in times if np.any(np.abs(times - time - lag) <= tolerance)])
-    louder = [_side_level(measured, time, SIDES[0]) - _side_level(measured, time, SIDES[1]) for time in first]
+    loudness = [[_loudness(measured, time, side) for side in SIDES] for time in first]
+    louder = [left - right for left, right in loudness]
     return Kinks(first, lag, np.array(louder))
 
 
@@ -222,10 +224,11 @@ def _together(times: Iterable[float]) -> Floats:
     return np.asarray(distinct, np.float64)
 
 
-def _side_level(measured: Mapping[str, Sequence[Impact]], time: float, side: str) -> float:
-    """Return the largest level of the impacts at a time in the boxes of a side, 0 without one [dB]."""
-    near = (impact.level for name, impacts in measured.items() if name.endswith(side) for impact in impacts if _is_at(impact, time))
-    return max(near, default=0.0)
+def _loudness(measured: Mapping[str, Contact], time: float, side: str) -> float:
+    """Return the loudness of an impact at a time in the boxes of a side, without one the largest that may be hidden [dB]."""
+    of_side = [contact for name, contact in measured.items() if name.endswith(side)]
+    found = [impact.loudness for contact in of_side for impact in contact.impacts if _is_at(impact, time)]
+    return max(found) if found else min((contact.faintest for contact in of_side), default=0.0)
 
 
 def _is_at(impact: Impact, time: float) -> bool:

@@ -47,6 +47,8 @@ class Impact:
     """[s]"""
     level: float
     """Largest squared envelope over the one that is exceeded in 2 % of the time [dB]."""
+    loudness: float
+    """Largest squared envelope over the median, which is the noise of the rail on the same path [dB]."""
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,8 @@ class Contact:
     """Length of the window [s]."""
     impacts: Sequence[Impact]
     """In the band of the kinks."""
+    faintest: float
+    """Loudness from which on an impact is counted [dB]."""
     motion: Floats
     """Vertical acceleration, means over equal times, shape (values,) [m/s^2]."""
     spectrum: OrderSpectrum | None
@@ -144,12 +148,12 @@ class ContactMonitor:
         seconds = len(self._windows) * self._hop / self._rate
         times = (end + 1) / self._rate - seconds + (np.arange(len(kink)) + 0.5) * (seconds / len(kink))
         peak, level, angle = _around(wheel, turns)
-        impacts = _impacts(kink, times, self._event, self._began + SETTLING)
+        impacts, faintest = impacts_of(kink, times, self._event, self._began + SETTLING)
         turned = float(turns[-1] - turns[0]) * len(turns) / max(len(turns) - 1, 1)
         step = turned / len(turns)
         middle = float(np.interp(0.5 * len(turns) - 0.5, np.arange(len(turns)), turns) - turns[0]) + 0.5 * step
         wave, spectrum = np.asarray(motion, np.float64), self._spectrum.spectrum()
-        return Contact(last, float(np.median(wheel)), peak, level, angle, turned, middle, seconds, impacts, wave, spectrum)
+        return Contact(last, float(np.median(wheel)), peak, level, angle, turned, middle, seconds, impacts, faintest, wave, spectrum)
 
 
 def _around(envelope: npt.NDArray[Any], turns: npt.NDArray[Any]) -> tuple[float, float, float]:
@@ -168,17 +172,22 @@ def _around(envelope: npt.NDArray[Any], turns: npt.NDArray[Any]) -> tuple[float,
     return peak, 10.0 * float(np.log10(max(peak, 1e-30) / max(middle, 1e-30))), (largest + 0.5) / ANGLES
 
 
-def _impacts(envelope: npt.NDArray[Any], times: npt.NDArray[Any], event: float, begin: float) -> list[Impact]:
-    """Return the impacts after a time ``begin`` [s] with at least ``event`` [dB], the largest within each time of ringing."""
-    usual = float(np.quantile(envelope, RARE))
-    if usual <= 0.0:
-        return []
+def impacts_of(envelope: npt.NDArray[Any], times: npt.NDArray[Any], event: float, begin: float) -> tuple[list[Impact], float]:
+    """Return the impacts after a time ``begin`` [s] with at least ``event`` [dB], and the loudness from which on they are counted [dB].
+
+    Of the impacts within a time of ringing, the largest counts.
+    """
+    usual, noise = float(np.quantile(envelope, RARE)), float(np.median(envelope))
+    if noise <= 0.0:
+        return [], 0.0
+    above = 10.0 * float(np.log10(usual / noise))
     impacts: list[Impact] = []
     for k in np.flatnonzero((envelope >= usual * 10.0 ** (event / 10.0)) & (times >= begin)):
-        impact = Impact(float(times[k]), 10.0 * float(np.log10(envelope[k] / usual)))
+        level = 10.0 * float(np.log10(envelope[k] / usual))
+        impact = Impact(float(times[k]), level, level + above)
         if impacts and impact.time - impacts[-1].time < RINGING:
             if impact.level > impacts[-1].level:
                 impacts[-1] = impact
         else:
             impacts.append(impact)
-    return impacts
+    return impacts, event + above

@@ -14,6 +14,7 @@ from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.bearing.waveform import Piece
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.vehicle.causes import correlated_lag
+from dcrb_ros.diagnosis.vehicle.contact import impacts_of
 from dcrb_ros.diagnosis.vehicle.detection import detect_vehicle
 from dcrb_ros.diagnosis.vehicle.detector import BoxBlock, VehicleDetector
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
@@ -108,6 +109,21 @@ def test_joints_whose_frequency_divides_that_of_a_fault_damage_no_bearing() -> N
 def test_kinks_of_one_rail_are_a_crossing() -> None:
     diagnosis = last(bogie(joints=[0.5, 1.3, 2.2], joint_sides=(0,)))
     assert (diagnosis.statuses["track"].verdict, "left" in diagnosis.statuses["track"].reason) == ("crossing", True)
+
+
+def test_the_loudness_of_an_impact_does_not_depend_on_how_long_it_rings() -> None:
+    times = np.arange(4000) * 1e-3
+    found = []
+    for ringing in (5, 60):  # of 4 impacts: 0.5 and 6 % of the time
+        envelope = np.ones(4000)
+        for begin in (500, 1400, 2300, 3200):
+            envelope[begin : begin + ringing] = 10.0
+            envelope[begin] = 1000.0
+        found.append(impacts_of(envelope, times, 6.0, 0.1))
+    assert [len(impacts) for impacts, _ in found] == [4, 4]
+    assert [impact.loudness for impacts, _ in found for impact in impacts] == pytest.approx([30.0] * 8)
+    assert [impacts[0].level for impacts, _ in found] == pytest.approx([30.0, 20.0])
+    assert [faintest for _, faintest in found] == pytest.approx([6.0, 16.0])
 
 
 def test_impacts_that_no_other_wheelset_repeats_are_not_the_tracks() -> None:
