@@ -88,7 +88,14 @@ PICTURES = {
     ),
     "rerun-vehicle": Picture(
         "dcrb simulate --vehicle bogie --duration 4 -o run && dcrb view run --screenshot {file}",
-        ("file config/vehicles/bogie.yaml", "bench outer_ring_defect", "samples oiled_outer_ring_defect", DETECTOR, *VEHICLE_VIEW),
+        (
+            "file config/vehicles/bogie.yaml",
+            "drawing dcrb_ros/vehicle",
+            "bench outer_ring_defect",
+            "samples oiled_outer_ring_defect",
+            DETECTOR,
+            *VEHICLE_VIEW,
+        ),
     ),
     "rerun-burn-off": Picture(
         BURN_OFF_RUN + "dcrb view burn_off --screenshot {file}", (*BURN_OFF, DETECTOR, *VIEW, "drawing dcrb_ros/viewer/summary.py")
