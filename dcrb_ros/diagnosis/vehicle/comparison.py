@@ -45,6 +45,8 @@ LEAST_BESIDE = 0.1
 """Power of those harmonics over that of the line from which it is one of them [-]."""
 HUMP = np.linspace(-0.25, 0.25, 9)
 """Distances from the middle of a hump that are compared [FTF]."""
+EXACT = 1e-9
+"""Difference of two equal values of evidence [dB]."""
 NOT_OWN = -60.0
 """Excess of lines that belong to another box or to a wheel [dB]."""
 
@@ -191,6 +193,7 @@ def _relieved(finding: Finding, own: Judgement, relief: float) -> float:
     if rule is None or comb is None or band is None or finding.excess < max(own.scores.values()):
         return NOT_OWN
     price = float(np.log10(max(1, len(rule.bands(own.evidence)) * rule.families(own.evidence.orders))))
-    relieved = modulation_excess(rule.family(band, comb), rule.depth * 10.0 ** (-relief / 10.0), rule.p.false_alarm, price)
+    lines, chance = rule.family(band, comb), rule.p.false_alarm
+    alone, relieved = (modulation_excess(lines, rule.depth * 10.0 ** (-lower / 10.0), chance, price) for lower in (0.0, relief))
     # What other criteria refuse is no evidence at a lower threshold of the depth, either.
-    return min(relieved, finding.excess + relief)
+    return min(relieved, finding.excess + relief) if finding.excess >= alone - EXACT else finding.excess

@@ -17,7 +17,7 @@ class VehicleDetectorParameters(Group):
         40.0,
     )
     relief: float = quantity(
-        4.0,
+        8.0,
         "dB",
         "By how much fainter than in a box by itself the lines of a bearing may be if no other box has them",
         0.0,

@@ -73,7 +73,7 @@ def test_harmonics_of_a_roller_count_alone_if_they_are_the_largest() -> None:
     assert compared(own, beside).excess > 0.0
 
 
-@pytest.mark.parametrize(("depth", "relieved"), [(0.12, True), (0.06, False)])
+@pytest.mark.parametrize(("depth", "relieved"), [(0.12, True), (0.05, True), (0.02, False)])
 def test_faint_lines_that_no_other_box_has_are_relieved(depth: float, relieved: bool) -> None:
     found = compared({k * 6.72: depth for k in range(1, 7)}, {}, "outer_ring")
     assert (found.excess > 0.0) is relieved
