@@ -13,7 +13,7 @@ UNLIMITED = 1e6
 """Largest delay and silence of the criteria [s]: neither counts, because the last verdict does."""
 
 _LIMITS: dict[str, Any] = {
-    name: (float, quantity(fault.delay, "s", f"Longest delay of the verdict {name}", 0.0, 1e6)) for name, fault in FAULTS.items()
+    name: (float, quantity(fault.delay, "s", f"Longest delay of the verdict {name}", 0.0, UNLIMITED)) for name, fault in FAULTS.items()
 }
 
 
@@ -34,5 +34,5 @@ class Criteria(Group):
         0.001, "m", "Defects narrower than this are not required; they enter the statistics only", 0.0, 0.05, remedy="widths are in metres"
     )
     false_alarms: int = quantity(0, "-", "Largest number of false alarms during the whole healthy time", 0, 1_000_000)
-    silence: float = quantity(5.0, "s", "Longest time without a diagnosis, also at the beginning", 0.0, 1e6)
+    silence: float = quantity(5.0, "s", "Longest time without a diagnosis, also at the beginning", 0.0, UNLIMITED)
     name_right: bool = choice(True, "Whether the verdict must name the fault; if false, any bearing fault verdict counts as correct")

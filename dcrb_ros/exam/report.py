@@ -201,12 +201,9 @@ class Report:
         }
 
     def detections(self) -> list[Detection]:
-        """Return the probability of detection of each kind and width, of scenarios with neither another grade nor a tag ``difficulty``.
-
-        The recordings of a replica are left out, because equal widths on bearings of different sizes are not equal defects.
-        """
-        faulty = [(r, r.expectation) for r in self.faulty if not r.expectation.last_verdict]
-        sized = [r for r, expected in faulty if expected.width > 0.0 and not (expected.grade or "difficulty" in expected.tags)]
+        """Return the probability of detection by kind and width, without scenarios of a replica, of another grade or ``difficulty``."""
+        # Equal widths on the bearings of a replica, which have different sizes, are not equal defects.
+        sized = [r for r in self.faulty if (e := r.expectation).width and not (e.last_verdict or e.grade or "difficulty" in e.tags)]
         return [
             Detection(verdict, width, sum(result.found for result in same), len(same))
             for verdict, group in _grouped(sized).items()

@@ -90,13 +90,14 @@ def texts(name: str, value: Any) -> None:
         raise Refusal(f"{name} is not a text or a list of texts: give names")
 
 
-def keyed(name: str, value: Any) -> None:
-    """Refuse what is not a mapping with texts as keys, such as that of changed parameters."""
+def keyed(name: str, value: Any) -> Mapping[str, Any]:
+    """Return a mapping with texts as keys, such as that of changed parameters; refuse everything else."""
     if not isinstance(value, Mapping):
         raise Refusal(f"{name} is a {type(value).__name__}: give a mapping of dotted keys to values, such as {{'operating.speed': 100.0}}")
     for key in value:
         if not isinstance(key, str):
             raise Refusal(f"{name} has the key {key!r}, which is a {type(key).__name__}: give a text, such as 'operating.speed'")
+    return value
 
 
 def optional(check: Check) -> Check:

@@ -162,9 +162,8 @@ class Simulation:
         Refusal
             A parameter is unknown or fixed, a value is invalid, or the values contradict each other; nothing is changed.
         """
-        keyed("changes", changes)
         # The ground truth contains the values as Python prints them.
-        changes = {key: value.item() if isinstance(value, np.generic) else value for key, value in changes.items()}
+        changes = {key: value.item() if isinstance(value, np.generic) else value for key, value in keyed("changes", changes).items()}
         if changes:
             self._pending.add_change(changes, self._altered)
 
@@ -176,8 +175,7 @@ class Simulation:
         Refusal
             `change` would refuse it.
         """
-        keyed("changes", changes)
-        self._pending.check_change(changes, self._altered)
+        self._pending.check_change(keyed("changes", changes), self._altered)
 
     def _altered(self, changes: Mapping[str, Any]) -> Configuration:
         """Return the present configuration with some changes, or refuse them."""
