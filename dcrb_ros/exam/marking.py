@@ -117,10 +117,8 @@ class VerdictMarking(Marking):
 
     def series(self, entry: Entry) -> Mapping[str, Interval]:
         """Return the mark."""
-        families = [scenario.family for scenario in _required(entry)]
-        # One scenario alone says nothing about others of its kind.
-        known = all(families.count(family) > 1 for family in families)
-        return {self.name: Interval(self.mark(entry), *(interval(self.samples(entry)) if known else (0.0, 100.0)))}
+        limits = interval(self.samples(entry)) if _several_of_each(entry) else (0.0, 100.0)
+        return {self.name: Interval(self.mark(entry), *limits)}
 
     def mark(self, entry: Entry) -> float:
         """Return the share of correct verdicts [%]."""
@@ -138,9 +136,8 @@ class VerdictMarking(Marking):
         scenarios = [[(scenario.name, scenario.family) for scenario in _required(entry)] for entry in (first, second)]
         if scenarios[0] != scenarios[1]:
             raise Refusal("the detectors were evaluated on different scenarios: compare entries of one exam")
-        families = [family for _, family in scenarios[0]]
-        known = all(families.count(family) > 1 for family in families)
-        return difference(self.mark(first) - self.mark(second), self.samples(first) - self.samples(second), known=known)
+        samples = self.samples(first) - self.samples(second)
+        return difference(self.mark(first) - self.mark(second), samples, known=_several_of_each(first))
 
 
 def marking_of(entry: Entry) -> Marking:
@@ -158,6 +155,12 @@ def _required(entry: Entry) -> list[EntryScenario]:
     if not required:
         raise Refusal(f"the entry '{entry.detector}' of the exam {entry.exam} has no required scenario and so no share of correct verdicts")
     return required
+
+
+def _several_of_each(entry: Entry) -> bool:
+    """Return whether every class has several required scenarios; one alone says nothing about others of its kind."""
+    families = [scenario.family for scenario in _required(entry)]
+    return all(families.count(family) > 1 for family in families)
 
 
 def _is_right(scenario: EntryScenario) -> bool:
