@@ -189,12 +189,13 @@ def defects(kind: str) -> dict[str, Any]:
 
 def sweep_tree(rig: Rig, base: str, fixed: Mapping[str, Any], vary: Mapping[str, Any], machines: int, seconds: float) -> dict[str, Any]:
     """Return a sweep over machines of a rig, each healthy and with a defect of each component."""
+    varied = conditions(rig) | dict(vary)
     return {
         "base": base,
-        "set": dict(fixed),
+        "set": {key: value for key, value in fixed.items() if key not in varied},
         "design": "latin_hypercube",
         "points": machines,
-        "vary": conditions(rig) | dict(vary),
+        "vary": varied,
         "cases": {kind: defects(kind) for kind in ("healthy", "outer", "inner", "ball")},
         "branch_at": 0.3,
         "settle": 0.15,

@@ -21,7 +21,7 @@ from dcrb_ros.settings.sections import KEY
 from dcrb_ros.settings.shipped import find_shipped
 from dcrb_ros.text.yaml import parsed, read_yaml
 from dcrb_ros.vehicle.description import SIDES, Axle, Body, Box, Frame, Gear, Journey, Motor, Paths, Suspension, Track, Vehicle, Wheel
-from dcrb_ros.vehicle.loads import quasi_static
+from dcrb_ros.vehicle.loads import check_loads
 from dcrb_ros.vehicle.track import is_smooth
 
 GROUPS: dict[str, type[Group]] = {
@@ -147,7 +147,7 @@ def vehicle_of(flat: Mapping[str, Any], source: str) -> Vehicle:
     bare = tuple(Box(name, axle, 1 if side == SIDES[0] else -1, bench, Wheel()) for name, axle, side, _ in parts)
     vehicle = Vehicle(journey, groups["body"], groups["frame"], groups["suspension"], groups["track"], groups["paths"], tuple(axles), bare)
     speed = journey.speed_kmh / 3.6
-    loads = quasi_static(vehicle, speed, journey.curvature, journey.cant, journey.wind, journey.brake)
+    loads = check_loads(vehicle, journey.model_dump(), f"{source}, vehicle: ")
     boxes = []
     for box, (name, _, _, given), (x, y) in zip(bare, parts, loads, strict=True):
         axle = axles[box.axle]

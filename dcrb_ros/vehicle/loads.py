@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.vehicle.description import GRAVITY, JOURNAL_DISTANCE, WHEEL_DISTANCE, Vehicle
 
 BETWEEN_AXLES = 1800.0
@@ -38,4 +41,22 @@ def quasi_static(vehicle: Vehicle, speed: float, curvature: float, cant: float, 
         downwards = vehicle.static_load + box.side * (gust - curve) + nod + lead * BETWEEN_AXLES * brake
         # The bearing's X points backwards: inertia presses the body forward, against -X.
         loads[j] = -(0.5 * body.mass + frame.mass) * brake / 4.0, -downwards
+    return loads
+
+
+def check_loads(vehicle: Vehicle, commands: Mapping[str, float], where: str = "", end: str = "") -> Floats:
+    """Return `quasi_static` of commands by their names, the speed in km/h; ``where`` begins and ``end`` completes a refusal.
+
+    Raises:
+        Refusal: the commands lift a box off its bearing.
+    """
+    speed, others = commands["speed_kmh"], {name: commands[name] for name in ("curvature", "cant", "wind", "brake")}
+    loads = quasi_static(vehicle, speed / 3.6, **others)
+    box = int(np.argmax(loads[:, 1]))
+    if loads[box, 1] >= 0.0:
+        causes = ", ".join(f"{name} = {value:g}" for name, value in others.items() if value)
+        raise Refusal(
+            f"{where}speed_kmh = {speed:g} km/h with {causes} loads {vehicle.boxes[box].name} with {-1e-3 * loads[box, 1]:.1f} kN, and the "
+            f"model needs more than 0 kN: lower the speed, or give other values{end}"
+        )
     return loads

@@ -19,7 +19,7 @@ from dcrb_ros.vehicle.kernels import add_motion_of_others, along_lines, between_
 from dcrb_ros.vehicle.loads import quasi_static
 from dcrb_ros.vehicle.paths import BANDS, Paths, bearing_paths, contact_paths
 from dcrb_ros.vehicle.structure import BOX_MASS, Structure
-from dcrb_ros.vehicle.track import Rails, Random, roughness
+from dcrb_ros.vehicle.track import Rails
 from dcrb_ros.vehicle.traction import TractionForce
 from dcrb_ros.vehicle.wheels import WheelSurface, positions
 
@@ -69,10 +69,6 @@ class VehicleModel:
         self._radius = np.array([[axle.radius] for axle in vehicle.axles])
         self._creep = np.array([[axle.creep] for axle in vehicle.axles])
         self._wheels = [WheelSurface(vehicle, box) for box in vehicle.boxes]
-        self._curvature = [
-            Random(f"{vehicle.track.seed}/rail/{side}", 0.005, lambda w: roughness(vehicle.track.roughness)(w) * w**4)
-            for side in ("left", "right")
-        ]
         structure = Structure(vehicle)
         self._growth, before, after, read, direct = structure.modal(self._interval)
         count = len(vehicle.boxes)
@@ -92,6 +88,8 @@ class VehicleModel:
         gains = [math.sqrt(float(np.mean([abs(structure.response(f)[0, 0]) ** 2 for f in grid]))) for grid in grids]
         self._bearing_paths = Paths(bearing_paths(vehicle, self.rate), count, 2)
         self._contact_paths = Paths(contact_paths(vehicle, self.rate, gains), count, 1)
+        self._jerked_on = np.zeros(count)
+        """Share of the jumps in the last step of a frame that the next frame begins with, shape (boxes,) [m/s^2]."""
         self._ring_force = np.zeros(count)
         self._ring_motion = np.zeros((count, count))
         journey = vehicle.journey
@@ -134,6 +132,11 @@ class VehicleModel:
         """
         self._wheels[box].wear(wheel)
         self._connect()
+
+    @property
+    def speed(self) -> float:
+        """Speed at the end of the last planned frame [m/s]."""
+        return float(self._next.speed[0])
 
     def shaft_speed(self) -> Floats:
         """Return the speed of each wheelset at the end of the last planned frame, shape (axles,) [rad/s]."""
@@ -244,12 +247,13 @@ class VehicleModel:
         speed, place, *each = along_lines(np.vstack([now.speed, now.place, now.angle, now.creep]), TICK)
         at, turning = positions(np.array(each[:count])), speed * (1.0 + np.array(each[count:]))
         places = (place + self._behind).ravel()
-        rails = {side: -self._curvature[0 if side > 0 else 1].at(places).reshape(at.shape) for side in self._sides}
+        rails = {side: self._rails.curvature(places, side).reshape(at.shape) for side in self._sides}
         events = []
-        jerked = np.empty((len(vehicle.boxes), FRAME))
+        jerked = np.zeros((len(vehicle.boxes), FRAME + 1))
+        jerked[:, 0] = self._jerked_on
         for j, box in enumerate(vehicle.boxes):
             p = box.axle
-            jerked[j] = speed**2 * rails[box.side][p] + turning[p] ** 2 * self._wheels[j].curvature(at[p])
+            jerked[j, :FRAME] += speed**2 * rails[box.side][p] + turning[p] ** 2 * self._wheels[j].curvature(at[p])
             x = vehicle.axles[p].x
             kinks = [
                 (float(np.interp(kink - x, now.place, ticks)), cause, 2.0 * vehicle.track.joint_angle * float(now.speed[0]), kink)
@@ -263,9 +267,10 @@ class VehicleModel:
                 step = min(int(tick * TICK), FRAME - 1)
                 share = tick * TICK - step
                 jerked[j, step] += (1.0 - share) * height * self.rate
-                jerked[j, min(step + 1, FRAME - 1)] += share * height * self.rate
+                jerked[j, step + 1] += share * height * self.rate
                 events.append(TrackEvent((first + tick * TICK) / self.rate, where, box.name, cause, height))
-        self._contact_paths.add(jerked[:, None], motion[:, None])
+        self._jerked_on = jerked[:, FRAME].copy()
+        self._contact_paths.add(np.ascontiguousarray(jerked[:, None, :FRAME]), motion[:, None])
         return events
 
 

@@ -13,6 +13,7 @@ from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.pending import MAX_PENDING
 from dcrb_ros.vehicle.changes import RANGES, checked_command, sorted_changes
 from dcrb_ros.vehicle.description import Vehicle
+from dcrb_ros.vehicle.loads import check_loads
 from dcrb_ros.vehicle.model import VehicleModel
 
 
@@ -31,12 +32,16 @@ class VehicleRequests:
         """Keep commands.
 
         Raises:
-            Refusal: one is unknown or out of range, or too many requests are waiting; nothing is changed.
+            Refusal: one is unknown or out of range, they lift a box, or too many requests are waiting; nothing is changed.
         """
         for name, value in commands.items():
             checked_command(name, value, end="; the previous command remains in effect")
         with self._lock:
             self._check_room()
+            waiting = {name: value for name, value in self._pending if name in RANGES}
+            together = self.commanded | waiting | dict(commands)
+            fastest = max(together["speed_kmh"], 3.6 * self._model.speed)
+            check_loads(self._vehicle, together | {"speed_kmh": fastest}, end="; the previous commands remain in effect")
             self._pending.extend((name, float(value)) for name, value in commands.items())
 
     def change(self, changes: Mapping[str, Any], simulations: Mapping[str, Simulation]) -> None:

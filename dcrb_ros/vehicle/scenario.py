@@ -26,6 +26,7 @@ from dcrb_ros.vehicle.changes import RANGES, checked_command, sorted_changes
 from dcrb_ros.vehicle.description import Vehicle
 from dcrb_ros.vehicle.file import layered
 from dcrb_ros.vehicle.frame import FRAME
+from dcrb_ros.vehicle.loads import check_loads
 
 PREFIX = "vehicle."
 SPEED, RAMP = "vehicle.speed_kmh", "vehicle.ramp"
@@ -86,7 +87,7 @@ def vehicle_scenario(tree: Any, vehicle: Vehicle, source: str) -> VehicleScenari
     of_boxes: dict[str, list[Entry]] = {box.name: [] for box in vehicle.boxes}
     settings: list[ScheduledSetting] = []
     for entry in entries:
-        where = f"{entry.source}: "
+        where, before = f"{entry.source}: ", course.speed(entry)
         changes = {key: value for key, value in entry.values.items() if not key.startswith(PREFIX)}
         asked = sorted_changes(vehicle, course.wheels, changes, where)
         for name, values in asked.boxes.items():
@@ -96,6 +97,8 @@ def vehicle_scenario(tree: Any, vehicle: Vehicle, source: str) -> VehicleScenari
                 settings += course.settings(entry, key, checked_command(key.removeprefix(PREFIX), value, where))
             elif not _is_of_box(key):
                 settings += course.settings(entry, key, value)
+        commands = course.commands()
+        check_loads(vehicle, commands | {"speed_kmh": max(before, commands["speed_kmh"])}, where)
         course.wheels.update(asked.wheels)
     if len(settings) > MAX_CHANGES:
         raise Refusal(f"{source}: its gradual changes of the vehicle take {len(settings)} steps, above {MAX_CHANGES}: shorten them")
@@ -161,6 +164,14 @@ class _Course:
             count = min(MAX_TICKS, last - first)
             for k in range(1, count + 1):
                 yield ScheduledSetting(first + (last - first) * k // count, key, before + k / count * (value - before))
+
+    def commands(self) -> dict[str, float]:
+        """Return the commands in effect."""
+        return {name: self._present[f"{PREFIX}{name}"] for name in RANGES}
+
+    def speed(self, entry: Entry) -> float:
+        """Return the speed at the beginning of an entry [km/h]."""
+        return self._speed_at(-(-entry.first // FRAME))
 
     def _speed_at(self, frame: int) -> float:
         """Return the speed at a frame [km/h], which may still be on its way to the commanded one."""

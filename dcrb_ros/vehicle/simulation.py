@@ -14,11 +14,13 @@ import numpy as np
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.numbers import finite_number
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import changed
 from dcrb_ros.simulation.failure import ModelFailure
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.stream.block import Block
 from dcrb_ros.vehicle.block import VehicleBlock, VehicleTruth
-from dcrb_ros.vehicle.description import Vehicle
+from dcrb_ros.vehicle.description import Box, Vehicle
 from dcrb_ros.vehicle.file import vehicle_of
 from dcrb_ros.vehicle.frame import FRAME, Plan, TrackEvent
 from dcrb_ros.vehicle.guided_drive import GuidedDrive
@@ -76,6 +78,11 @@ def simulation_of(parameters: Mapping[str, Any], source: str, tree: Any = None, 
     return VehicleSimulation(vehicle, None if tree is None else vehicle_scenario(tree, vehicle, scenario))
 
 
+def _loaded(box: Box, x: float, y: float) -> Configuration:
+    """Return the configuration of a box that bears a load at the start [N], of which the settled track is a part."""
+    return changed(box.configuration, {"operating.lateral_load": x, "operating.load": -y}, box.name)
+
+
 class VehicleSimulation:
     """Simulates the bearings of a vehicle and yields a block of each, with equal stamps.
 
@@ -117,17 +124,18 @@ class VehicleSimulation:
         self._requests = VehicleRequests(vehicle, self._model)
         self._scheduled = deque(self.scenario.settings)
         self._planned = 0
+        starting = [_loaded(box, *load) for box, load in zip(vehicle.boxes, self._model.load().tolist(), strict=True)]
         self._upcoming = self._plan_next()
-        self._drives = [GuidedDrive(box.configuration) for box in vehicle.boxes]
+        self._drives = [GuidedDrive(configuration) for configuration in starting]
         self._heat = VehicleHeat(vehicle)
         self.simulations = {
             box.name: Simulation(
-                box.configuration,
+                configuration,
                 self.scenario.boxes.get(box.name, ()),
                 drive=drive,
                 surroundings=self._heat.at_start(box, vehicle.journey.wind),
             )
-            for box, drive in zip(vehicle.boxes, self._drives, strict=True)
+            for box, configuration, drive in zip(vehicle.boxes, starting, self._drives, strict=True)
         }
         """The simulation of each box."""
         self._threads = min(threads or os.cpu_count() or 1, len(vehicle.boxes))

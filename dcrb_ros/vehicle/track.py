@@ -20,8 +20,8 @@ from dcrb_ros.vehicle.kernels import cubic_on_pages
 
 PAGE = 256.0
 """Length of a page [m]."""
-COARSE, FINE = 0.05, 0.005
-"""Grids of irregularity and of roughness [m]."""
+COARSE, FINE, FINEST = 0.05, 0.005, 0.00128
+"""Grids of irregularity, of roughness, and of its curvature [m]."""
 ERRI_CUTOFFS = 0.8246, 0.0206, 0.438
 """Omega_c, Omega_r, Omega_s of ERRI B176 [rad/m]."""
 FRA_CUTOFF, FRA_SHARE = 0.8245, 0.25e-4
@@ -51,7 +51,7 @@ DIP, REACH = 0.5, 5.0
 """Length over which a rail sinks to a joint (an assumption), and at which it lies even [m]."""
 SMOOTHEST = -40.0
 """Level of roughness at which rails and wheels are smooth [dB]."""
-PAGES_KEPT = 12
+PAGES_KEPT = 4
 """Pages of each kind in memory [-]."""
 
 
@@ -68,18 +68,23 @@ class Random:
         self._amplitude = np.sqrt(density * wavenumber[1] * 0.5) * count * 0.5**0.5
         self._weight = np.sin(0.5 * math.pi * (np.arange(count) + 0.5) / self._points)
         self._pages: OrderedDict[int, Floats] = OrderedDict()
+        self._end: tuple[int, Floats] | None = None
+        """Last source: the page from which on it was made, and its second half."""
 
-    def _source(self, page: int) -> Floats:
+    def _source(self, page: int) -> tuple[Floats, Floats]:
         """Return two pages of a random function from the start of a page on, with weights."""
         key = hashlib.sha256(f"{self._name}/{page}".encode()).digest()
         random = np.random.Generator(np.random.Philox(key=int.from_bytes(key[:16], "little")))
-        parts = random.standard_normal((2, len(self._amplitude)))
-        return np.asarray(np.fft.irfft((parts[0] + 1j * parts[1]) * self._amplitude, 2 * self._points) * self._weight, np.float64)
+        real, imaginary = random.standard_normal((len(self._amplitude), 2)).T  # a finer grid adds waves and keeps the others
+        values = np.fft.irfft((real + 1j * imaginary) * self._amplitude, 2 * self._points) * self._weight
+        return values[: self._points], values[self._points :]
 
     def page(self, number: int) -> Floats:
         """Return the values of a page at the points of the grid."""
         if number not in self._pages:
-            self._pages[number] = self._source(number)[: self._points] + self._source(number - 1)[self._points :]
+            before = self._end[1] if self._end is not None and self._end[0] == number - 1 else self._source(number - 1)[1]
+            start, end = self._source(number)
+            self._pages[number], self._end = start + before, (number, end)
             if len(self._pages) > PAGES_KEPT:
                 self._pages.popitem(last=False)
         return self._pages[number]
@@ -139,7 +144,9 @@ class Rails:
     def __init__(self, track: Track) -> None:
         self._track = track
         self._irregularity = irregularity(track)
-        self._rough = [Random(f"{track.seed}/rail/{side}", FINE, roughness(track.roughness)) for side in SIDES]
+        rough = roughness(track.roughness)
+        self._rough = [Random(f"{track.seed}/rail/{side}", FINE, rough) for side in SIDES]
+        self._curvature = [Random(f"{track.seed}/rail/{side}", FINEST, lambda w: rough(w) * w**4) for side in SIDES]
         self._crossings = places(track.crossings, "track.crossings")
         self._corrugation: tuple[float, float, str] | None = None
         if track.corrugation:
@@ -175,6 +182,10 @@ class Rails:
             sunk = self._track.joint_angle * DIP * (np.exp(-away / DIP) - math.exp(-REACH / DIP))
             height -= np.where(away < REACH, sunk, 0.0)
         return height
+
+    def curvature(self, place: Floats, side: int) -> Floats:
+        """Return the second derivative of the roughness of a rail at places [1/m]."""
+        return -self._curvature[0 if side > 0 else 1].at(place)
 
     def kinks(self, first: float, last: float, side: int) -> list[tuple[float, str]]:
         """Return the places of kinks of a rail from ``first`` up to ``last`` [m], in order, and whether each is a joint or a crossing."""

@@ -239,6 +239,20 @@ def test_speed_and_seed_of_a_vehicle_may_be_the_default_ones(tmp_path: Path) -> 
     assert [result.expectation.tags["speed"] for result in results] == pytest.approx([120.0 / 3.6 / 0.46] * 2)
 
 
+def test_every_vehicle_draws_its_seeds_unless_the_exam_gives_them() -> None:
+    scenarios = [{"name": "drawn", "boxes": ["axle_1.left", "axle_2.left"]}, {"name": "given", "set": {"track.seed": 5}}]
+    tree = {"exam": "x", "vehicle": "healthy_bogie", "set": {"paths.seed": 4}, "scenarios": scenarios}
+    drawn = vehicle_exam_of({**tree, "seed": 8}, "the test")
+    first, second, given = drawn.cases
+    assert len({case.parameters["vehicle.seed"] for case in drawn.cases}) == 3
+    assert first.parameters["track.seed"] != second.parameters["track.seed"]
+    assert [case.parameters["paths.seed"] for case in drawn.cases] == [4, 4, 4]
+    assert given.parameters["track.seed"] == 5
+    assert [case.parameters for case in drawn.cases] == [case.parameters for case in vehicle_exam_of({**tree, "seed": 8}, "again").cases]
+    assert drawn.digest != vehicle_exam_of({**tree, "seed": 9}, "the test").digest
+    assert [case.parameters.get("track.seed") for case in vehicle_exam_of(tree, "the test").cases] == [None, None, 5]
+
+
 def test_a_seed_that_is_none_is_refused() -> None:
     scenario = {"name": "x", "set": {"vehicle.seed": [1, "two"]}}
     exam = vehicle_exam_of({"exam": "x", "vehicle": "healthy_bogie", "scenarios": [scenario]}, "the test")

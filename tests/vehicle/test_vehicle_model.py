@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.ndimage import gaussian_filter1d
 from scipy.signal import butter, sosfiltfilt
 
 from dcrb_ros.schema.refusal import Refusal
@@ -20,7 +22,7 @@ from dcrb_ros.vehicle.model import AHEAD, BEFORE, VehicleModel, tick_weights
 from dcrb_ros.vehicle.paths import BANDS, Paths, bearing_paths, contact_paths
 from dcrb_ros.vehicle.structure import Structure, wheelset
 from dcrb_ros.vehicle.track import PAGE, Rails, Random, coherence, irregularity
-from dcrb_ros.vehicle.wheels import jump
+from dcrb_ros.vehicle.wheels import WheelSurface, jump, positions
 
 SMOOTH = {"track.spectrum": "none", "track.roughness": -40.0}
 
@@ -69,6 +71,22 @@ def test_a_contact_is_heard_elsewhere_as_in_the_frequency_domain(
     structure = Structure(bogie())
     power = np.mean([abs(structure.response(f)[:, 0] * f * f) ** 2 for f in np.geomspace(low, high, 40)], axis=0)
     assert 10.0 * np.log10(power[1:] / power[0]) == pytest.approx([right, behind, diagonal], abs=3.0)
+
+
+def test_the_layers_together_have_the_levels_of_the_frequency_domain_from_100_to_400_hz() -> None:
+    vehicle, frequency = smooth(), np.linspace(100.0, 400.0, 151)
+    structure, z = Structure(vehicle), np.exp(-2j * np.pi * frequency / 102400.0)
+    motion = np.array([structure.response(f)[:, 0] for f in frequency])
+    grids = [np.geomspace(low, high, 40) for low, high in itertools.pairwise(BANDS)]
+    paths = contact_paths(vehicle, 102400.0, [np.sqrt(np.mean([abs(structure.response(f)[0, 0]) ** 2 for f in grid])) for grid in grids])
+    for box in range(4):
+        for (gain, a1, a2), delay in zip(paths[0, box].sections, paths[0, box].delays, strict=True):
+            motion[:, box] += gain * (1.0 - z**2) / (1.0 - a1 * z - a2 * z**2) * z**delay
+    # Acceleration by a displacement of constant amplitude, over that at 100 Hz, from an endless rail in the frequency domain. The drawn
+    # paths to the other wheelset have one level from 200 to 500 Hz.
+    level = 10.0 * np.log10(np.mean(np.square(abs(motion) * (frequency[:, None] / 100.0) ** 2), axis=0))
+    assert level[:2] == pytest.approx([3.3, -0.8], abs=1.5)
+    assert level[2:] == pytest.approx([-5.9, -11.4], abs=9.0)
 
 
 def test_the_modes_have_the_response_of_the_structure() -> None:
@@ -135,6 +153,28 @@ def test_the_track_is_the_same_in_any_order_and_direction(start: float, length: 
     other.displacement(np.array([5000.0]), 1)
     backwards = np.concatenate([other.displacement(part, 1) for part in np.array_split(place[::-1], 3)])[::-1]
     assert np.array_equal(forwards, backwards)
+
+
+def test_the_curvature_of_a_rail_is_that_of_its_roughness_and_has_shorter_waves() -> None:
+    rails, step = Rails(Track(spectrum="none")), 5e-4
+    place = np.arange(300.0, 310.0, step)
+    bent = np.gradient(np.gradient(rails.displacement(place, 1), step), step)
+    curvature = rails.curvature(place, 1)
+    smoothed = [gaussian_filter1d(values, 60)[500:-500] for values in (bent, curvature)]
+    assert np.corrcoef(*smoothed)[0, 1] > 0.999
+    assert smoothed[0].std() == pytest.approx(smoothed[1].std(), rel=0.01)
+
+
+def test_rails_are_as_rough_as_wheels_down_to_waves_of_3_mm() -> None:
+    vehicle = bogie(track__spectrum="none")
+    wheel, radius = WheelSurface(vehicle, vehicle.boxes[0]), 0.46
+    place = np.linspace(0.0, 20.0, 1 << 16, endpoint=False)
+    both = [Rails(vehicle.track).curvature(place, 1), wheel.curvature(positions(place / radius))]
+    wavenumber, hann = np.fft.rfftfreq(len(place), place[1]), np.hanning(len(place))
+    power = [abs(np.fft.rfft(values * hann)) ** 2 for values in both]
+    for longest, shortest in ((0.02, 0.01), (0.01, 0.0056), (0.0056, 0.003)):
+        band = (wavenumber > 1.0 / longest) & (wavenumber < 1.0 / shortest)
+        assert 10.0 * np.log10(power[0][band].sum() / power[1][band].sum()) == pytest.approx(0.0, abs=1.5)
 
 
 def test_a_joint_reaches_the_wheelsets_after_the_wheelbase() -> None:

@@ -110,6 +110,10 @@ def test_the_scenario_of_a_bearing_is_refused_by_its_name(start: dict[str, Any])
         ([{"at": 1.0, "set": {"axle_1.left.wheel": 0.02}}], "entry 1: 'axle_1.left.wheel' is a group of parameters"),
         ([{"at": 1.0, "over": 1.0, "set": {"axle_1.left.wheel.polygon": "3 1e-5"}}], "cannot change gradually"),
         ([{"at": 1.0, "over": 2.0, "set": {"vehicle.cant": 0.1}}, {"at": 2.0, "set": {"vehicle.cant": 0.0}}], "another entry changes"),
+        (
+            [{"at": 1.0, "set": {"vehicle.speed_kmh": 150.0}}, {"at": 90.0, "set": {"vehicle.speed_kmh": 20.0, "vehicle.curvature": 0.01}}],
+            "entry 2: speed_kmh = 150 km/h with curvature = 0.01 loads axle_1.left with -",
+        ),
         ([{"at": 1.0, "set": {}}], "entry 1: 'set' must name parameters"),
         ([{"at": 0.0, "over": 9e5, "set": dict.fromkeys(GROWING, 1e-3)}], "take 120000 steps, above 100000"),
         ([], "is not a scenario"),

@@ -38,6 +38,7 @@ from dcrb_ros.stream.vehicle_description import VehicleDescription
 from dcrb_ros.vehicle.block import VehicleBlock
 from dcrb_ros.vehicle.description import described
 from dcrb_ros.vehicle.file import read_parameters, read_vehicle, vehicle_of
+from dcrb_ros.vehicle.model import VehicleModel
 from dcrb_ros.vehicle.simulation import VehicleSimulation
 
 pytestmark = pytest.mark.slow
@@ -208,6 +209,28 @@ def test_loads_follow_a_commanded_curve() -> None:
     assert sum(after.values()) == pytest.approx(sum(before.values()), abs=1.0)
 
 
+def test_bearings_start_at_the_load_of_the_settled_track() -> None:
+    vehicle = read_vehicle("healthy_bogie", {"track.spectrum": "fra_5", "vehicle.speed_kmh": 120.0})
+    simulation, model = VehicleSimulation(vehicle), VehicleModel(vehicle)
+    at_start = -model.load()[:, 1]
+    assert np.abs(at_start - vehicle.static_load).max() > 1e3
+    for box, load in zip(simulation.simulations.values(), at_start, strict=True):
+        assert box.configuration.operating.load == pytest.approx(load, abs=1e-6)
+
+
+def test_a_command_that_lifts_a_box_is_refused() -> None:
+    simulation = bogie({**SMOOTH, "vehicle.speed_kmh": 200.0})
+    sentence = "speed_kmh = 200 km/h with curvature = 0.01 loads axle_1.left with -118.9 kN"
+    with pytest.raises(Refusal, match=sentence):
+        simulation.command(curvature=0.01)
+    with pytest.raises(Refusal, match=sentence):  # the vehicle is faster until its ramp ends
+        simulation.command(speed_kmh=20.0, curvature=0.01)
+    simulation.command(speed_kmh=300.0)
+    with pytest.raises(Refusal, match=r"speed_kmh = 300 km/h with curvature = 0\.002"):
+        simulation.command(curvature=0.002)
+    simulation.command(curvature=0.001)
+
+
 def test_a_live_fault_is_in_the_truth_of_its_box() -> None:
     simulation = bogie(SMOOTH)
     run = simulation.blocks()
@@ -306,6 +329,10 @@ def test_a_run_in_which_every_channel_is_silent_ends_with_a_sentence(monkeypatch
         ({"axle_1.left.sensor.sampling_rate": 25600}, "differ in sensor.sampling_rate"),
         ({"axle_1.left.thermal.acceleration": 100.0}, "differ in thermal.acceleration"),
         ({"vehicle.speed_kmh": 1.0}, "speed_kmh = 1"),
+        (
+            {"vehicle.speed_kmh": 200.0, "vehicle.curvature": -0.01},
+            "mine.yaml, vehicle: speed_kmh = 200 .* loads axle_1.right with -118.9 kN",
+        ),
         ({"axle_1.left": 5}, "is not a box"),
         ({"axle_1.gear": "spur"}, "axle_1.gear = spur is not a group"),
         ({"axle_1.left.recording.path": "bag"}, "belongs to the whole vehicle"),

@@ -25,10 +25,12 @@ from dcrb_ros.settings.files import flatten, validated
 from dcrb_ros.settings.shipped import find_shipped
 from dcrb_ros.text.yaml import read_yaml
 from dcrb_ros.vehicle.description import Journey, Vehicle
-from dcrb_ros.vehicle.file import as_floats, read_parameters, vehicle_of
+from dcrb_ros.vehicle.file import SEEDS, as_floats, read_parameters, seed_of, vehicle_of
 
 PLACEHOLDER = "box"
 """In the keys of a scenario, the box in question."""
+DRAWN = ("vehicle.seed", "track.seed", "paths.seed")
+"""Seeds of a vehicle that an exam draws."""
 MOST_CASES = 2000
 """Vehicles of an exam at most [-]."""
 
@@ -59,6 +61,8 @@ class VehicleExamFile(Group):
     """Vehicle on which the scenarios are based, a shipped name or a file."""
     about: str = ""
     duration: float = quantity(3.0, "s", "Simulated time of a scenario", 2.5, 1e3)
+    seed: int | None = Field(None, ge=0, le=SEEDS)
+    """Seed from which every vehicle draws its `DRAWN` seeds, unless the exam gives them; without one, they are those of its file."""
     set: dict[str, Any] = Field(default_factory=dict)
     """Parameters of all scenarios."""
     points: dict[str, dict[str, Any]] = Field(default_factory=dict)
@@ -142,7 +146,7 @@ def vehicle_exam_of(tree: Any, source: str) -> VehicleExam:
     except ValidationError as error:
         problem = first_problem(error)
         raise Refusal(f"{source}: {problem.key or 'the file'}: {problem.reason}") from None
-    base = {**read_parameters(file.vehicle), **flatten(file.set)}
+    base = read_parameters(file.vehicle)
     cases: list[VehicleCase] = []
     for entry in file.scenarios:
         for case in _cases(file, entry, base, source):
@@ -179,10 +183,13 @@ def _cases(file: VehicleExamFile, entry: VehicleEntry, base: Mapping[str, Any], 
         chosen = {**changes, **dict(zip(varied, values, strict=True))}
         own = {_placed(key, box, where): value for key, value in chosen.items()}
         words = [entry.name, point, box, variant, *(f"{key.rpartition('.')[2]}={value}" for key, value in zip(varied, values, strict=True))]
-        parameters = {**base, **flatten(file.points.get(point, {})), **flatten(file.variants.get(variant, {})), **own}
+        name = "/".join(filter(None, words))
+        drawn = {key: seed_of(file.seed, name, key) for key in DRAWN} if file.seed is not None else {}
+        layers = (base, drawn, flatten(file.set), flatten(file.points.get(point, {})), flatten(file.variants.get(variant, {})), own)
+        parameters = {key: value for layer in layers for key, value in layer.items()}
         damaged = {_placed(key, box, where): verdict for key, verdict in entry.damaged.items() if verdict != "healthy"}
         tags = {**({"point": point} if point else {}), **({"variant": variant} if variant else {}), "kind": entry.name, **entry.tags}
-        case = VehicleCase("/".join(filter(None, words)), parameters, file.duration, damaged, entry.required, tags)
+        case = VehicleCase(name, parameters, file.duration, damaged, entry.required, tags)
         names = checked.get((point, variant), [])  # the other values are checked when the vehicle is simulated
         if not names or not set(damaged) <= set(names):
             names = checked[point, variant] = [box_of.name for box_of in case.vehicle().boxes]
