@@ -25,7 +25,8 @@ from dcrb_ros.stream.vehicle_diagnosis import UNDECIDED, VEHICLE_VERDICTS, kind_
 from dcrb_ros.text.markdown import table
 
 GROUPS = {
-    "one damaged box, -10 dB": ("outer", "inner", "roller"),
+    "one damaged box": ("outer", "inner", "roller"),
+    "one damaged box, rough rails": ("rough_outer", "rough_inner", "rough_roller"),
     "two damaged boxes on an axle": ("two_outer_inner", "two_roller_outer"),
     "flats": ("flat",),
     "joints": ("joints",),
@@ -68,7 +69,7 @@ def row_of(case: VehicleCase) -> str:
     if kind.startswith("masked"):
         return f"masked spall, {case.parameters['track.roughness']:g} dB at {case.parameters['vehicle.speed_kmh']:g} km/h"
     row = next((name for name, kinds in GROUPS.items() if kind in kinds), kind)
-    return f"one damaged box, -{level}" if row.startswith("one") else row
+    return f"{row}, -{level}" if row.startswith("one") else row
 
 
 def outcome(found: Mapping[str, str], case: VehicleCase) -> tuple[bool, bool]:
