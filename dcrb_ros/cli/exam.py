@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from dcrb_ros.cli.exam_predictivity import add_to
+from dcrb_ros.cli.exam_predictivity import predictivity, replica
 from dcrb_ros.cli.literal_help import Commands
 from dcrb_ros.cli.options import Force
 from dcrb_ros.cli.output_file import replacing
@@ -161,4 +161,5 @@ def agreement(
         print(f"{name} {value.value:.2f} ({CONFIDENCE:.0%} bootstrap interval {value.low:.2f} to {value.high:.2f})")
 
 
-add_to(app)
+app.command()(replica)
+app.command()(predictivity)

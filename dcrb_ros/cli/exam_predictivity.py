@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dcrb_ros.cli.literal_help import Commands
-from dcrb_ros.cli.options import Force, JsonOutput, Quiet, Workers, refuse_given, worker_count
-from dcrb_ros.cli.output_file import PICTURES, check_free, check_output, replacing
+from dcrb_ros.cli.options import Force, JsonOutput, Quiet, Workers, check_speed, refuse_given, worker_count
+from dcrb_ros.cli.output_file import PICTURES, check_free, check_output, check_outputs, replacing
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.writing import write_whole
 
@@ -42,7 +41,7 @@ def replica(
 
     check_output("--output", output, (".yaml", ".yml"))
     check_free("--output", output, force=force)
-    _check_speed(speed)
+    check_speed(speed)
     plan = ReplicaPlan(seed, machines, counterparts, longest, bench, tuple(without or ()))
     tree = replica_tree(_checked(table), plan, speed)
     with replacing("--output", output, force=force):
@@ -89,9 +88,7 @@ def predictivity(
     from dcrb_ros.exam.recording_cache import checked_folder, default_folder
     from dcrb_ros.exam.replica import ReplicaPlan, replica_tree
 
-    for option, file, suffixes in (("--output", output, ()), ("--figure", figure, PICTURES)):
-        if file is not None:
-            check_output(option, file, suffixes)
+    check_outputs(("--output", output, ()), ("--figure", figure, PICTURES))
     count, given = worker_count(workers), _checked(table)
     exam = exam_of(replica_tree(given, ReplicaPlan()), f"the replica of {table}") if replica is None else read_exam(replica)
     origin_of(exam, given)
@@ -134,16 +131,3 @@ def _checked(table: Path) -> Path:
     from dcrb_ros.exam.measured import TABLE
 
     return table / TABLE if table.is_dir() else table
-
-
-def _check_speed(speed: str) -> None:
-    from dcrb_ros.exam.measured import SPEEDS
-
-    if speed not in SPEEDS:
-        raise Refusal(f"--speed {speed} is unknown: give {' or '.join(SPEEDS)}")
-
-
-def add_to(app: Commands) -> None:
-    """Add both commands to `dcrb exam`."""
-    app.command()(replica)
-    app.command()(predictivity)

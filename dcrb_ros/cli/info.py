@@ -32,10 +32,9 @@ def info(
 
     Example: dcrb info bags/healthy
     """
-    from dcrb_ros.recordings.metadata import metadata_flaw
     from dcrb_ros.recordings.reader import Recording
     from dcrb_ros.recordings.vehicle_folder import vehicle_boxes
-    from dcrb_ros.recordings.verification import unsigned
+    from dcrb_ros.recordings.verification import metadata_flaw, unsigned
     from dcrb_ros.stream.event_text import encode_command
 
     if vehicle_boxes(bag):
@@ -79,8 +78,8 @@ def info(
 
 def vehicle_info(bag: Path, *, as_json: bool) -> None:
     """Print the parameters, the boxes with their digests, the commands, the topics and the damage of a vehicle's recording."""
-    from dcrb_ros.recordings.metadata import metadata_flaw
     from dcrb_ros.recordings.vehicle import VehicleRecording
+    from dcrb_ros.recordings.verification import metadata_flaw
 
     recording, flaw = VehicleRecording(bag), metadata_flaw(bag)
     counts = next(iter(recording.boxes.values())).counts()

@@ -85,6 +85,14 @@ def detector_parameters(file: Path | None) -> DetectorParameters:
     return validated(read_parameters(file, "fault_detector"), DetectorParameters, str(file))
 
 
+def check_speed(speed: str) -> None:
+    """Refuse a --speed that is no column of speeds in a table of measured recordings."""
+    from dcrb_ros.exam.measured import SPEEDS
+
+    if speed not in SPEEDS:
+        raise Refusal(f"--speed {speed} is unknown: give {' or '.join(SPEEDS)}")
+
+
 def refuse_given(context: typer.Context, reason: str, *names: str) -> None:
     """Refuse options that the command line has although they would have no effect.
 

@@ -32,6 +32,13 @@ def check_output(option: str, file: Path, suffixes: Sequence[str] = ()) -> None:
         raise Refusal(f"{option} {file} cannot be written: permission denied; give another file")
 
 
+def check_outputs(*outputs: tuple[str, Path | None, Sequence[str]]) -> None:
+    """Check the files that are given, each with its option and its suffixes; see `check_output`."""
+    for option, file, suffixes in outputs:
+        if file is not None:
+            check_output(option, file, suffixes)
+
+
 def check_free(option: str, path: Path, *, force: bool) -> None:
     """Refuse an existing file or recording unless ``force`` is given.
 

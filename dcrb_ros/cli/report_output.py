@@ -6,17 +6,8 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dcrb_ros.cli.output_file import PICTURES, check_output
-
 if TYPE_CHECKING:
     from dcrb_ros.exam.report import Report
-
-
-def check_files(junit: Path | None, figure: Path | None, entry: Path | None) -> None:
-    """Refuse output files that cannot be written before the evaluation starts."""
-    for option, file, suffixes in (("--junit", junit, ()), ("--figure", figure, PICTURES), ("--entry", entry, (".json",))):
-        if file is not None:
-            check_output(option, file, suffixes)
 
 
 def output_report(report: Report, as_json: bool, junit: Path | None, figure: Path | None, entry: Path | None = None) -> None:

@@ -12,8 +12,9 @@ import typer
 from dcrb_ros.cli import completion
 from dcrb_ros.cli.evaluation import DetectorOptions, evaluate_bags, evaluate_exam, evaluate_measured_folder
 from dcrb_ros.cli.exam_list import print_scenarios
-from dcrb_ros.cli.options import DetectorFile, JsonOutput, Quiet, Workers, refuse_given, worker_count
-from dcrb_ros.cli.report_output import check_files, output_report
+from dcrb_ros.cli.options import DetectorFile, JsonOutput, Quiet, Workers, check_speed, refuse_given, worker_count
+from dcrb_ros.cli.output_file import PICTURES, check_outputs
+from dcrb_ros.cli.report_output import output_report
 from dcrb_ros.schema.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -91,7 +92,7 @@ def score(
     _check_python(python, node, detector, reference, limits)
     _check_effect(context, measured, node, python, show=show)
     count = worker_count(workers)
-    check_files(junit, figure, entry)
+    check_outputs(("--junit", junit, ()), ("--figure", figure, PICTURES), ("--entry", entry, (".json",)))
     options = DetectorOptions(node, python, detector, rate, patience, limits, name)
     bags = [source for source in given if _is_recording(Path(source))]
     if bags and len(bags) < len(given):
@@ -137,15 +138,14 @@ def _check(given: Sequence[str], rate: float, patience: float, node: str | None,
 
 
 def _check_measured(given: Sequence[str], node: str | None, speed: str, longest: float, *, other: bool) -> None:
-    from dcrb_ros.exam.measured import LONGEST, SPEEDS
+    from dcrb_ros.exam.measured import LONGEST
 
     if given or node is not None or other:
         raise Refusal(
             "--measured judges its recordings by the shipped detector or by --python: leave out exams, --node, --reference, "
             "--recordings, --only and --list"
         )
-    if speed not in SPEEDS:
-        raise Refusal(f"--speed {speed} is unknown: give {' or '.join(SPEEDS)}")
+    check_speed(speed)
     if not 1.0 <= longest <= LONGEST:
         raise Refusal(f"--longest {longest} s is outside 1 .. {LONGEST:g} s: give the longest part of a recording to judge")
 

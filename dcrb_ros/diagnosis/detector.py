@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +27,7 @@ from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.registry import BEARING_RULES
 from dcrb_ros.diagnosis.rule import BearingRule, Finding, LineRule, found_lines
 from dcrb_ros.diagnosis.segments import Segment, Segmenter
-from dcrb_ros.diagnosis.sensor_check import SegmentInside, SensorCheck
+from dcrb_ros.diagnosis.sensor_check import SensorCheck
 from dcrb_ros.diagnosis.speed_estimation import estimated_frequency
 from dcrb_ros.diagnosis.trend import Trend
 from dcrb_ros.diagnosis.window import MOST_BINS, REFERENCE_FREQUENCY, Hop, Window, margin_samples
@@ -94,12 +93,16 @@ class FaultDetector:
         self._window = Window(demodulator, rate, self._hop, self._margin, bins, hops, p.speed_exponent)
         self._needed = min(p.least_window, p.window) - 0.5 * p.hop
         self._sensor = SensorCheck(p, rate, self._hop, self._bands)
-        self._bearing_rules: list[BearingRule[Any]] = [rule(p) for rule in BEARING_RULES]
+        self.rules: list[BearingRule[Any]] = [rule(p) for rule in BEARING_RULES]
+        """Rules for the bearing."""
         self.learner: BaselineLearner | None = None
         """Takes the evidence of every judgement, if there is one."""
         self._baseline = baseline if baseline is not None or not p.baseline else read_baseline(Path(p.baseline))
-        self._use_baseline()
-        self._combination = Combination(self._bearing_rules, p.release_margin)
+        if self._baseline is not None:
+            self._baseline.check(orders, rate, self.bands)
+            for each in self.rules:
+                each.take_baseline(self._baseline)
+        self._combination = Combination(self.rules, p.release_margin)
         self._hysteresis = Hysteresis(p.confirm, p.release, p.release_margin, hops if p.confirm > 1 else 1)
         self._trend = Trend(p.trend_time, p.hop)
 
@@ -120,21 +123,13 @@ class FaultDetector:
 
     def take_bearing(self, bearing: object) -> None:
         """Take the geometry of the bearing as a `dcrb_ros.Bearing` or a mapping of its fields; rules may have limits for it."""
-        for rule in self._bearing_rules:
+        for rule in self.rules:
             rule.take_bearing(bearing)
 
     @property
     def bands(self) -> tuple[float, float, float, str]:
         """Parameters on which a baseline depends: edges of the band [Hz], exponent of the speed, division of the band."""
         return self.parameters.band_low, self.parameters.band_high, self.parameters.speed_exponent, self.parameters.band
-
-    def _use_baseline(self) -> None:
-        """Give the baseline to the rules."""
-        if self._baseline is None:
-            return
-        self._baseline.check(self.orders, self.rate, self.bands)
-        for rule in self._bearing_rules:
-            rule.take_baseline(self._baseline)
 
     @checked_arguments(index=of_type(int, np.integer), acceleration=of_type(np.ndarray), shaft_angle=of_type(np.ndarray, type(None)))
     def update(self, index: int, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any] | None = None) -> Diagnosis | None:
@@ -161,7 +156,7 @@ class FaultDetector:
         turned, p = self._turned(segment), self.parameters
         # Whether the bearing turns fast enough to be diagnosed; without a shaft angle it is assumed to.
         turning = turned is None or turned >= p.least_turns * p.hop / p.window
-        inside = SegmentInside(self._inside(segment.acceleration), self._inside(segment.missing), segment.not_finite)
+        inside = segment._replace(acceleration=self._inside(segment.acceleration), missing=self._inside(segment.missing))
         flaw = self._sensor.flaw_of_samples(inside, turned or 0.0, self.sensor_range, turning=turning)
         hop = self._window.add(segment, self.parameters.fastest, useless=bool(flaw))
         if hop and turning and not flaw:
@@ -249,11 +244,6 @@ class FaultDetector:
         bands = [BandEvidence(band, search, number) for number, band in enumerate(self._bands)]
         return Evidence(bands, self.band, self._high, frequency, self.parameters.hop)
 
-    @property
-    def rules(self) -> Sequence[BearingRule[Any]]:
-        """Rules for the bearing."""
-        return self._bearing_rules
-
     def _scale(self, frequency: float) -> float:
         """Return the squared envelope at a shaft frequency [Hz] relative to that at the reference frequency [-]."""
         return float((frequency / REFERENCE_FREQUENCY) ** (2.0 * self.parameters.speed_exponent))
@@ -266,7 +256,7 @@ class FaultDetector:
         confirmed, time = self._hysteresis.confirmed, last / self.rate
         severity = self._severity(evidence, confirmed)
         if self.learner is not None:
-            self.learner.add(evidence, self._bearing_rules, verdict, time)
+            self.learner.add(evidence, self.rules, verdict, time)
         return dataclasses.replace(
             self._without_verdict(last, verdict, self._reason(verdict, findings)),
             confidence=confidence(verdict, confirmed, excess),
@@ -284,11 +274,11 @@ class FaultDetector:
         """Return the evidence that counts for each component [dB]: it depends on the length of the signal in the window."""
         p = self.parameters
         least = least_evidence(p.confirm, len(self._window) * self._hop / self.rate, p.alarm_evidence)
-        return {rule.component: max(least, rule.healthy_evidence(self.orders)) for rule in self._bearing_rules}
+        return {rule.component: max(least, rule.healthy_evidence(self.orders)) for rule in self.rules}
 
     def _severity(self, evidence: Evidence, confirmed: list[Component]) -> float:
         """Return the size of the largest lines of confirmed faults in the whole band [m/s^2]."""
-        rules = [rule for rule in self._bearing_rules if isinstance(rule, LineRule) and rule.component in confirmed]
+        rules = [rule for rule in self.rules if isinstance(rule, LineRule) and rule.component in confirmed]
         whole = evidence.bands[0]
         return max((math.sqrt(whole.family(comb).amplitude) for rule in rules for comb in rule.combs(self.orders)), default=0.0)
 
@@ -314,7 +304,7 @@ class FaultDetector:
         """Return which baseline is used, in words, or nothing."""
         if self._baseline is not None:
             return self._baseline.sentence(self._window.frequency if self._window.tracked else 0.0)
-        return "; ".join(rule.remark for rule in self._bearing_rules if rule.remark)
+        return "; ".join(rule.remark for rule in self.rules if rule.remark)
 
     def _remarks(self, *more: str) -> tuple[str, ...]:
         """Return the remarks of a diagnosis."""

@@ -3,27 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
-
-import numpy as np
-import numpy.typing as npt
 
 from dcrb_ros.diagnosis.demodulation import QUARTERS, Band, band_tree
 from dcrb_ros.diagnosis.evidence import LevelEvidence, LevelHistory, SampleEvidence
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.registry import LEVEL_RULES, SAMPLE_RULES
+from dcrb_ros.diagnosis.segments import Segment
 from dcrb_ros.diagnosis.window import Hop
-
-
-class SegmentInside(NamedTuple):
-    """A segment without its margins."""
-
-    acceleration: npt.NDArray[Any]
-    """Shape (samples, axes) [m/s^2]."""
-    missing: npt.NDArray[np.bool_]
-    """Shape (samples,)."""
-    not_finite: int
-    """Samples that are no finite numbers [-]."""
 
 
 class SensorCheck:
@@ -68,19 +54,19 @@ class SensorCheck:
         else:
             self._remaining = max(0, self._remaining - 1)
 
-    def flaw_of_samples(self, segment: SegmentInside, turned: float, sensor_range: float, *, turning: bool) -> str:
+    def flaw_of_samples(self, segment: Segment, turned: float, sensor_range: float, *, turning: bool) -> str:
         """Return the first flaw that a rule finds in the samples, or nothing.
 
         Args:
-            segment: the samples.
+            segment: a segment without its margins.
             turned: turns of the shaft within them; 0 if they are unknown [-].
             sensor_range: range of the sensor; 0 if it is unknown [m/s^2].
             turning: whether the shaft is taken to turn; at standstill some rules do not apply.
         """
-        acceleration, missing, not_finite = segment
-        known = acceleration[~missing] if missing.any() else acceleration
+        missing = segment.missing
+        known = segment.acceleration[~missing] if missing.any() else segment.acceleration
         hops, frequency = max(1, round(self._hops)), turned * self._rate / self._hop
-        evidence = SampleEvidence(known, len(missing), not_finite, self._rate, sensor_range, hops, frequency)
+        evidence = SampleEvidence(known, len(missing), segment.not_finite, self._rate, sensor_range, hops, frequency)
         for rule in self._sample_rules:
             if len(known) >= rule.fewest_samples and (turning or rule.at_standstill):
                 flaw = rule.flaw(evidence)

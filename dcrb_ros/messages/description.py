@@ -68,7 +68,7 @@ def decode_sensor(data: bytes) -> tuple[int, Orders]:
 def decode_range(data: bytes) -> float:
     """Return the range from a description [m/s^2], 0 if it is not given."""
     try:
-        limit = float(_entry(data, "range"))
+        limit = float(decode_entry(data, "range"))
     except (ValueError, TypeError, OverflowError):
         return 0.0
     return limit if math.isfinite(limit) and limit > 0.0 else 0.0
@@ -76,23 +76,18 @@ def decode_range(data: bytes) -> float:
 
 def decode_pulses_per_turn(data: bytes) -> int:
     """Return the pulses of the tacho per turn from a description; 0 if there are none."""
-    pulses = _entry(data, PULSES_PER_TURN)
+    pulses = decode_entry(data, PULSES_PER_TURN)
     return pulses if isinstance(pulses, int) and pulses > 0 else 0
-
-
-def decode_bearing(data: bytes) -> Any:
-    """Return the geometry of the bearing from a description in any form, None if it is not given."""
-    return _entry(data, "bearing")
 
 
 def decode_frame(data: bytes) -> str:
     """Return the frame id from a description, that of the shipped configurations if it is not given."""
-    frame = _entry(data, "frame")
+    frame = decode_entry(data, "frame")
     return frame if isinstance(frame, str) and frame else FRAME
 
 
-def _entry(data: bytes, key: str) -> Any:
-    """Return an entry of a description, or None."""
+def decode_entry(data: bytes, key: str) -> Any:
+    """Return an entry of a description in any form, such as its ``bearing``; None if it is not given."""
     try:
         return parsed_json(decode_text(data), SOURCE, LARGEST_DESCRIPTION).get(key)
     except (ValueError, AttributeError):

@@ -13,7 +13,6 @@ from dcrb_ros.messages.cdr import FRAME, JOINT_STATE, TEMPLATES, decoded, encode
 from dcrb_ros.messages.message_template import MessageTemplate, placeholder_bytes
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.stream.block import Block
-from dcrb_ros.stream.states import States
 
 
 @dataclass(frozen=True)
@@ -40,16 +39,6 @@ def _joints_template(frame: str, names: tuple[str, ...], *sizes: int) -> Message
     placeholders = [placeholder[sum(sizes[:k]) : sum(sizes[: k + 1])] for k in range(len(sizes))]
     arrays = [np.frombuffer(part, "<f8") for part in placeholders]
     return MessageTemplate(encoded(JOINT_STATE, ros_type(JOINT_STATE)(header(0, frame), list(names), *arrays)), *placeholders)
-
-
-def encode_states(states: States, names: Sequence[str], frame: str = FRAME) -> bytes:
-    """Return azimuth [rad], spin or rotation [rad/s] and inner normal force [N] of all bodies as a JointState."""
-    return encode_joints(states.time_ns, names, states.azimuth, states.speed, states.inner_force, frame)
-
-
-def encode_contacts(states: States, names: Sequence[str], frame: str = FRAME) -> bytes:
-    """Return outer normal force [N], slip [m/s] and friction [N] of all bodies as a JointState."""
-    return encode_joints(states.time_ns, names, states.outer_force, states.slip, states.friction, frame)
 
 
 def encode_features(block: Block, frame: str = FRAME) -> bytes:

@@ -75,10 +75,7 @@ def encode_points(points: npt.NDArray[Any], time_ns: int, frame: str = FRAME) ->
 @lru_cache(TEMPLATES)
 def _points_template(kind: np.dtype[Any], count: int, frame: str) -> MessageTemplate:
     point_type, placeholder = ros_type("sensor_msgs/msg/PointField"), placeholder_bytes(kind.itemsize * count)
-    fields = [
-        point_type(name, offset, POINT_KINDS[dtype.str], 1)
-        for name, (dtype, offset) in ((name, (entry[0], entry[1])) for name, entry in (kind.fields or {}).items())
-    ]
+    fields = [point_type(*field) for field in fields_of(kind)]
     raw = np.frombuffer(placeholder, np.uint8)
     cloud = ros_type(POINT_CLOUD)(header(0, frame), 1, count, fields, False, kind.itemsize, kind.itemsize * count, raw, True)
     return MessageTemplate(encoded(POINT_CLOUD, cloud), placeholder)
@@ -101,15 +98,24 @@ def encode_waveform(index: int, rate: int, acceleration: Samples, shaft_angle: n
     return encode_points(points, stamp_ns, frame)
 
 
+def decode_cloud(data: bytes) -> tuple[Any, list[tuple[str, int, int, int]]]:
+    """Return a PointCloud2 and its fields in the form of `fields_of`.
+
+    Raises:
+        Refusal: no such message.
+    """
+    cloud = decoded(data, POINT_CLOUD)
+    return cloud, [(field.name, field.offset, field.datatype, field.count) for field in cloud.fields]
+
+
 def decode_vibration(data: bytes) -> Vibration:
     """Return the waveform of a PointCloud2; without the field ``shaft_angle`` the angles are NaN.
 
     Raises:
         Refusal: the fields are not those of `sample_type`, or the length does not fit them.
     """
-    cloud = decoded(data, POINT_CLOUD)
-    fields = [(field.name, field.offset, field.datatype, field.count) for field in cloud.fields]
-    layout = next((kind for kind in LAYOUTS if fields == _fields(kind) and cloud.point_step == kind.itemsize), None)
+    cloud, fields = decode_cloud(data)
+    layout = next((kind for kind in LAYOUTS if fields == fields_of(kind) and cloud.point_step == kind.itemsize), None)
     if layout is None or cloud.is_bigendian or cloud.height != 1:
         raise Refusal(
             f"a PointCloud2 with the fields {[name for name, *_ in fields]} is not a waveform: it must have t, ax, ay and shaft_angle, "
@@ -133,7 +139,8 @@ def _axes(points: npt.NDArray[Any]) -> Samples:
     return np.stack([points[name].reshape(-1) for name in AXES if name in (points.dtype.names or ())], axis=1)
 
 
-def _fields(kind: np.dtype[Any]) -> list[tuple[str, int, int, int]]:
+def fields_of(kind: np.dtype[Any]) -> list[tuple[str, int, int, int]]:
+    """Return name, offset, kind and count of each field of structured points, as in a PointField."""
     return [(name, entry[1], POINT_KINDS[entry[0].str], 1) for name, entry in (kind.fields or {}).items()]
 
 
@@ -192,9 +199,8 @@ def decode_spectrum(data: bytes) -> tuple[int, Floats, Floats, float]:
     Raises:
         Refusal: the fields are not those of `SPECTRUM`, the length does not fit them, or the orders are not finite and increasing.
     """
-    cloud = decoded(data, POINT_CLOUD)
-    fields = [(field.name, field.offset, field.datatype, field.count) for field in cloud.fields]
-    fitting = fields == _fields(SPECTRUM) and cloud.point_step == SPECTRUM.itemsize and not cloud.is_bigendian
+    cloud, fields = decode_cloud(data)
+    fitting = fields == fields_of(SPECTRUM) and cloud.point_step == SPECTRUM.itemsize and not cloud.is_bigendian
     if not fitting or len(cloud.data) != cloud.width * SPECTRUM.itemsize:
         raise Refusal(
             f"a PointCloud2 with the fields {[name for name, *_ in fields]} is not a squared envelope spectrum: it must have frequency, "

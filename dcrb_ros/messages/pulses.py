@@ -6,14 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dcrb_ros.messages.cdr import FRAME, POINT_CLOUD, decoded, stamp_of
-from dcrb_ros.messages.points import MOST_SAMPLES, UINT32, encode_points
+from dcrb_ros.messages.cdr import FRAME, stamp_of
+from dcrb_ros.messages.points import MOST_SAMPLES, decode_cloud, encode_points, fields_of
 from dcrb_ros.schema.arrays import Integers
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.block import Block
 
 PULSE = np.dtype([("t", "<u4"), ("pulse", "<u4")])
-FIELDS = (("t", 0, UINT32, 1), ("pulse", 4, UINT32, 1))
 NUMBERS = 1 << 32
 """Number of pulses after which they are counted from zero again."""
 
@@ -43,9 +42,8 @@ def decode_pulses(data: bytes) -> PulseBlock:
     Raises:
         Refusal: the fields are not those of `PULSE`, or the length does not fit them.
     """
-    cloud = decoded(data, POINT_CLOUD)
-    fields = tuple((field.name, field.offset, field.datatype, field.count) for field in cloud.fields)
-    if fields != FIELDS or cloud.point_step != PULSE.itemsize or cloud.is_bigendian or cloud.height != 1:
+    cloud, fields = decode_cloud(data)
+    if fields != fields_of(PULSE) or cloud.point_step != PULSE.itemsize or cloud.is_bigendian or cloud.height != 1:
         raise Refusal(
             f"a PointCloud2 with the fields {[name for name, *_ in fields]} has no pulses of a tacho: it must have t and pulse, "
             f"{PULSE.itemsize} bytes a pulse, little endian, height 1"

@@ -127,11 +127,6 @@ Encoded = Iterable[tuple[int, bytes]]
 """Encoded messages, each with its simulated time [ns]."""
 
 
-def always(configuration: Configuration) -> bool:
-    """Return true: a topic of every configuration."""
-    return True
-
-
 @dataclass(frozen=True)
 class SimulatedTopic(Topic):
     """A topic of the simulator, encoded from the blocks of a simulation."""
@@ -144,7 +139,7 @@ class SimulatedTopic(Topic):
     """Returns what takes the place of ``encode`` in one run, for a topic whose messages depend on earlier blocks."""
     start: Callable[[EncodedBench], bytes] | None = None
     """Returns the message that precedes the first block."""
-    enabled: Callable[[Configuration], bool] = always
+    enabled: Callable[[Configuration], bool] = lambda configuration: True
     """Tells whether the topic is published with a configuration."""
 
 

@@ -81,8 +81,7 @@ class BenchStatus:
 
     def status(self, name: str, time_ns: int, others: Sequence[str] = ()) -> Status:
         """Return the status of the node ``name`` at a simulated time, with the names of the other nodes that publish on its topics."""
-        gate, progress, recording = self._engine.gate, self._progress, self._recording
-        model = self._model()
+        gate, progress, recording, model = self._engine.gate, self._progress, self._recording, self._model()
         behind = gate.pacer.lag > MAX_LAG and not gate.paused
         warning, more = self._about()
         level = ERROR if recording.failed else WARN if behind or others or warning else OK
@@ -108,18 +107,8 @@ class BenchStatus:
             **_temperatures(progress.thermal),
             **more,
         }
-        message = (
-            recording.state
-            if level == ERROR
-            else warning
-            if warning
-            else self._behind
-            if behind
-            else "others publish on the same topics"
-            if others
-            else model
-        )
-        return Status(name, level, message, values)
+        message = warning or (self._behind if behind else "others publish on the same topics" if others else model)
+        return Status(name, level, recording.state if level == ERROR else message, values)
 
     def _model(self) -> str:
         """Return what the model does: ``failed``, ``paused``, ``waiting`` for subscribers, or ``running``."""

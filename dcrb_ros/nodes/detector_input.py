@@ -14,7 +14,7 @@ from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.thermal_detector import ThermalFaultDetector
 from dcrb_ros.messages.cdr import FRAME
-from dcrb_ros.messages.description import decode_bearing, decode_frame, decode_range, decode_sensor
+from dcrb_ros.messages.description import decode_entry, decode_frame, decode_range, decode_sensor
 from dcrb_ros.messages.points import Vibration, decode_vibration
 from dcrb_ros.messages.topics import AMBIENT_TEMPERATURE, OUTER_RING_TEMPERATURE, SENSOR
 from dcrb_ros.schema.refusal import Refusal
@@ -119,7 +119,7 @@ class DetectorInput(MessageInput[Diagnosis]):
             if description != self._description:  # a change of the range alone does not restart the detector
                 rate, orders = description
                 self._detector = ThermalFaultDetector(orders, rate, self._parameters)
-                self._detector.take_bearing(decode_bearing(data))
+                self._detector.take_bearing(decode_entry(data, "bearing"))
                 self._description = description
                 information = f"watching a bearing at {rate} Hz, BPFO {orders.bpfo:.3f}, BPFI {orders.bpfi:.3f} orders"
             if self._detector is not None:

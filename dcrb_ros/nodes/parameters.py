@@ -70,7 +70,7 @@ class ParameterNode(Node):
             Refusal: an override is unknown, mistyped or out of range.
         """
         given: Mapping[str, Any] = self.get_parameters_by_prefix("")
-        overrides = {key: parameter.value for key, parameter in given.items() if not _is_of_ros(key)}
+        overrides = {key: parameter.value for key, parameter in given.items() if not is_of_ros(key)}
         adjusted = adjust(validated(overrides, model, "parameters"))
         values = flatten(adjusted.model_dump())
         self._fields = {field.key: field for field in parameter_fields(model)}
@@ -84,11 +84,6 @@ class ParameterNode(Node):
             self.undeclare_parameter(key)
         self.declare_parameter(key, value, _descriptor(key, field, read_only=read_only), ignore_override=True)
 
-    @staticmethod
-    def of_ros(key: str) -> bool:
-        """Return whether a parameter is one that every node of ROS has."""
-        return _is_of_ros(key)
-
     def set_parameters_atomically(self, parameter_list: list[Any]) -> Any:
         """Apply a change of parameters that others request, or answer why not.
 
@@ -97,7 +92,7 @@ class ParameterNode(Node):
         """
         given = (self._with_declared_type(parameter) for parameter in parameter_list)
         parameter_list = [parameter for parameter in given if not self._is_settled(parameter)]
-        changes = {parameter.name: parameter.value for parameter in parameter_list if not _is_of_ros(parameter.name)}
+        changes = {parameter.name: parameter.value for parameter in parameter_list if not is_of_ros(parameter.name)}
         if changes:
             try:
                 self._check_of_ros(parameter_list)  # once `on_parameters` has applied the others, none may be refused
@@ -110,7 +105,7 @@ class ParameterNode(Node):
         """Refuse parameters of ROS that ROS would refuse: those that are unknown or read-only here, or have a value of another type."""
         for parameter in parameters:
             name = parameter.name
-            if not _is_of_ros(name) or (
+            if not is_of_ros(name) or (
                 self.has_parameter(name)
                 and not self.describe_parameter(name).read_only
                 and parameter.type_ == self.get_parameter(name).type_
@@ -147,7 +142,8 @@ class ParameterNode(Node):
         return parameter
 
 
-def _is_of_ros(key: str) -> bool:
+def is_of_ros(key: str) -> bool:
+    """Return whether a parameter is one that every node of ROS has."""
     return key in OF_ROS or is_override(key)
 
 

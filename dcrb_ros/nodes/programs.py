@@ -12,6 +12,7 @@ from dcrb_ros.runtime.signals import accept_termination, end_at_once, leave_at_o
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from typing import Any, NoReturn
 
 NAMES = ("simulator", "vehicle_simulator", "replayer", "fault_detector", "vehicle_detector", "hot_box_detector", "viewer")
@@ -56,36 +57,10 @@ def run(name: str, arguments: list[str], **options: Any) -> int:
     return status
 
 
-def simulator() -> None:
-    """Simulate a bearing."""
-    main("simulator", sys.argv[1:])
+def _program(name: str) -> Callable[[], NoReturn]:
+    """Return the program of a node, which takes the arguments of the command line."""
+    return lambda: main(name, sys.argv[1:])
 
 
-def vehicle_simulator() -> None:
-    """Simulate the axle boxes of a vehicle."""
-    main("vehicle_simulator", sys.argv[1:])
-
-
-def replayer() -> None:
-    """Replay a recording."""
-    main("replayer", sys.argv[1:])
-
-
-def fault_detector() -> None:
-    """Run the fault detector."""
-    main("fault_detector", sys.argv[1:])
-
-
-def vehicle_detector() -> None:
-    """Run the detector that compares the axle boxes of a vehicle."""
-    main("vehicle_detector", sys.argv[1:])
-
-
-def hot_box_detector() -> None:
-    """Run the wayside hot-box detector."""
-    main("hot_box_detector", sys.argv[1:])
-
-
-def viewer() -> None:
-    """Show the bench in Rerun."""
-    main("viewer", sys.argv[1:])
+simulator, vehicle_simulator, replayer, fault_detector, vehicle_detector, hot_box_detector, viewer = map(_program, NAMES)
+"""The console scripts of the nodes."""

@@ -16,12 +16,13 @@ from dcrb_ros.bearing.plausibility import whole_length
 from dcrb_ros.bearing.runtime_change import altered
 from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.encoder import BlockEncoder
-from dcrb_ros.messages.topics import DETECTED, LOAD_COMMAND, SENSOR, SIMULATED, SPEED_COMMAND, VIBRATION, Message
+from dcrb_ros.messages.topics import DETECTED, LOAD_COMMAND, SENSOR, SIMULATED, SPEED_COMMAND, TRANSFORMS, VIBRATION, Message
+from dcrb_ros.messages.topics.transforms import encode_transforms
 from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.programs import main
+from dcrb_ros.nodes.publisher import Publisher
 from dcrb_ros.nodes.ros import own_arguments, run_node
 from dcrb_ros.nodes.simulating import SimulatingNode, decoded_by
-from dcrb_ros.nodes.transforms import publish_transforms
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.recordings.recorder_thread import RecorderThread
 from dcrb_ros.runtime.prefetch import prefetch
@@ -95,7 +96,8 @@ class SimulatorNode(SimulatingNode):
         for topic in DETECTED:
             if topic.recorded:
                 self.record_detected(topic)
-        publish_transforms(self, self.configuration)
+        # Latched, so that once is enough.
+        Publisher(self, [TRANSFORMS]).write_messages([Message(TRANSFORMS, 0, encode_transforms(self.configuration))])
 
     def _recorder(self, path: Path, *, commands: Sequence[TimedCommand], start_ns: int) -> RecorderThread:
         configuration = self.configuration

@@ -4,22 +4,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import Protocol
 
 from dcrb_ros.messages.topics import SENSOR, VIBRATION, Topic
+from dcrb_ros.nodes.publisher import Publisher
 
 SETTLING_TIME = 0.5
 """Wall time without a new subscriber after which no more are expected [s]."""
-
-
-class Publishing(Protocol):
-    """The part of `dcrb_ros.nodes.publisher.Publisher` that is used here."""
-
-    def subscribers(self, topic: Topic) -> int:
-        """Return the number of subscribers to a topic."""
-
-    def delivered(self, topic: Topic) -> bool:
-        """Return whether every subscriber has acknowledged the messages of a topic."""
 
 
 class SubscriberWait:
@@ -31,7 +21,7 @@ class SubscriberWait:
 
     def __init__(
         self,
-        publisher: Publishing,
+        publisher: Publisher,
         listeners: int,
         timeout: float,
         clock: Callable[[], float] = time.monotonic,

@@ -18,6 +18,7 @@ from dcrb_ros.messages.vehicle import box_path
 from dcrb_ros.messages.vehicle_encoder import VehicleEncoder, simulated_topics
 from dcrb_ros.nodes.bench_status import BenchStatus
 from dcrb_ros.nodes.gate import Gate
+from dcrb_ros.nodes.parameters import is_of_ros
 from dcrb_ros.nodes.programs import main
 from dcrb_ros.nodes.ros import own_arguments, run_node
 from dcrb_ros.nodes.simulating import SimulatingNode, decoded_by
@@ -86,7 +87,7 @@ class VehicleSimulatorNode(SimulatingNode):
         """
         super().__init__("vehicle_simulator")
         overrides: Mapping[str, Any] = self.get_parameters_by_prefix("")
-        given = {key: parameter.value for key, parameter in overrides.items() if not self.of_ros(key)}
+        given = {key: parameter.value for key, parameter in overrides.items() if not is_of_ros(key)}
         if parameters is None and source is None and not given:
             raise Refusal("there is no vehicle: give --vehicle with a YAML file or a shipped name, such as bogie")
         base = read_parameters(source) if source is not None else {}

@@ -8,7 +8,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import yaml
 
@@ -17,13 +17,16 @@ from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.topics import DETECTED, NAMESPACE, SENSOR, SIMULATED, Message, Topic
 from dcrb_ros.recordings.manifest import Outcome, opening
 from dcrb_ros.recordings.mcap_writer import Channel
-from dcrb_ros.recordings.splitting import SECOND, Bag, RecordingFailed, Splitting
+from dcrb_ros.recordings.splitting import Bag, RecordingFailed
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.parameters import Recording as RecordingSettings
 from dcrb_ros.stream.block import Block
 from dcrb_ros.stream.events import TimedCommand
 from dcrb_ros.stream.states import BodyNames
+
+if TYPE_CHECKING:
+    from dcrb_ros.recordings.vehicle_recorder import VehicleOutcome
 
 __all__ = ["Recorder", "RecordingFailed", "RunRecorder", "channel_of", "chosen_topics"]
 
@@ -65,20 +68,6 @@ def chosen_topics(text: str) -> frozenset[Topic]:
     return frozenset(known[name] for name in names or known) | {SENSOR}
 
 
-class Counted(Protocol):
-    """The outcome of a run so far, such as `Outcome`."""
-
-    @property
-    def samples(self) -> int:
-        """Number of samples."""
-
-    def add(self, message: Message) -> None:
-        """Include a message."""
-
-    def records(self) -> dict[str, dict[str, str]]:
-        """Return the metadata records at the end of a file."""
-
-
 Made = TypeVar("Made")
 """The blocks of a run: those of a bench or of a vehicle."""
 
@@ -97,7 +86,7 @@ class RunRecorder(ABC, Generic[Made]):
         settings: RecordingSettings,
         namespace: str,
         topics: Collection[Topic],
-        counted: Counted,
+        counted: Outcome | VehicleOutcome,
         opening: Mapping[str, Mapping[str, str]],
         first: Iterable[Message],
     ) -> None:
@@ -114,13 +103,7 @@ class RunRecorder(ABC, Generic[Made]):
         """
         self._topics, self._namespace, self._counted = topics, namespace, counted
         self._channels: dict[Topic, Channel] = {}
-        self._bag = Bag(
-            Path(path),
-            opening=opening,
-            closing=counted.records,
-            compression=settings.compression,
-            splitting=Splitting(settings.split_size, round(settings.split_duration * SECOND)),
-        )
+        self._bag = Bag(Path(path), opening=opening, closing=counted.records, settings=settings)
         self.path = self._bag.path
         try:
             self.write_messages(first)

@@ -7,9 +7,10 @@ import threading
 from collections import deque
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Protocol
+from typing import Any
 
 from dcrb_ros.messages.topics import Message
+from dcrb_ros.recordings.recorder import RunRecorder
 from dcrb_ros.recordings.splitting import RecordingFailed
 from dcrb_ros.runtime.threads import NamedThread
 
@@ -21,25 +22,13 @@ WAKE_PERIOD = 0.25
 """Wall time after which queued messages are written even if less than `BATCH_NS` is queued [s]."""
 
 
-class MessageRecorder(Protocol):
-    """Writes messages to a recording."""
-
-    path: Path
-
-    def write_messages(self, messages: Iterable[Message]) -> None:
-        """Record messages."""
-
-    def close(self) -> None:
-        """Finish the recording."""
-
-
 class RecorderThread:
     """Passes messages to a recorder through a bounded queue; any thread may write.
 
     A failure ends the recording and is raised once, by the next call; later calls do nothing.
     """
 
-    def __init__(self, recorder: MessageRecorder, capacity: int) -> None:
+    def __init__(self, recorder: RunRecorder[Any], capacity: int) -> None:
         """Write with ``recorder``; the queue holds at most ``capacity`` lists of messages."""
         self._recorder, self._capacity = recorder, capacity
         self._queue: deque[list[Message]] = deque()

@@ -20,7 +20,7 @@ from dcrb_ros.recordings.foreign_files import refuse_foreign, sound
 from dcrb_ros.recordings.manifest import OUTCOME, Outcome, now
 from dcrb_ros.recordings.mcap_writer import Channel, McapFile, described_channel
 from dcrb_ros.recordings.reader import Recording
-from dcrb_ros.recordings.splitting import SECOND, Bag, Splitting
+from dcrb_ros.recordings.splitting import SECOND, Bag
 from dcrb_ros.recordings.storage import StoredMessage, valid_files
 from dcrb_ros.recordings.vehicle_folder import VEHICLE_OUTCOME, box_of, record_name, vehicle_boxes
 from dcrb_ros.schema.printable import printable
@@ -89,7 +89,7 @@ class Recovery:
             reason = f": {self._damage[0]}" if self._damage else ""
             raise Refusal(f"nothing can be recovered from {self._source}, because no message can be read{reason}")
         records = self._opening()
-        bag = Bag(target, opening=records, closing=self._closing, splitting=self._splitting(), compression=self._compression())
+        bag = Bag(target, opening=records, closing=self._closing, settings=self._settings)
         with bag.removed_on_failure():
             bag.write([first])
             for message in messages:
@@ -171,13 +171,6 @@ class Recovery:
         for recording, outcome in zip(self._recordings, self._outcomes, strict=True):
             ending[record_name(OUTCOME, recording.box)] = outcome.records()[OUTCOME]
         return ending
-
-    def _splitting(self) -> Splitting:
-        settings = self._settings
-        return Splitting() if settings is None else Splitting(settings.split_size, round(settings.split_duration * SECOND))
-
-    def _compression(self) -> str:
-        return "zstd" if self._settings is None else self._settings.compression
 
     @property
     def _settings(self) -> RecordingSettings | None:

@@ -7,7 +7,6 @@ import shutil
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +16,7 @@ from dcrb_ros.recordings.mcap_writer import Channel, McapFile, Span
 from dcrb_ros.recordings.storage import METADATA
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.settings.parameters import Recording as RecordingSettings
 from dcrb_ros.text.files import checked_path
 from dcrb_ros.text.writing import sync
 
@@ -28,23 +28,6 @@ Records = Mapping[str, Mapping[str, str]]
 
 class RecordingFailed(RuntimeError):
     """Writing failed, on a full disk for instance; everything flushed before can be read."""
-
-
-@dataclass(frozen=True)
-class Splitting:
-    """When a bag continues in a new file; zero means never."""
-
-    size: int = 0
-    """Largest size of a file [bytes]."""
-    duration_ns: int = 0
-    """Longest simulated time in a file [ns]."""
-
-    def due(self, file: McapFile, time_ns: int) -> bool:
-        """Return whether a message of ``time_ns`` [ns] belongs to the next file."""
-        first = file.span.first_ns
-        if first is None:
-            return False
-        return bool((self.size and file.size >= self.size) or (self.duration_ns and time_ns - first >= self.duration_ns))
 
 
 def new_folder(path: Path) -> Path:
@@ -73,18 +56,10 @@ class Bag:
         RecordingFailed: a write failed later.
     """
 
-    def __init__(
-        self,
-        path: Path,
-        *,
-        opening: Records,
-        closing: Callable[[], Records],
-        compression: str = "zstd",
-        splitting: Splitting | None = None,
-    ) -> None:
+    def __init__(self, path: Path, *, opening: Records, closing: Callable[[], Records], settings: RecordingSettings | None = None) -> None:
         self.path = new_folder(path)
         self._opening, self._closing = opening, closing
-        self._compression, self._splitting = compression, splitting or Splitting()
+        self._settings = settings or RecordingSettings()
         self._ended: list[McapFile] = []
         self._sequences: Counter[Channel] = Counter()
         self._latched: dict[Channel, bytes] = {}
@@ -108,13 +83,18 @@ class Bag:
             return
         with self._end_on_failure():
             for channel, time_ns, data in messages:
-                if self._splitting.due(self._file, time_ns):
+                if self._full(time_ns):
                     self._split()
                     for latched, last in self._latched.items():
                         if latched != channel:
                             self._write(latched, time_ns, last)
                 self._write(channel, time_ns, data)
             self._file.flush_due()
+
+    def _full(self, time_ns: int) -> bool:
+        """Return whether a message of ``time_ns`` [ns] belongs to the next file."""
+        first, size, duration_ns = self._file.span.first_ns, self._settings.split_size, round(self._settings.split_duration * SECOND)
+        return first is not None and bool((size and self._file.size >= size) or (duration_ns and time_ns - first >= duration_ns))
 
     def _write(self, channel: Channel, time_ns: int, data: bytes) -> None:
         self._file.write(channel, time_ns, data, self._sequences[channel])
@@ -163,7 +143,7 @@ class Bag:
             raise RecordingFailed(f"the recording {self.path} ended at {self._reached():.1f} s: {error.strerror}") from None
 
     def _begin_file(self, number: int) -> McapFile:
-        return McapFile(self.path / f"{self.path.name}_{number}.mcap", self._opening, self._compression)
+        return McapFile(self.path / f"{self.path.name}_{number}.mcap", self._opening, self._settings.compression)
 
     def _split(self) -> None:
         self._end_file()

@@ -12,14 +12,6 @@ from dcrb_ros.schema.verdicts import CHARACTERISTIC, Verdict
 Spectrum = tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]
 
 
-def _no_levels() -> dict[str, float]:
-    return dict.fromkeys(CHARACTERISTIC.values(), 0.0)
-
-
-def _no_spectrum() -> Spectrum:
-    return np.zeros(0), np.zeros(0)
-
-
 @dataclass(frozen=True)
 class FoundLines:
     """The lines that are the evidence for a fault of one component."""
@@ -55,11 +47,11 @@ class Diagnosis:
     """The evidence in one sentence."""
     confidence: float = 0.0
     """Probability that the verdict is right: 0.5 at a threshold, up to 0.99 far from it; 0 without a verdict on the bearing."""
-    levels: dict[str, float] = field(default_factory=_no_levels)
+    levels: dict[str, float] = field(default_factory=lambda: dict.fromkeys(CHARACTERISTIC.values(), 0.0))
     """Level over background at BPFO, BPFI, BSF (twice its order) and FTF [dB]."""
     shaft_frequency: float = 0.0
     """Mean over the window [Hz]."""
-    spectrum: Spectrum = field(default_factory=_no_spectrum)
+    spectrum: Spectrum = field(default_factory=lambda: (np.zeros(0), np.zeros(0)))
     """Orders [-], and square root of the amplitudes of the squared envelope spectrum [m/s^2]; empty without a verdict."""
     gaps: int = 0
     """Gaps in the signal so far."""

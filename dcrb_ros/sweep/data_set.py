@@ -76,7 +76,7 @@ class DataSetWriter:
         # Written first, since the folder is recognised by this file.
         store.write(ABOUT, json.dumps(about, indent=1).encode())
         store.write(COPY, self.plan.sweep.text.encode())
-        store.write(BASE, _as_file(self.plan).encode())
+        store.write(BASE, yaml_text({"/**": {"ros__parameters": nest(self.plan.sweep.base)}}).encode())
         store.remove_unfinished()
         labelled = sorted(name.removesuffix(".json") for name in store.names(LABELS))
         self.flaws = flaws(store, labelled, digests=self.checked)
@@ -156,11 +156,6 @@ def _about(plan: Plan) -> dict[str, Any]:
         "dcrb_ros": __version__,
         "model": model_fingerprint(),
     }
-
-
-def _as_file(plan: Plan) -> str:
-    """Return the base configuration of a plan as the text of a configuration file."""
-    return yaml_text({"/**": {"ros__parameters": nest(plan.sweep.base)}})
 
 
 def _check_same(known: dict[str, Any], about: dict[str, Any], store: Store, *, extended: bool) -> None:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.sweep.design import Axes, Span
-from dcrb_ros.sweep.identity import BEARING_ID, IDENTITIES, MACHINE, Groups
+from dcrb_ros.sweep.identity import BEARING_ID, IDENTITIES, MACHINE
 from dcrb_ros.sweep.sweep_file import EXTENDED, Extent, Shares
 
 TOLERANCE = 0.25
@@ -145,26 +145,36 @@ def splits(conditions: set[str], shares: Shares) -> dict[str, str]:
     return dict(zip(order, names, strict=False))
 
 
-def _grouped(parts: Sequence[Collection[Unit]], apart: Sequence[str]) -> Groups:
-    groups = Groups()
+def grouped(parts: Sequence[Collection[Unit]], apart: Sequence[str]) -> dict[str, str]:
+    """Return the group of each condition: those that share an identity of ``apart`` are in one, to avoid leakage."""
+    parent: dict[str, str] = {}  # a disjoint-set forest (Tarjan 1975, J. ACM 22(2), 215-225)
+
+    def root(name: str) -> str:
+        while parent.setdefault(name, name) != name:
+            parent[name] = name = parent[parent[name]]
+        return name
+
     for unit in itertools.chain.from_iterable(parts):
-        groups.add(unit.condition, {name: getattr(unit, name) for name in apart})
-    return groups
+        for name in apart:
+            # The smaller name becomes the root, so that the order of the units does not matter.
+            first, second = sorted((root(unit.condition), root(f"{name} {getattr(unit, name)}")))
+            parent[second] = first
+    return {unit.condition: root(unit.condition) for part in parts for unit in part}
 
 
 def _assigned(parts: Sequence[Collection[Unit]], shares: Shares, apart: Sequence[str]) -> dict[str, str]:
     """Return the split of each condition, divided part by part; a new condition is in the split of an earlier one of its group."""
     split_of: dict[str, str] = {}
     for count, part in enumerate(parts, 1):
-        groups = _grouped(parts[:count], apart)
+        groups = grouped(parts[:count], apart)
         known: dict[str, str] = {}
         for condition, split in split_of.items():
-            known.setdefault(groups.group(condition), split)
-        new = {groups.group(unit.condition) for unit in part} - known.keys()
+            known.setdefault(groups[condition], split)
+        new = {groups[unit.condition] for unit in part} - known.keys()
         if new:
             known |= splits(new, shares)
         for unit in part:
-            split_of.setdefault(unit.condition, known[groups.group(unit.condition)])
+            split_of.setdefault(unit.condition, known[groups[unit.condition]])
     return split_of
 
 
@@ -184,8 +194,8 @@ def _shared(parts: Sequence[Collection[Unit]], split_of: Mapping[str, str]) -> d
 
 def _check_groups(units: Collection[Unit], shares: Shares, apart: Sequence[str]) -> None:
     """Refuse ``split.apart`` where the conditions share too few bearings or machines to fill the splits."""
-    grouped, conditions = _grouped([units], apart), {unit.condition for unit in units}
-    groups = len({grouped.group(condition) for condition in conditions})
+    group_of, conditions = grouped([units], apart), {unit.condition for unit in units}
+    groups = len({group_of[condition] for condition in conditions})
     filled = sum(share > 0.0 for share in (shares.train, shares.validation, shares.test))
     if apart and groups < min(filled, len(conditions)):
         raise Refusal(

@@ -28,7 +28,7 @@ from dcrb_ros.stream.block import Block, Truth
 from dcrb_ros.sweep.design import Value
 from dcrb_ros.sweep.label import DONE, ERROR, FAILED, REFUSED, base_label, fault_label
 from dcrb_ros.sweep.plan import PlannedRun, Task
-from dcrb_ros.sweep.store import PART, FileRecord, Store, StoreFailed, file_record, record_of
+from dcrb_ros.sweep.store import PART, FileRecord, Store, StoreFailed, record_of
 from dcrb_ros.sweep.sweep_file import Sweep, SweepFile
 from dcrb_ros.sweep.vehicles.plan import DAMAGED, TOGETHER
 from dcrb_ros.sweep.vehicles.ride import Ride, ride
@@ -84,17 +84,13 @@ def run_task(common: CommonSettings, task: Task) -> list[tuple[str, str]]:
     """
     statuses, simulated = [], _Vehicles(common) if common.vehicle else _Bearings(common)
     for run in task:
-        label = _existing_label(common.store, run)
+        # A lost worker may have written a valid label before it reported its task.
+        label = None if flaw(common.store, run.name) else read_label(common.store, run.name)
         if label is None:
             label = _label(common, run, simulated)
             write_label(common.store, label)
         statuses.append((run.name, str(label["status"])))
     return statuses
-
-
-def _existing_label(store: Store, run: PlannedRun) -> dict[str, Any] | None:
-    """Return the label that a lost worker wrote before it reported its task; None without a valid label."""
-    return None if flaw(store, run.name) else read_label(store, run.name)
 
 
 def write_label(store: Store, label: Mapping[str, Any]) -> None:
@@ -215,7 +211,7 @@ def _write_waveform(common: CommonSettings, run: PlannedRun, waveform: RunWavefo
     file = f"runs/{run.name}.{common.file.output}"
     rate = configuration.sensor.sampling_rate
     data = waveform_file(waveform.acceleration, waveform.shaft_angle, rate, waveform.first_index, common.file.output)
-    return _outcome(common, run, waveform, configuration, file, _written(common.store, file, data))
+    return _outcome(common, run, waveform, configuration, file, {file: common.store.write(file, data)})
 
 
 def _outcome(
@@ -229,12 +225,6 @@ def _outcome(
         about["windows"] = len(window_starts(waveform.samples, common.file.windows))
     size = of_widest(configuration)
     return {**fault_label(waveform.truths), **size, **about, "clipped": waveform.clipped, "sha256": waveform.sha256, "files": files}
-
-
-def _written(store: Store, name: str, data: bytes) -> dict[str, FileRecord]:
-    """Write a file and return its record by its name."""
-    store.write(name, data)
-    return {name: file_record(data)}
 
 
 def _start(common: CommonSettings, run: PlannedRun) -> _RunningSimulation:
@@ -297,4 +287,5 @@ def _write_windows(common: CommonSettings, run: PlannedRun, waveform: RunWavefor
     labels = window_labels(window_starts(waveform.samples, windows), waveform.first_index, rate, windows, waveform.truths)
     about = {"run": run.name, "case": run.case, "split": run.split}
     data = windows_file(cut_windows(waveform.acceleration, windows), labels, about, windows.kind)
-    return _written(common.store, f"windows/{run.split}/{run.name}.{windows.kind}", data)
+    name = f"windows/{run.split}/{run.name}.{windows.kind}"
+    return {name: common.store.write(name, data)}

@@ -1,4 +1,4 @@
-"""Identity of the bearing and the machine of a run, and groups of conditions that share one: a group is in one split, to avoid leakage."""
+"""Identity of the bearing and the machine of a run."""
 
 from __future__ import annotations
 
@@ -50,32 +50,3 @@ def drawn_by_noise(bearing: Mapping[str, Any], defaults: Mapping[str, Any]) -> b
     """Return whether the surfaces of a bearing follow from the seed of the noise, so that each of these seeds is another individual."""
     values = {**defaults, **bearing}
     return bool(values[SURFACES] == PROFILE and not values[SURFACES_SEED])
-
-
-class Groups:
-    """Conditions joined by a common bearing or machine: a disjoint-set forest (Tarjan 1975, J. ACM 22(2), 215-225)."""
-
-    def __init__(self) -> None:
-        self._parent: dict[str, str] = {}
-
-    def add(self, condition: str, shared: Mapping[str, str]) -> None:
-        """Add a condition and join it with all that have one of its identities, given by name."""
-        self._parent.setdefault(condition, condition)
-        for name, identity in shared.items():
-            self._join(condition, f"{name} {identity}")
-
-    def _join(self, first: str, other: str) -> None:
-        # The smaller name becomes the root, so that the order of the calls does not matter.
-        first, second = sorted((self._root(first), self._root(other)))
-        self._parent[second] = first
-
-    def _root(self, name: str) -> str:
-        self._parent.setdefault(name, name)
-        while self._parent[name] != name:
-            self._parent[name] = self._parent[self._parent[name]]
-            name = self._parent[name]
-        return name
-
-    def group(self, condition: str) -> str:
-        """Return the name of a condition's group."""
-        return self._root(condition)

@@ -22,7 +22,7 @@ from dcrb_ros.sweep.division import REMEDIES, in_several, warnings_of
 from dcrb_ros.sweep.identity import TRUTH
 from dcrb_ros.sweep.label import DONE
 from dcrb_ros.sweep.schema import CARD, DESCRIPTION, SPLITS, healthy_first, write_about
-from dcrb_ros.sweep.store import Store, file_record
+from dcrb_ros.sweep.store import Store
 from dcrb_ros.sweep.sums import write_sums
 from dcrb_ros.sweep.sweep_file import Windows
 from dcrb_ros.sweep.table import LABELS, table_of
@@ -111,7 +111,7 @@ def _written(run: MeasuredRun, bearing: str, position: int, store: Store, window
     speed = 2.0 * math.pi * shaft
     gaps = bool((np.diff(waveform.index) != 1).any())
     data = waveform_file(acceleration, angle, rate, first, "npz", index=waveform.index if gaps else None)
-    files = {f"runs/{run.name}.npz": data}
+    files = {f"runs/{run.name}.npz": store.write(f"runs/{run.name}.npz", data)}
     starts = window_starts(len(waveform), windows)
     starts = starts[waveform.index[starts + windows.length - 1] - waveform.index[starts] == windows.length - 1]  # without a gap
     cut = cut_windows(acceleration, windows)[np.isin(window_starts(len(waveform), windows), starts)]
@@ -126,9 +126,8 @@ def _written(run: MeasuredRun, bearing: str, position: int, store: Store, window
         "mixed": np.zeros(count, bool),
     }
     about = {"run": run.name, "case": run.fault, "split": run.split}
-    files[f"windows/{run.split}/{run.name}.parquet"] = windows_file(cut, columns, about, "parquet")
-    for name, data in files.items():
-        store.write(name, data)
+    name = f"windows/{run.split}/{run.name}.parquet"
+    files[name] = store.write(name, windows_file(cut, columns, about, "parquet"))
     orders = {name: abs(shaft) * getattr(waveform.orders, name) for name in ("ftf", "bpfo", "bpfi", "bsf")}
     label: dict[str, Any] = {
         **about,
@@ -148,7 +147,7 @@ def _written(run: MeasuredRun, bearing: str, position: int, store: Store, window
         "samples": len(waveform),
         "windows": count,
         "file": f"runs/{run.name}.npz",
-        "files": {name: file_record(data) for name, data in files.items()},
+        "files": files,
         "sha256": hashlib.sha256(packed(acceleration, angle)).hexdigest(),
         "dcrb_ros": __version__,
         "bearing_id": bearing,

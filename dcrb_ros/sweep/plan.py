@@ -167,8 +167,8 @@ class Plan:
 
     def _condition(self, point: Point) -> str:
         """Return the hash of the differences from the defaults, so that a parameter added later does not change splits and seeds."""
-        values = {**self.sweep.base, **point}
-        return digest({key: value for key, value in values.items() if not _not_a_condition(key) and value != self._defaults.get(key)})
+        values = {key: value for key, value in {**self.sweep.base, **point}.items() if key.split(".")[0] not in NOT_CONDITIONS}
+        return digest({key: value for key, value in values.items() if key not in (SEED, SCENARIO) and value != self._defaults.get(key)})
 
     def _identities(self, point: Point, condition: str) -> dict[str, str]:
         """Return the hashes of bearing and machine; without a seed of the surfaces, all seeds of a condition count as one bearing."""
@@ -200,8 +200,3 @@ class Plan:
             seed,
             self._identities(point, condition),
         )
-
-
-def _not_a_condition(key: str) -> bool:
-    """Return whether a parameter is independent of the bearing, its speed and its load."""
-    return key.split(".")[0] in NOT_CONDITIONS or key in (SEED, SCENARIO)

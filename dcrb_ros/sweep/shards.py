@@ -175,10 +175,9 @@ def packed(store: Store, shard: Shard) -> bytes:
             if label["status"] != DONE:
                 continue
             file = str(label["file"])
-            data = (Path(store.address) / file).read_bytes() if (Path(store.address) / file).is_file() else None
-            if data is None:
+            if not (Path(store.address) / file).is_file():
                 raise Refusal(f"{store.address}: {file} is no waveform file: shards need 'output: npz' or parquet")
-            _add(tar, f"{run.name}{Path(file).suffix}", data)
+            _add(tar, f"{run.name}{Path(file).suffix}", (Path(store.address) / file).read_bytes())
             _add(tar, f"{run.name}.json", json.dumps(label, sort_keys=True).encode())
     return stream.getvalue()
 

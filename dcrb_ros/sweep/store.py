@@ -91,8 +91,8 @@ class Store:
         """Return the path of a file in the notation of fsspec."""
         return f"{self._filesystem[1]}/{name}"
 
-    def write(self, name: str, data: bytes) -> None:
-        """Write a file; replace it if it exists.
+    def write(self, name: str, data: bytes) -> FileRecord:
+        """Write a file, which replaces one of that name, and return its record.
 
         Raises:
             StoreFailed: there is no space left, or the store cannot be written.
@@ -100,7 +100,7 @@ class Store:
         try:
             if self.folder is None:
                 self._filesystem[0].pipe_file(self.path(name), data)
-                return
+                return file_record(data)
             target = self.folder / name
             target.parent.mkdir(parents=True, exist_ok=True)
             part = target.parent / f"{PART}{uuid.uuid4().hex}"
@@ -112,6 +112,7 @@ class Store:
             except BaseException:
                 part.unlink(missing_ok=True)
                 raise
+            return file_record(data)
         except OSError as error:
             raise self._failed(error) from None
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +12,9 @@ from matplotlib.figure import Figure
 
 from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.validation.faults import spectrum
+from dcrb_ros.validation.measures import passes
 from dcrb_ros.validation.report_row import PaperRuns
-from dcrb_ros.validation.runs import BROKEN_BAR, JOINTS, PaperRun
+from dcrb_ros.validation.runs import BROKEN_BAR, JOINTS, SETTLED, PaperRun
 
 BLUE, ORANGE, GREY = "#1f6fb4", "#e07b00", "#8a8a8a"
 COLUMNS = {
@@ -70,24 +71,20 @@ def speeds(runs: PaperRuns, joint: str) -> Figure:
     return _titled(figure, f"Rotation of the bearing components from a cold start at 124.8 rad/s, {joint} (Fig. 8)")
 
 
-def passes(azimuth: npt.NDArray[np.floating]) -> Iterator[slice]:
-    """Yield the complete passes of a roller from -90 to 90 deg; ``azimuth`` has the shape (times,) [rad]."""
-    inside = np.abs(azimuth) < 0.5 * np.pi
-    starts, stops = np.flatnonzero(~inside[:-1] & inside[1:]) + 1, np.flatnonzero(inside[:-1] & ~inside[1:]) + 1
-    for start in starts:
-        later = stops[stops > start]
-        if len(later):
-            yield slice(start, later[0])
-
-
 def tracked(run: PaperRun) -> int:
     """Return the column of the roller shown in the figures: the one beside the broken bar, or the first."""
     return run.columns(BROKEN_BAR)[0] if run.configuration.faults.broken_bars else 0
 
 
+def settled_passes(run: PaperRun) -> list[slice]:
+    """Return the complete passes of that roller from -90 to 90 deg, without the start of the run."""
+    inside = np.abs(run.azimuth[:, tracked(run)]) < 0.5 * np.pi
+    return [stretch for stretch in passes(inside) if run.time[stretch.start] > SETTLED]
+
+
 def shown_pass(run: PaperRun) -> slice:
     """Return the pass shown in the figures: the last one, or for an inner ring defect the one with the strongest impact."""
-    stretches = [stretch for stretch in passes(run.azimuth[:, tracked(run)]) if run.time[stretch.start] > 0.2]
+    stretches = settled_passes(run)
     if run.spec.name == "inner ring defect":
         force = run.inner_force[:, tracked(run)]
         return max(stretches, key=lambda stretch: float(np.abs(np.diff(force[stretch], 2)).max()))
@@ -99,7 +96,6 @@ def roller(runs: PaperRuns, joint: str) -> Figure:
     run = runs["healthy", joint]
     stretch, column = shown_pass(run), tracked(run)
     azimuth = np.degrees(run.azimuth[stretch, column])
-    others = [other for other in passes(run.azimuth[:, column]) if run.time[other.start] > 0.2]
     figure = Figure(figsize=(10, 7.5), dpi=110, layout="constrained")
     (a, b), (c, d) = figure.subplots(2, 2)
     panels: list[tuple[Axes, Callable[[slice], npt.NDArray[np.floating]], str, str]] = [
@@ -109,7 +105,7 @@ def roller(runs: PaperRuns, joint: str) -> Figure:
         (d, lambda s: run.spin[s, column], "spin [rad/s]", "(d) roller rotation, absolute"),
     ]
     for axes, series, y, title in panels:
-        for other in others:
+        for other in settled_passes(run):
             axes.plot(np.degrees(run.azimuth[other, column]), series(other), color=BLUE, lw=0.4, alpha=0.15)
         axes.plot(azimuth, series(stretch), color=BLUE, lw=1.2, label="last pass of one roller; faint: all its passes")
         axes.set_xlim(-90.0, 90.0)

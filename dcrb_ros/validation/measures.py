@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 from scipy import signal
 
-Floats = npt.NDArray[np.float64]
+from dcrb_ros.schema.arrays import Floats
+
 Array = npt.NDArray[np.floating]
 
 LOADED_FORCE = 50.0
@@ -114,21 +116,21 @@ def load_zone(azimuth: Array, force: Array) -> LoadZone:
 
     Only complete passes are counted.
     """
-    ends = [pass_ends for column in range(azimuth.shape[1]) for pass_ends in _passes(np.degrees(azimuth[:, column]), force[:, column])]
+    ends = []
+    for degrees, loaded in zip(np.degrees(azimuth).T, force.T > LOADED_FORCE, strict=True):
+        zones = (degrees[stretch][loaded[stretch]] for stretch in passes(np.abs(degrees) < PASS_LIMIT))
+        ends += [(float(zone.min()), float(zone.max())) for zone in zones if len(zone)]
     entries, exits = np.array(ends).reshape(-1, 2).T
     return LoadZone(*(float(value) for value in (entries.mean(), exits.mean(), entries.min(), exits.max())))
 
 
-def _passes(azimuth: Array, force: Array) -> list[tuple[float, float]]:
-    inside = np.abs(azimuth) < PASS_LIMIT
+def passes(inside: npt.NDArray[np.bool_]) -> Iterator[slice]:
+    """Yield the complete stretches in which a roller is ``inside`` a range of azimuth, shape (times,)."""
     starts, stops = np.flatnonzero(~inside[:-1] & inside[1:]) + 1, np.flatnonzero(inside[:-1] & ~inside[1:]) + 1
-    ends = []
     for start in starts:
         later = stops[stops > start]
-        loaded = azimuth[start : later[0]][force[start : later[0]] > LOADED_FORCE] if len(later) else azimuth[:0]
-        if len(loaded):
-            ends.append((float(loaded.min()), float(loaded.max())))
-    return ends
+        if len(later):
+            yield slice(start, later[0])
 
 
 def profile(azimuth: Array, force: Array, edges: Floats) -> Floats:

@@ -9,13 +9,11 @@ import numpy.typing as npt
 
 from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.bearing.payload import cage_speed
+from dcrb_ros.schema.arrays import Floats, Samples
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.stream.states import Account
-
-Floats = npt.NDArray[np.float64]
-Singles = npt.NDArray[np.float32]
 
 JOINTS = ("revolute", "pocket")
 BENCH = {"revolute": "paper", "pocket": "dry"}
@@ -124,27 +122,27 @@ class PaperRun:
     configuration: Configuration
     acceleration: Floats
     """Vertical acceleration of the outer ring before noise, shape (samples,) [m/s^2]."""
-    shaft_angle: Singles
+    shaft_angle: Samples
     """Shaft angle within one turn, shape (samples,) [rad]."""
     time: Floats
     """Times of the states, shape (times,) [s]."""
-    azimuth: Singles
+    azimuth: Samples
     """Azimuth of the rollers from the load line [rad]."""
-    spin: Singles
+    spin: Samples
     """Absolute spin of the rollers [rad/s]."""
-    relative_spin: Singles
+    relative_spin: Samples
     """Spin of the rollers relative to the cage [rad/s]."""
-    inner_force: Singles
+    inner_force: Samples
     """Normal force at the inner raceway [N]."""
-    outer_force: Singles
+    outer_force: Samples
     """Normal force at the outer raceway [N]."""
-    slip: Singles
+    slip: Samples
     """Slip at the inner raceway [m/s]."""
-    friction: Singles
+    friction: Samples
     """Friction force at the inner raceway [N]."""
-    torque: Singles
+    torque: Samples
     """Friction torque of both raceways [N m]."""
-    bar_force: Singles
+    bar_force: Samples
     """Normal force between a roller and its bar, positive at the bar ahead [N]."""
     cage_offset: Floats
     """Distance of the cages' centres from the outer ring's, shape (times, rows) [m]."""
@@ -213,7 +211,7 @@ def simulate(spec: PaperRunSpec) -> PaperRun:
     blocks = list(simulation.blocks(spec.duration))
     states = [states for block in blocks for states in block.states]
 
-    def series(field: str) -> Singles:
+    def series(field: str) -> Samples:
         return np.array([getattr(state, field) for state in states], np.float32)
 
     speed = np.array([state.speed for state in states])

@@ -11,8 +11,9 @@ import pytest
 
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
-from dcrb_ros.messages.topics import TRANSFORMS
-from dcrb_ros.nodes.transforms import publish_transforms
+from dcrb_ros.messages.topics import TRANSFORMS, Message
+from dcrb_ros.messages.topics.transforms import encode_transforms
+from dcrb_ros.nodes.publisher import Publisher
 from dcrb_ros.settings.configuration import Configuration
 
 BOX = Configuration.model_validate({"publishing": {"frame": "wagon/box1/outer_ring"}, "bearing": {"outer_raceway_radius": 0.10915}})
@@ -33,6 +34,11 @@ class Graph:
         self.published.append(data)
 
 
+def publish(graph: Graph) -> None:
+    """Publish the transform as the simulator does."""
+    Publisher(graph, [TRANSFORMS]).write_messages([Message(TRANSFORMS, 0, encode_transforms(BOX))])  # type: ignore[arg-type]
+
+
 def test_the_sensor_sits_at_the_top_of_the_outer_raceway_with_the_axes_of_the_bearing(monkeypatch: pytest.MonkeyPatch) -> None:
     from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
@@ -42,7 +48,7 @@ def test_the_sensor_sits_at_the_top_of_the_outer_raceway_with_the_axes_of_the_be
     monkeypatch.setitem(sys.modules, "tf2_msgs.msg", stub)
     monkeypatch.setattr(importlib.util, "find_spec", lambda package: package)
     graph = Graph()
-    publish_transforms(graph, BOX)  # type: ignore[arg-type]
+    publish(graph)
     ((kind, name, qos),) = graph.publishers
     assert (kind, name) == (stub.TFMessage, "/tf_static")
     assert (qos.durability, qos.reliability) == (DurabilityPolicy.TRANSIENT_LOCAL, ReliabilityPolicy.RELIABLE)
@@ -56,5 +62,5 @@ def test_the_sensor_sits_at_the_top_of_the_outer_raceway_with_the_axes_of_the_be
 def test_nothing_is_published_without_the_message_type(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(importlib.util, "find_spec", lambda package: None)
     graph = Graph()
-    publish_transforms(graph, BOX)  # type: ignore[arg-type]
+    publish(graph)
     assert graph.publishers == []

@@ -10,9 +10,9 @@ import pytest
 from dcrb_ros.messages.statuses import decode_diagnostics, decode_truth
 from dcrb_ros.messages.topics import GROUND_TRUTH
 from dcrb_ros.recordings.manifest import model_fingerprint, software
-from dcrb_ros.recordings.metadata import metadata_flaw
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.reproduction import Reproduction
+from dcrb_ros.recordings.verification import metadata_flaw
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.stream.event_text import encode_event
 from dcrb_ros.stream.events import SpeedCommand, Start, TimedCommand

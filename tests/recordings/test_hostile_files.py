@@ -20,8 +20,8 @@ from made_up_blocks import BODIES, recorded
 from separate_process import dcrb
 
 from dcrb_ros.recordings.mcap_reader import MAGIC, McapRecords
-from dcrb_ros.recordings.metadata import metadata_flaw
 from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.recordings.verification import metadata_flaw
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 

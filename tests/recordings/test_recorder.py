@@ -21,11 +21,11 @@ from slow_recorder import SlowRecorder
 
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.topics import DETECTED, NAMESPACE, SENSOR, SIMULATED, VIBRATION
-from dcrb_ros.recordings.metadata import metadata_flaw
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder, channel_of, chosen_topics
 from dcrb_ros.recordings.recorder_thread import RecorderThread
 from dcrb_ros.recordings.splitting import RecordingFailed
+from dcrb_ros.recordings.verification import metadata_flaw
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration

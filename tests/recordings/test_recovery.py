@@ -19,13 +19,14 @@ from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.topics import FEATURES, GROUND_TRUTH, MANIFEST, NAMESPACE, VIBRATION, Message
 from dcrb_ros.recordings.manifest import OUTCOME, opening, record_text
 from dcrb_ros.recordings.mcap_reader import McapRecords
-from dcrb_ros.recordings.metadata import metadata_flaw
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import channel_of
 from dcrb_ros.recordings.recovery import RECOVERY, Recovered, recover
 from dcrb_ros.recordings.splitting import Bag
+from dcrb_ros.recordings.verification import metadata_flaw
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.parameters import Recording as Settings
 from dcrb_ros.stream.events import LoadCommand
 
 pytestmark = pytest.mark.slow
@@ -173,7 +174,9 @@ def message_bag(path: Path, messages: Sequence[Message], *, namespace: str = NAM
     """Write messages with the manifest of the bench, in which some entries differ; None removes an entry."""
     about = json.loads(opening(Configuration(), BODIES, namespace)[MANIFEST]["manifest"]) | changes
     manifest = record_text({key: value for key, value in about.items() if value is not None})
-    bag = Bag(path, opening={MANIFEST: {"manifest": manifest}}, closing=lambda: {OUTCOME: {"outcome": "{}"}}, compression="lz4")
+    bag = Bag(
+        path, opening={MANIFEST: {"manifest": manifest}}, closing=lambda: {OUTCOME: {"outcome": "{}"}}, settings=Settings(compression="lz4")
+    )
     bag.write((channel_of(message.topic, namespace), message.time_ns, message.data) for message in messages)
     bag.close()
     return path

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Sequence
-from dataclasses import FrozenInstanceError
 from pathlib import Path
 from typing import Any
 
@@ -17,15 +16,17 @@ from dcrb_ros.messages.topics import FEATURES, NAMESPACE, SENSOR, VIBRATION
 from dcrb_ros.recordings.mcap_reader import McapRecords
 from dcrb_ros.recordings.mcap_writer import Channel
 from dcrb_ros.recordings.recorder import channel_of
-from dcrb_ros.recordings.splitting import SECOND, Bag, RecordingFailed, Splitting
+from dcrb_ros.recordings.splitting import SECOND, Bag, RecordingFailed
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.settings.parameters import Recording
 
 ONE, OTHER, LATCHED = (channel_of(topic, NAMESPACE) for topic in (FEATURES, VIBRATION, SENSOR))
 MS = 1_000_000
 
 
-def bag_of(path: Path, splitting: Splitting | None = None, messages: Sequence[tuple[Channel, int, bytes]] = ()) -> Bag:
-    bag = Bag(path, opening={"first": {"a": "1"}}, closing=lambda: {"last": {"b": "2"}}, compression="none", splitting=splitting)
+def bag_of(path: Path, messages: Sequence[tuple[Channel, int, bytes]] = (), *, size: int = 0, duration_ns: int = 0) -> Bag:
+    settings = Recording(compression="none", split_size=size, split_duration=duration_ns / SECOND)
+    bag = Bag(path, opening={"first": {"a": "1"}}, closing=lambda: {"last": {"b": "2"}}, settings=settings)
     bag.write(messages)
     return bag
 
@@ -55,7 +56,7 @@ def topic(channel: Channel, count: int) -> dict[str, Any]:
 
 def test_metadata_state_the_content_of_each_file(tmp_path: Path) -> None:
     messages = [(ONE, 3 * MS, b"1"), (OTHER, 5 * MS, b"2"), (ONE, 9 * MS, b"3"), (ONE, 13 * MS, b"4"), (ONE, 14 * MS, b"5")]
-    bag = bag_of(tmp_path / "bag", Splitting(duration_ns=10 * MS), messages)
+    bag = bag_of(tmp_path / "bag", messages, duration_ns=10 * MS)
     bag.close()
     assert metadata_of(bag) == {
         "version": 9,
@@ -102,21 +103,21 @@ def test_a_bag_without_messages_begins_at_zero(tmp_path: Path) -> None:
 
 
 def test_a_file_ends_before_the_message_that_exceeds_its_duration(tmp_path: Path) -> None:
-    bag = bag_of(tmp_path / "bag", Splitting(duration_ns=10 * MS), at(5, 14, 15, 20, 24, 25, 26, 60))
+    bag = bag_of(tmp_path / "bag", at(5, 14, 15, 20, 24, 25, 26, 60), duration_ns=10 * MS)
     bag.close()
     assert [times_in(file) for file in bag.files] == [[5, 14], [15, 20, 24], [25, 26], [60]]
     assert [file.name for file in bag.files] == [f"bag_{k}.mcap" for k in range(4)]
 
 
 def test_a_file_ends_once_it_has_its_size(tmp_path: Path) -> None:
-    bag = bag_of(tmp_path / "bag", Splitting(size=1), at(0, 1, 2))
+    bag = bag_of(tmp_path / "bag", at(0, 1, 2), size=1)
     bag.close()
     assert [times_in(file) for file in bag.files] == [[0], [1], [2]]
-    size = bag_of(tmp_path / "first", None, at(0))
+    size = bag_of(tmp_path / "first", at(0))
     size.flush()
     limit = size.files[0].stat().st_size
     for excess, files in ((0, 2), (1, 1)):
-        bag = bag_of(tmp_path / f"bag{excess}", Splitting(size=limit + excess), at(0))
+        bag = bag_of(tmp_path / f"bag{excess}", at(0), size=limit + excess)
         bag.flush()
         assert bag.files[0].stat().st_size == limit
         bag.write(at(1))
@@ -129,29 +130,26 @@ def test_a_duration_in_seconds_is_exact_in_nanoseconds() -> None:
 
 
 def test_a_file_is_never_left_without_messages(tmp_path: Path) -> None:
-    bag = bag_of(tmp_path / "bag", Splitting(size=1, duration_ns=1), at(50))
+    bag = bag_of(tmp_path / "bag", at(50), size=1, duration_ns=1)
     assert len(bag.files) == 1
 
 
-@pytest.mark.parametrize("splitting", [None, Splitting()])
-def test_without_limits_there_is_one_file(splitting: Splitting | None, tmp_path: Path) -> None:
-    bag = bag_of(tmp_path / "bag", splitting, at(0, 10**6, 10**9))
-    assert len(bag.files) == 1
-    assert Splitting() == Splitting(size=0, duration_ns=0)
-    with pytest.raises(FrozenInstanceError):
-        Splitting().size = 1  # type: ignore[misc]
+def test_without_limits_there_is_one_file(tmp_path: Path) -> None:
+    for bag in (bag_of(tmp_path / "bag"), Bag(tmp_path / "default", opening={}, closing=dict)):
+        bag.write(at(0, 10**6, 10**9))
+        assert len(bag.files) == 1
 
 
 def test_messages_are_numbered_per_topic_across_files(tmp_path: Path) -> None:
     messages = [(channel, time * MS, b"") for time in range(4) for channel in (ONE, OTHER)]
-    bag = bag_of(tmp_path / "bag", Splitting(duration_ns=2 * MS), messages)
+    bag = bag_of(tmp_path / "bag", messages, duration_ns=2 * MS)
     bag.close()
     found = [record.sequence for file in bag.files for record in McapRecords(file) if isinstance(record, Message)]
     assert found == [0, 0, 1, 1, 2, 2, 3, 3]
 
 
 def test_a_closed_bag_ignores_messages(tmp_path: Path) -> None:
-    bag = bag_of(tmp_path / "bag", None, at(1))
+    bag = bag_of(tmp_path / "bag", at(1))
     assert bag.open
     bag.close()
     assert not bag.open
@@ -164,7 +162,7 @@ def test_a_closed_bag_ignores_messages(tmp_path: Path) -> None:
 
 
 def test_what_is_flushed_can_be_read_before_the_end(tmp_path: Path) -> None:
-    bag = bag_of(tmp_path / "bag", None, at(1))
+    bag = bag_of(tmp_path / "bag", at(1))
     assert times_in(bag.files[0]) == []
     bag.flush()
     assert times_in(bag.files[0]) == [1]
@@ -178,7 +176,7 @@ def test_missing_parents_of_the_folder_are_created_and_an_existing_folder_is_kep
 
 
 def test_a_folder_that_disappears_ends_the_recording_with_a_reason(tmp_path: Path) -> None:
-    bag = bag_of(tmp_path / "bag", Splitting(duration_ns=10 * MS), at(0, 2500))
+    bag = bag_of(tmp_path / "bag", at(0, 2500), duration_ns=10 * MS)
     shutil.rmtree(bag.path)
     with pytest.raises(RecordingFailed, match=r"bag ended at 2\.5 s: No such file or directory"):
         bag.write(at(3000))
@@ -188,7 +186,7 @@ def test_a_folder_that_disappears_ends_the_recording_with_a_reason(tmp_path: Pat
 
 def test_every_file_begins_with_the_last_messages_on_latched_topics(tmp_path: Path) -> None:
     messages = [(LATCHED, 0, b"first"), *at(0, 5), (LATCHED, 6 * MS, b"second"), *at(10, 19), (LATCHED, 20 * MS, b"third"), *at(21, 30)]
-    bag = bag_of(tmp_path / "bag", Splitting(duration_ns=10 * MS), messages)
+    bag = bag_of(tmp_path / "bag", messages, duration_ns=10 * MS)
     bag.close()
     found = [[(m.log_time // MS, m.data, m.sequence) for m in McapRecords(file) if isinstance(m, Message)][:2] for file in bag.files]
     assert found == [

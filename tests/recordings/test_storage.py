@@ -19,10 +19,10 @@ from ros2_bag_record import bag_of, messages_of
 from dcrb_ros.messages.topics import VIBRATION
 from dcrb_ros.recordings import compression, mcap_reader
 from dcrb_ros.recordings.mcap_reader import MAGIC
-from dcrb_ros.recordings.metadata import metadata_flaw
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recovery import recover
 from dcrb_ros.recordings.storage import StoredFile, valid_files
+from dcrb_ros.recordings.verification import metadata_flaw
 from dcrb_ros.schema.refusal import Refusal
 
 

@@ -14,8 +14,7 @@ from typer.testing import CliRunner
 
 from dcrb_ros.cli.app import app
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.sweep.division import Unit, divided
-from dcrb_ros.sweep.identity import Groups
+from dcrb_ros.sweep.division import Unit, divided, grouped
 from dcrb_ros.sweep.kinds import plan_of as plan_of_lives
 from dcrb_ros.sweep.loader import read_sweep, sweep_of
 from dcrb_ros.sweep.plan import Plan
@@ -72,15 +71,10 @@ def test_conditions_that_all_share_a_machine_are_refused() -> None:
 
 @given(st.lists(st.tuples(st.integers(0, 5), st.integers(0, 5)), min_size=1, max_size=20), st.randoms())
 def test_groups_do_not_depend_on_the_order(pairs: list[tuple[int, int]], random: Any) -> None:
-    def grouped(order: list[tuple[int, int]]) -> dict[str, str]:
-        groups = Groups()
-        for bearing, machine in order:
-            groups.add(f"{bearing}/{machine}", {"bearing_id": str(bearing), "machine": str(machine)})
-        return {f"{bearing}/{machine}": groups.group(f"{bearing}/{machine}") for bearing, machine in order}
-
-    shuffled = list(pairs)
+    units = [Unit(f"{bearing}/{machine}", str(bearing), str(machine)) for bearing, machine in pairs]
+    shuffled = list(units)
     random.shuffle(shuffled)
-    assert grouped(pairs) == grouped(shuffled)
+    assert grouped([units], BOTH) == grouped([shuffled], BOTH)
 
 
 OTHERS = {"surfaces.seed": {"low": 1, "high": 2_000_000_000}, "structure.seed": {"low": 1, "high": 2_000_000_000}}

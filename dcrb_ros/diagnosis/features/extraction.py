@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from dcrb_ros.bearing.fault_lines import BearingLike
 from dcrb_ros.bearing.frequencies import Orders
-from dcrb_ros.bearing.waveform import Piece, Signal, signal_of
+from dcrb_ros.bearing.waveform import Signal, signal_of
 from dcrb_ros.diagnosis.features.family import FeatureFamily, Windows
 from dcrb_ros.diagnosis.features.registry import FAMILIES
 from dcrb_ros.diagnosis.order_tracking import LEAST_TURNS, forward_turns, reverses, unwrapped_turns
@@ -213,17 +213,14 @@ def extract_features(
     tables, tracked, seconds = [], False, 0.0
     for piece in source.pieces():
         tables.append(extractor.update(piece.first_index, piece.acceleration[:, :2], piece.shaft_angle))
-        tracked, seconds = tracked or _tracked(piece), seconds + len(piece.shaft_angle) / source.sampling_rate
+        tracked |= bool(np.isfinite(piece.shaft_angle).any())
+        seconds += len(piece.shaft_angle) / source.sampling_rate
     if not tracked:
         raise Refusal("the signal has no shaft angle, over which the features are taken: give shaft_angle in rad")
     table = FeatureTable(extractor.names, np.concatenate([part.time for part in tables]), np.concatenate([part.values for part in tables]))
     if not len(table):
         raise Refusal(f"{seconds:.3g} s without a window of {window:g} s: give a longer signal or a shorter window")
     return table
-
-
-def _tracked(piece: Piece) -> bool:
-    return bool(np.isfinite(piece.shaft_angle).any())
 
 
 def _chosen(names: Sequence[str] | None) -> tuple[FeatureFamily, ...]:

@@ -9,65 +9,35 @@ from collections.abc import Iterable
 from pkgutil import resolve_name
 from typing import Any
 
-from dcrb_ros.messages.topic import MANIFEST, NAMESPACE, Message, SimulatedTopic, Topic
-from dcrb_ros.messages.topics.acceleration import ACCELERATION
-from dcrb_ros.messages.topics.bench_diagnostics import BENCH_DIAGNOSTICS
-from dcrb_ros.messages.topics.clock import CLOCK
-from dcrb_ros.messages.topics.commands import LOAD_COMMAND, SPEED_COMMAND
-from dcrb_ros.messages.topics.diagnosis import DIAGNOSIS
-from dcrb_ros.messages.topics.envelope_spectrum import ENVELOPE_SPECTRUM
-from dcrb_ros.messages.topics.fault_indicators import FAULT_INDICATORS
-from dcrb_ros.messages.topics.features import FEATURES
-from dcrb_ros.messages.topics.ground_truth import GROUND_TRUTH
-from dcrb_ros.messages.topics.lubrication_state import LUBRICATION_STATE
-from dcrb_ros.messages.topics.roller_contacts import ROLLER_CONTACTS
-from dcrb_ros.messages.topics.roller_states import ROLLER_STATES
-from dcrb_ros.messages.topics.sensor import SENSOR
-from dcrb_ros.messages.topics.tacho import TACHO
-from dcrb_ros.messages.topics.temperatures import AMBIENT_TEMPERATURE, BOX_TEMPERATURE, OUTER_RING_TEMPERATURE
-from dcrb_ros.messages.topics.transforms import TRANSFORMS
-from dcrb_ros.messages.topics.vibration import VIBRATION
-from dcrb_ros.messages.topics.vibration_clean import VIBRATION_CLEAN
-from dcrb_ros.messages.topics.wayside import WAYSIDE_ALARM, WAYSIDE_TEMPERATURE
+from dcrb_ros.messages.topic import MANIFEST as MANIFEST
+from dcrb_ros.messages.topic import NAMESPACE as NAMESPACE
+from dcrb_ros.messages.topic import Message as Message
+from dcrb_ros.messages.topic import SimulatedTopic
+from dcrb_ros.messages.topic import Topic as Topic
+from dcrb_ros.messages.topics.acceleration import ACCELERATION as ACCELERATION
+from dcrb_ros.messages.topics.bench_diagnostics import BENCH_DIAGNOSTICS as BENCH_DIAGNOSTICS
+from dcrb_ros.messages.topics.clock import CLOCK as CLOCK
+from dcrb_ros.messages.topics.commands import LOAD_COMMAND as LOAD_COMMAND
+from dcrb_ros.messages.topics.commands import SPEED_COMMAND as SPEED_COMMAND
+from dcrb_ros.messages.topics.diagnosis import DIAGNOSIS as DIAGNOSIS
+from dcrb_ros.messages.topics.envelope_spectrum import ENVELOPE_SPECTRUM as ENVELOPE_SPECTRUM
+from dcrb_ros.messages.topics.fault_indicators import FAULT_INDICATORS as FAULT_INDICATORS
+from dcrb_ros.messages.topics.features import FEATURES as FEATURES
+from dcrb_ros.messages.topics.ground_truth import GROUND_TRUTH as GROUND_TRUTH
+from dcrb_ros.messages.topics.lubrication_state import LUBRICATION_STATE as LUBRICATION_STATE
+from dcrb_ros.messages.topics.roller_contacts import ROLLER_CONTACTS as ROLLER_CONTACTS
+from dcrb_ros.messages.topics.roller_states import ROLLER_STATES as ROLLER_STATES
+from dcrb_ros.messages.topics.sensor import SENSOR as SENSOR
+from dcrb_ros.messages.topics.tacho import TACHO as TACHO
+from dcrb_ros.messages.topics.temperatures import AMBIENT_TEMPERATURE as AMBIENT_TEMPERATURE
+from dcrb_ros.messages.topics.temperatures import BOX_TEMPERATURE as BOX_TEMPERATURE
+from dcrb_ros.messages.topics.temperatures import OUTER_RING_TEMPERATURE as OUTER_RING_TEMPERATURE
+from dcrb_ros.messages.topics.transforms import TRANSFORMS as TRANSFORMS
+from dcrb_ros.messages.topics.vibration import VIBRATION as VIBRATION
+from dcrb_ros.messages.topics.vibration_clean import VIBRATION_CLEAN as VIBRATION_CLEAN
+from dcrb_ros.messages.topics.wayside import WAYSIDE_ALARM as WAYSIDE_ALARM
+from dcrb_ros.messages.topics.wayside import WAYSIDE_TEMPERATURE as WAYSIDE_TEMPERATURE
 from dcrb_ros.text.markdown import table
-
-__all__ = [
-    "ACCELERATION",
-    "AMBIENT_TEMPERATURE",
-    "BENCH",
-    "BENCH_DIAGNOSTICS",
-    "BOX_TEMPERATURE",
-    "CLOCK",
-    "COMMANDS",
-    "DETECTED",
-    "DIAGNOSIS",
-    "ENVELOPE_SPECTRUM",
-    "FAULT_INDICATORS",
-    "FEATURES",
-    "GROUND_TRUTH",
-    "LOAD_COMMAND",
-    "LUBRICATION_STATE",
-    "MANIFEST",
-    "NAMESPACE",
-    "OUTER_RING_TEMPERATURE",
-    "ROLLER_CONTACTS",
-    "ROLLER_STATES",
-    "SENSOR",
-    "SIMULATED",
-    "SPEED_COMMAND",
-    "TACHO",
-    "TEMPERATURES",
-    "TRANSFORMS",
-    "VIBRATION",
-    "VIBRATION_CLEAN",
-    "WAYSIDE",
-    "WAYSIDE_ALARM",
-    "WAYSIDE_TEMPERATURE",
-    "Message",
-    "Topic",
-    "table_of",
-    "topic_table",
-]
 
 
 def _topics(*names: str) -> tuple[Any, ...]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,9 +12,6 @@ from dcrb_ros.messages.topic import Encoded, EncodedBench, SimulatedTopic
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.stream.block import Block
 from dcrb_ros.stream.states import FRICTION_SOURCES, LubricationState
-
-if TYPE_CHECKING:
-    from dcrb_ros.settings.configuration import Configuration
 
 RACEWAYS = ("inner", "outer")
 AT_RACEWAYS = ("least_film", "mean_film", "least_film_ratio", "loaded_traction", "loaded_slip")
@@ -55,10 +51,6 @@ def arrays_of(names: tuple[str, ...], values: Floats) -> dict[str, Floats] | Non
     return arrays
 
 
-def _enabled(configuration: Configuration) -> bool:
-    return bool(configuration.lubrication.law != "dry")
-
-
 def _encode(block: Block, source: EncodedBench) -> Encoded:
     empty = np.zeros(0)
     for states in block.states:
@@ -74,5 +66,5 @@ LUBRICATION_STATE = SimulatedTopic(
     depth=500,
     decode=decode_joints,
     encode=_encode,
-    enabled=_enabled,
+    enabled=lambda configuration: configuration.lubrication.law != "dry",
 )

@@ -2,23 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from dcrb_ros.messages.cdr import JOINT_STATE
-from dcrb_ros.messages.joints import decode_joints, encode_contacts
+from dcrb_ros.messages.joints import decode_joints, encode_joints
 from dcrb_ros.messages.topic import Encoded, EncodedBench, SimulatedTopic
 from dcrb_ros.stream.block import Block
 
-if TYPE_CHECKING:
-    from dcrb_ros.settings.configuration import Configuration
-
-
-def _enabled(configuration: Configuration) -> bool:
-    return configuration.publishing.contacts
-
 
 def _encode(block: Block, source: EncodedBench) -> Encoded:
-    return ((states.time_ns, encode_contacts(states, source.bodies, source.frame)) for states in block.states)
+    for s in block.states:
+        yield s.time_ns, encode_joints(s.time_ns, source.bodies, s.outer_force, s.slip, s.friction, source.frame)
 
 
 ROLLER_CONTACTS = SimulatedTopic(
@@ -29,5 +21,5 @@ ROLLER_CONTACTS = SimulatedTopic(
     depth=500,
     decode=decode_joints,
     encode=_encode,
-    enabled=_enabled,
+    enabled=lambda configuration: configuration.publishing.contacts,
 )

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dcrb_ros.messages.cdr import JOINT_STATE
-from dcrb_ros.messages.joints import decode_joints, encode_states
+from dcrb_ros.messages.joints import decode_joints, encode_joints
 from dcrb_ros.messages.topic import Encoded, EncodedBench, SimulatedTopic
 from dcrb_ros.stream.block import Block
 
 
 def _encode(block: Block, source: EncodedBench) -> Encoded:
-    return ((states.time_ns, encode_states(states, source.bodies, source.frame)) for states in block.states)
+    for s in block.states:
+        yield s.time_ns, encode_joints(s.time_ns, source.bodies, s.azimuth, s.speed, s.inner_force, source.frame)
 
 
 ROLLER_STATES = SimulatedTopic(

@@ -2,19 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from dcrb_ros.messages.cdr import POINT_CLOUD
 from dcrb_ros.messages.pulses import decode_pulses, encode_pulses
 from dcrb_ros.messages.topic import Encoded, EncodedBench, SimulatedTopic
 from dcrb_ros.stream.block import Block
-
-if TYPE_CHECKING:
-    from dcrb_ros.settings.configuration import Configuration
-
-
-def _enabled(configuration: Configuration) -> bool:
-    return configuration.tacho.pulses_per_turn > 0
 
 
 def _encode(block: Block, source: EncodedBench) -> Encoded:
@@ -28,5 +19,5 @@ TACHO = SimulatedTopic(
     "(`tacho.pulses_per_turn`)",
     decode=decode_pulses,
     encode=_encode,
-    enabled=_enabled,
+    enabled=lambda configuration: configuration.tacho.pulses_per_turn > 0,
 )

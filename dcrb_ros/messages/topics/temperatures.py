@@ -3,21 +3,13 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
 
 from dcrb_ros.messages.plain import TEMPERATURE, decode_temperature, encode_temperature
 from dcrb_ros.messages.topic import Encoded, EncodedBench, SimulatedTopic
 from dcrb_ros.stream.block import Block
 
-if TYPE_CHECKING:
-    from dcrb_ros.settings.configuration import Configuration
-
 READINGS = ("outer_ring", "box", "ambient")
 """Places of the sensors, attributes of `dcrb_ros.stream.states.TemperatureReading`."""
-
-
-def _enabled(configuration: Configuration) -> bool:
-    return configuration.thermal.law != "none"
 
 
 def _encode(place: str, block: Block, source: EncodedBench) -> Encoded:
@@ -33,7 +25,7 @@ def _topic(place: str, content: str) -> SimulatedTopic:
         f"{content} [deg C]; 1 Hz, only with `thermal.law: network`",
         decode=decode_temperature,
         encode=partial(_encode, place),
-        enabled=_enabled,
+        enabled=lambda configuration: configuration.thermal.law != "none",
     )
 
 

@@ -2,19 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from dcrb_ros.messages.cdr import POINT_CLOUD
 from dcrb_ros.messages.points import decode_vibration, encode_vibration
 from dcrb_ros.messages.topic import Encoded, EncodedBench, SimulatedTopic
 from dcrb_ros.stream.block import Block
-
-if TYPE_CHECKING:
-    from dcrb_ros.settings.configuration import Configuration
-
-
-def _enabled(configuration: Configuration) -> bool:
-    return configuration.publishing.clean
 
 
 def _encode(block: Block, source: EncodedBench) -> Encoded:
@@ -28,5 +19,5 @@ VIBRATION_CLEAN = SimulatedTopic(
     "(`publishing.clean`)",
     decode=decode_vibration,
     encode=_encode,
-    enabled=_enabled,
+    enabled=lambda configuration: configuration.publishing.clean,
 )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,13 +12,6 @@ from dcrb_ros.messages.joints import decode_joints, encode_joints
 from dcrb_ros.messages.topic import Encoded, EncodedBench, SimulatedTopic
 from dcrb_ros.schema.simulated_time import nanoseconds
 from dcrb_ros.stream.block import Block
-
-if TYPE_CHECKING:
-    from dcrb_ros.settings.configuration import Configuration
-
-
-def _enabled(configuration: Configuration) -> bool:
-    return configuration.publishing.features
 
 
 def _begin(source: EncodedBench) -> Callable[[Block, EncodedBench], Encoded]:
@@ -47,5 +39,5 @@ WINDOW_FEATURES = SimulatedTopic(
     "the shaft turns too little; off by default (`publishing.features`)",
     decode=decode_joints,
     begin=_begin,
-    enabled=_enabled,
+    enabled=lambda configuration: configuration.publishing.features,
 )

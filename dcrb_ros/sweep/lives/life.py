@@ -11,6 +11,7 @@ import numpy as np
 from dcrb_ros.measurement.random_streams import random_stream
 from dcrb_ros.prognosis.rating_life import LIFE_EXPONENT, life_survived_by, survivors
 from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.sweep.design import Value
 from dcrb_ros.sweep.lives.duty import Duty
 from dcrb_ros.sweep.lives.recipe import Recipe
@@ -19,14 +20,6 @@ COMPONENTS = {"outer": "outer_1", "inner": "inner_1", "roller": "roller_1"}
 """Key of the fault below ``faults`` by the component in `Damage`."""
 FARTHEST = 1.2
 """Largest azimuth of damage of the outer raceway from the load line [rad]: beyond it no roller presses on the damage."""
-
-
-@dataclass(frozen=True)
-class Bearings:
-    """Number of rows and rollers of the simulated bearings."""
-
-    rows: int
-    rollers: int
 
 
 @dataclass(frozen=True)
@@ -95,7 +88,7 @@ class Population:
     """Basic reference rating life [revolutions]."""
     zone_load: float
     """Equivalent load of the duty with its load zones, from which that life follows (ISO/TS 16281) [N]."""
-    bearings: Bearings
+    bearing: Bearing
 
     @property
     def rating_hours(self) -> float:
@@ -140,13 +133,13 @@ class Population:
 
     def _location(self, component: str, random: np.random.Generator) -> dict[str, Value]:
         """Return where the damage is: under the load on the outer raceway, anywhere on the bodies that turn."""
-        row, turn = 1 + int(random.integers(self.bearings.rows)), float(random.uniform(-3.14, 3.14))
+        row, turn = 1 + int(random.integers(self.bearing.rows)), float(random.uniform(-3.14, 3.14))
         if component == "outer":
             azimuth = float(self.recipe.damage.azimuth_deviation * random.standard_normal())
             return {"row": row, "azimuth": min(max(azimuth, -FARTHEST), FARTHEST)}
         if component == "inner":
             return {"row": row, "azimuth": turn}
-        return {"row": row, "azimuth": turn, "roller": 1 + int(random.integers(self.bearings.rollers))}
+        return {"row": row, "azimuth": turn, "roller": 1 + int(random.integers(self.bearing.rollers_per_row))}
 
 
 def _component(recipe: Recipe, share: float) -> str:

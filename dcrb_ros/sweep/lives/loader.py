@@ -15,7 +15,7 @@ from dcrb_ros.settings.impact_limits import BALLS
 from dcrb_ros.sweep.design import Value
 from dcrb_ros.sweep.lives.duty import Duty, duty_of_line, duty_of_spectrum
 from dcrb_ros.sweep.lives.growth import GROWTH_LAWS, Growth
-from dcrb_ros.sweep.lives.life import COMPONENTS, Bearings, Population
+from dcrb_ros.sweep.lives.life import COMPONENTS, Population
 from dcrb_ros.sweep.lives.recipe import Braking, Climate, Damage, Inspection, Level, Numbers, Recipe, Start, Station
 from dcrb_ros.sweep.lives.sweep import LifeSweep
 from dcrb_ros.sweep.sweep_file import Sweep
@@ -142,7 +142,7 @@ def _population(recipe: Recipe, duty: Duty, configuration: Configuration, source
     bearing = configuration.bearing
     rating = start.rating or dynamic_load_rating(bearing)
     load = _zone_load(duty, configuration, rating)
-    population = Population(recipe, duty, rating_life(rating, load), load, Bearings(bearing.rows, bearing.rollers_per_row))
+    population = Population(recipe, duty, rating_life(rating, load), load, bearing)
     longest = max(population.rating_hours, population.growth_hours)
     if longest > LONGEST_LIFE:
         term = "rating life" if population.rating_hours == longest else "growth of the damage"

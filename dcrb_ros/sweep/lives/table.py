@@ -43,16 +43,9 @@ def lives_table(sweep: LifeSweep, split: Callable[[Life], str]) -> bytes:
     every, stream = sweep.recipe.inspection.every, io.BytesIO()
     rows = [
         {
-            "bearing_id": life.bearing_id,
+            **{name: getattr(life, name) for name in LIVES if hasattr(life, name)},
+            **life.location,
             "split": split(life),
-            "component": life.component,
-            "row": life.location["row"],
-            "azimuth": life.location["azimuth"],
-            "individual": life.individual,
-            "start": life.start,
-            "failure": life.failure,
-            "end": life.end,
-            "censored": life.censored,
             "inspections": sum(1 for _ in life.inspections(every)),
         }
         for life in sweep.population.lives()
