@@ -29,7 +29,7 @@ def check_output(option: str, file: Path, suffixes: Sequence[str] = ()) -> None:
     if file.is_dir():
         raise Refusal(f"{option} {file} is a folder: give the name of a file in it")
     if not os.access(file if file.exists() else file.parent, os.W_OK):
-        raise Refusal(f"{option} {file} cannot be written: permission denied; give another file")
+        raise Refusal(f"{option} {file} cannot be written: no permission, or a read-only file system; give another file")
 
 
 def check_outputs(*outputs: tuple[str, Path | None, Sequence[str]]) -> None:

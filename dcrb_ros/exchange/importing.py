@@ -139,6 +139,8 @@ class WaveformImport:
             )
         if len(index) and (index[0] < 0 or np.any(np.diff(index) <= 0)):
             raise Refusal(f"{self._files}: '{name}' is not an index: it must start at 0 or later and increase")
+        if first and len(index) and index[0] != first:
+            raise Refusal(f"{self._about} gives first_index = {first}, but '{name}' begins with {index[0]:g}: leave out first_index")
         self._check_stamp(float(index[-1]) if len(index) else 0.0, f"{self._files}: '{name}'")
         return index.astype(np.int64)
 
@@ -185,7 +187,7 @@ class WaveformImport:
 
     def _readings(self) -> dict[str, tuple[npt.NDArray[np.int64], Floats]]:
         channels = self.description.channels
-        given = checked_channels(channels.model_dump(), self._about)
+        given = checked_channels(channels.model_dump(), self.description.temperature_deviation, self._about)
         times = None if channels.temperature_time is None else np.concatenate(self._files.parts(channels.temperature_time))
         indices = self._by_file() if given else []
         return {

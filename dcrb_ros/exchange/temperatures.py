@@ -22,8 +22,8 @@ LEAST_INTERVAL_NS = 100_000_000
 """Time from a reading to the next that is kept [ns]: a channel may have one at every sample."""
 LATEST_STAMP = 2**31
 """Time from which on a ROS time stamp overflows [s]."""
-COLDEST = -273.15
-"""Absolute zero [deg C]."""
+COLDEST, HOTTEST = -273.15, 2000.0
+"""Absolute zero, and a temperature above the melting point of steel [deg C]."""
 
 
 def own_arrays(readings: TemperatureReadings) -> dict[str, Floats]:
@@ -59,10 +59,12 @@ def readings_of(
         source: name of the channel in error messages.
 
     Raises:
-        Refusal: there are more readings than samples or other numbers of readings than times, a time is negative or beyond the range of
-            time stamps, or a reading is below absolute zero.
+        Refusal: there are no readings, more than samples or another number than times, a time is negative or beyond the range of time
+            stamps, or a reading is below absolute zero or above `HOTTEST`.
     """
     values = np.concatenate(parts)
+    if not all(len(part) for part in (parts if times is None else [values])):
+        raise Refusal(f"{source} has no readings: give at least one, NaN where unknown, or leave the channel out")
     if times is None:
         time_ns = np.concatenate([_spread(len(part), index, rate, source) for part, index in zip(parts, indices, strict=True)])
     elif len(times) == len(values):
@@ -76,8 +78,12 @@ def readings_of(
         raise Refusal(f"{source} has {len(values)} readings for {len(times)} times in {TIME}: give a time for each reading")
     known = np.isfinite(values)
     time_ns, values = time_ns[known], values[known]
-    if np.any(values < COLDEST):
-        raise Refusal(f"{source} has a temperature of {values.min():g} deg C, below absolute zero: give degrees Celsius, NaN where unknown")
+    wild = values[(values < COLDEST) | (values > HOTTEST)]
+    if len(wild):
+        raise Refusal(
+            f"{source} has a temperature of {wild[0]:g} deg C, outside {COLDEST:g} .. {HOTTEST:g} deg C: give degrees Celsius, NaN where "
+            "unknown"
+        )
     if np.any(np.diff(time_ns) <= 0):
         raise Refusal(f"{source}: the times in {TIME} must increase: sort the readings")
     kept, last = [], -LEAST_INTERVAL_NS
@@ -96,13 +102,14 @@ def _spread(count: int, index: npt.NDArray[np.int64], rate: float, source: str) 
     return np.floor(np.asarray(positions, np.float64) * 1e9 / rate + 1e-3).astype(np.int64)
 
 
-def checked_channels(given: Mapping[str, object], source: Path) -> list[str]:
+def checked_channels(given: Mapping[str, object], deviation: float, source: Path) -> list[str]:
     """Return the channels of temperatures that a description gives.
 
     Raises:
-        Refusal: it gives the times of readings, but no readings.
+        Refusal: it gives the times of readings or a standard ``deviation`` of them [K], but no readings.
     """
     channels = [channel for channel in CHANNELS if given.get(channel) is not None]
-    if given.get(TIME) is not None and not channels:
-        raise Refusal(f"{source} gives {TIME}, but no temperature: name a channel of {', '.join(CHANNELS)}, or leave it out")
+    useless = TIME if given.get(TIME) is not None else "temperature_deviation" if deviation else ""
+    if useless and not channels:
+        raise Refusal(f"{source} gives {useless}, but no temperature: name a channel of {', '.join(CHANNELS)}, or leave it out")
     return channels

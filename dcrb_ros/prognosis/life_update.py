@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.prognosis.remaining_life import RemainingLife
+from dcrb_ros.prognosis.remaining_life import RemainingLife, representable
 from dcrb_ros.schema.arguments import checked_arguments, number, numbers
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
@@ -80,7 +80,7 @@ def update_remaining_life(
     Raises
     ------
     Refusal
-        Fewer than three failed bearings, or invalid hours and severities.
+        Fewer than three failed bearings, invalid hours and severities, or numbers beyond the range of the calculation.
 
     Examples
     --------
@@ -93,6 +93,14 @@ def update_remaining_life(
         raise Refusal(f"coverage = {coverage:g} is outside 0 .. 1, both excluded: give a probability such as 0.9")
     if len(failed) < FEWEST_LIVES:
         raise Refusal(f"{len(failed)} failed bearings give no distribution of lives: give at least {FEWEST_LIVES}")
+    with representable():
+        return _updated(hours, severity, failed, coverage)
+
+
+def _updated(
+    hours: npt.ArrayLike, severity: npt.ArrayLike, failed: Sequence[tuple[npt.ArrayLike, npt.ArrayLike]], coverage: float
+) -> RemainingLife:
+    """Return the remaining life of `update_remaining_life`."""
     known = [_history(times, levels, 2, f"failed bearing {number}") for number, (times, levels) in enumerate(failed, 1)]
     time, level = _history(hours, severity, 1, "the bearing")
     lives = np.array([times[-1] for times, _ in known])

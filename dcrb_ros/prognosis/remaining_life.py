@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -79,7 +81,8 @@ def estimate_remaining_life(
     Raises
     ------
     Refusal
-        Fewer than three inspections, other values than finite ones, a severity or limit not above 0 unless growth is linear.
+        Fewer than three inspections, other values than finite ones, a severity or limit not above 0 unless growth is linear, or numbers
+        beyond the range of the calculation.
 
     Examples
     --------
@@ -87,8 +90,28 @@ def estimate_remaining_life(
     >>> f"{found.median:.0f} h, {found.low:.0f} to {found.high:.0f} h"
     '98 h, 79 to 120 h'
     """
-    time, level, target = _checked(hours, severity, limit, growth, coverage, limit_deviation)
-    return _crossing(time, level, target, coverage, limit_deviation)
+    with representable():
+        time, level, target = _checked(hours, severity, limit, growth, coverage, limit_deviation)
+        life = _crossing(time, level, target, coverage, limit_deviation)
+        if math.isnan(life.low + life.median + life.high):
+            raise FloatingPointError  # Python's own numbers overflow without an exception
+        return life
+
+
+@contextmanager
+def representable() -> Iterator[None]:
+    """Refuse numbers so large or so close together that floating-point numbers cannot represent a result.
+
+    Raises:
+        Refusal: the calculation in the context overflows or divides by zero.
+    """
+    try:
+        with np.errstate(over="raise", divide="raise", invalid="raise"):
+            yield
+    except ArithmeticError:
+        raise Refusal(
+            "hours, severities or deviations are too large, too small or too close together to calculate with: check their units"
+        ) from None
 
 
 def _crossing(time: Floats, level: Floats, target: float, coverage: float, deviation: float) -> RemainingLife:

@@ -44,7 +44,8 @@ def phm_2012_score(true: npt.ArrayLike, estimated: npt.ArrayLike) -> float:
     if not ((truth > 0.0) & np.isfinite(truth)).all():
         least = float(truth[~((truth > 0.0) & np.isfinite(truth))][0])
         raise Refusal(f"a true remaining life of {least:g} is not a finite number above 0: leave out estimates made at the end of a life")
-    error = 100.0 * (truth - guess) / truth
+    with np.errstate(over="ignore"):  # an estimate that is wrong by many orders of magnitude scores 0
+        error = 100.0 * (truth - guess) / truth
     return float(np.mean(np.exp(math.log(2.0) * np.where(error > 0.0, -error / 20.0, error / 5.0))))
 
 
@@ -84,8 +85,8 @@ def phm_2008_score(true: npt.ArrayLike, estimated: npt.ArrayLike, *, unit: float
         raise Refusal("a true remaining life is infinite: leave out bearings whose end is unknown")
     if not (unit > 0.0 and math.isfinite(unit)):
         raise Refusal(f"unit = {unit:g} is not a finite number above 0: give the time that counts as one cycle, such as an interval")
-    late = (guess - truth) / unit
     with np.errstate(over="ignore"):  # an estimate that is wrong by thousands of cycles has an infinite penalty
+        late = (guess - truth) / unit
         return float(np.sum(np.expm1(np.where(late < 0.0, -late / 13.0, late / 10.0))))
 
 

@@ -110,7 +110,7 @@ class RunRecorder(ABC, Generic[Made]):
             self._bag.flush()
         except RecordingFailed as error:
             shutil.rmtree(self.path, ignore_errors=True)
-            raise Refusal(f"{error}; make room or give another folder") from None
+            raise Refusal(f"{error}; free some space or give another folder") from None
 
     def __enter__(self: Run) -> Run:
         return self

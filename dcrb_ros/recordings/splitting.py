@@ -18,7 +18,7 @@ from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.parameters import Recording as RecordingSettings
 from dcrb_ros.text.files import checked_path
-from dcrb_ros.text.writing import sync
+from dcrb_ros.text.writing import remedy_of, sync
 
 SECOND = 1_000_000_000
 
@@ -70,7 +70,7 @@ class Bag:
             self._write_metadata()
         except OSError as error:
             shutil.rmtree(self.path, ignore_errors=True)
-            raise Refusal(f"{self.path} cannot be written: {error.strerror}; make room or give another folder") from None
+            raise Refusal(f"{self.path} cannot be written: {error.strerror}; {remedy_of(error)} or give another folder") from None
 
     @property
     def files(self) -> list[Path]:
@@ -127,10 +127,12 @@ class Bag:
         try:
             yield
             self.close()
-        except BaseException:
+        except BaseException as error:
             with suppress(RecordingFailed):
                 self.close()
             shutil.rmtree(self.path, ignore_errors=True)
+            if isinstance(error, RecordingFailed):
+                raise RecordingFailed(f"{error}; it was removed: free some space or give another folder") from None
             raise
 
     @contextmanager

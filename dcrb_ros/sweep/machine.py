@@ -42,10 +42,10 @@ def around_machine(tree: Mapping[str, Any], source: str, folder: Path) -> tuple[
 
 
 def flatten_axes(tree: Mapping[str, Any], prefix: str = "") -> Mapping[str, Any]:
-    """Return axes by their dotted keys; a range stays one value."""
+    """Return axes by their dotted keys; a range stays one value, and so does an empty one, which no parameter accepts."""
     flat: dict[str, Any] = {}
     for name, value in tree.items():
-        if isinstance(value, Mapping) and not {"low", "high"} & set(value):
+        if isinstance(value, Mapping) and value and not {"low", "high"} & set(value):
             flat.update(flatten_axes(value, f"{prefix}{name}."))
         else:
             flat[f"{prefix}{name}"] = value

@@ -10,6 +10,7 @@ import hashlib
 import io
 import itertools
 import json
+import os
 import tarfile
 import tempfile
 from collections.abc import Iterator
@@ -93,7 +94,7 @@ def write_shards(data_set: Path, folder: Path, runs: int) -> list[str]:
     If that fails, no shard is left.
 
     Raises:
-        Refusal: the data set is not whole, was changed, or has bags; or the folder is not empty.
+        Refusal: the data set is not whole, was changed, or has bags; or the folder is not empty or cannot be written.
     """
     plan, store = _plan(data_set), Store(str(data_set))
     sums = read_sums(store)
@@ -102,9 +103,13 @@ def write_shards(data_set: Path, folder: Path, runs: int) -> list[str]:
         raise Refusal(
             f"{data_set / changed} has been changed: its SHA-256 is not the one in {SUMS}; restore it, or make the data set again"
         )
-    if folder.exists() and any(folder.iterdir()):
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        full = any(folder.iterdir())
+    except OSError as error:
+        raise Refusal(f"{folder} cannot be used: {error.strerror}; give an empty or a new folder that can be written") from None
+    if full:
         raise Refusal(f"{folder} contains files: give an empty or a new folder")
-    folder.mkdir(parents=True, exist_ok=True)
     entries: dict[str, dict[str, object]] = {}
     try:
         for shard in shards(plan, runs):
@@ -135,12 +140,7 @@ def remake_shard(index: Path, name: str, target: Path) -> str:
         folder = Path(scratch)
         for file in RECIPE:
             (folder / file).write_text(about.recipe[file], encoding="utf-8")
-        plan, store = _plan(folder), Store(str(folder / "runs_of_shard"))
-        if plan.name != about.plan:
-            raise Refusal(
-                f"{index} was made with dcrb_ros {about.dcrb_ros} and model {about.model}, but this is {__version__} with model "
-                f"{model_fingerprint()}: install that version"
-            )
+        plan, store = _indexed_plan(index, about, folder), Store(str(folder / "runs_of_shard"))
         shard = next((shard for shard in shards(plan, about.runs_per_shard) if shard.name == name), None)
         if shard is None or [run.name for task in shard.tasks for run in task] != known[name].runs:
             raise Refusal(f"{index} was changed: the runs of {name} are not those of its recipe; get the index again")
@@ -157,6 +157,27 @@ def remake_shard(index: Path, name: str, target: Path) -> str:
         raise Refusal(f"{index} was changed: {name} has {len(data)} bytes, not {known[name].size}; get the index again")
     write_whole(target, data)
     return sha256
+
+
+def _indexed_plan(index: Path, about: Index, folder: Path) -> Plan:
+    """Return the plan of an index from its recipe in a folder.
+
+    Raises:
+        Refusal: another version or model has made the index, or the recipe is damaged or not that of the plan.
+    """
+    try:
+        plan = _plan(folder)
+        if plan.name == about.plan:
+            return plan
+        reason = "its plan does not follow from its recipe"
+    except Refusal as refusal:
+        reason = str(refusal).replace(f"{folder}{os.sep}", "its recipe ")
+    if (about.dcrb_ros, about.model) != (__version__, model_fingerprint()):
+        raise Refusal(
+            f"{index} was made with dcrb_ros {about.dcrb_ros} and model {about.model}, but this is {__version__} with model "
+            f"{model_fingerprint()}: install that version"
+        )
+    raise Refusal(f"{index} was changed: {reason}; get the index again")
 
 
 def packed(store: Store, shard: Shard) -> bytes:

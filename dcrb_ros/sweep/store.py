@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import functools
 import hashlib
 import os
@@ -15,7 +14,7 @@ from typing import Any, TypedDict
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.sweep.folder_lock import LOCK
 from dcrb_ros.text.files import Unreadable, checked_path, read_bytes
-from dcrb_ros.text.writing import sync
+from dcrb_ros.text.writing import remedy_of, sync
 
 LARGEST_FILE = 16 * 1024 * 1024
 """Largest label or description that is read [bytes]."""
@@ -222,5 +221,4 @@ class Store:
 
     def _failed(self, error: OSError) -> StoreFailed:
         reason = error.strerror or str(error)
-        remedy = "free some space" if error.errno in (errno.ENOSPC, errno.EDQUOT) else "make it writable"
-        return StoreFailed(f"{self.address} cannot be written: {reason}; {remedy} and run the same command again to continue")
+        return StoreFailed(f"{self.address} cannot be written: {reason}; {remedy_of(error)} and run the same command again to continue")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import secrets
 from collections.abc import Iterator
@@ -11,6 +12,9 @@ from pathlib import Path
 
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.files import checked_path, special_kind
+
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+"""Errors of a disk without space, and of a file beyond the largest size."""
 
 
 @contextmanager
@@ -49,7 +53,12 @@ def _refused(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise Refusal(f"{path} cannot be written: {error.strerror or error}; free some space or give another file") from None
+        raise Refusal(f"{path} cannot be written: {error.strerror or error}; {remedy_of(error)} or give another file") from None
+
+
+def remedy_of(error: OSError) -> str:
+    """Return what makes a failed write possible: space on a full disk, otherwise a permission."""
+    return "free some space" if error.errno in FULL else "make it writable"
 
 
 def write_whole(path: Path, content: str | bytes) -> None:

@@ -312,6 +312,14 @@ def test_an_invalid_index_is_refused(index: np.ndarray[Any, Any], sentence: str,
         WaveformImport(tmp_path / "x.npz", described(tmp_path, channels={"ax": "de", "index": "i"}))
 
 
+def test_a_first_index_beside_another_index_is_refused(tmp_path: Path) -> None:
+    np.savez(tmp_path / "x.npz", de=np.ones(3), i=np.arange(5, 8))
+    with pytest.raises(Refusal, match="gives first_index = 7, but 'i' begins with 5: leave out first_index"):
+        WaveformImport(tmp_path / "x.npz", described(tmp_path, channels={"ax": "de", "index": "i"}, first_index=7))
+    about = described(tmp_path, channels={"ax": "de", "index": "i"}, first_index=5)
+    assert WaveformImport(tmp_path / "x.npz", about).index.tolist() == [5, 6, 7]
+
+
 def test_descriptions_accept_the_same_yaml_as_configurations(tmp_path: Path) -> None:
     path = tmp_path / "about.yaml"
     text = "{channels: {ax: de}, speed: 1e2, sampling_rate: 5.12e4, labels: {2026-01-02: ok, 3: {when: 2026-01-03}}}"

@@ -122,7 +122,10 @@ def test_a_reading_at_every_sample_is_thinned(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("channels", "arrays", "sentence"),
     [
-        ({"box_temperature": "t"}, {"t": np.full(3, 313.0) - 600.0}, "-287 deg C, below absolute zero: give degrees Celsius"),
+        ({"box_temperature": "t"}, {"t": np.full(3, 313.0) - 600.0}, "-287 deg C, outside -273.15 .. 2000 deg C: give degrees Celsius"),
+        ({"box_temperature": "t"}, {"t": np.array([20.0, 1e300])}, r"1e\+300 deg C, outside -273.15 .. 2000 deg C"),
+        ({"box_temperature": "t"}, {"t": np.zeros(0)}, "'box_temperature' has no readings: give at least one"),
+        ({"box_temperature": "t", "temperature_time": "u"}, {"t": np.zeros(0), "u": np.zeros(0)}, "'box_temperature' has no readings"),
         ({"box_temperature": "t"}, {"t": np.full(4 * RATE, 20.0)}, "has 48000 readings for 36000 samples"),
         ({"box_temperature": "t", "temperature_time": "u"}, {"t": np.ones(3), "u": np.ones(2)}, "has 3 readings for 2 times"),
         ({"box_temperature": "t", "temperature_time": "u"}, {"t": np.ones(2), "u": np.array([2.0, 1.0])}, "must increase"),
@@ -142,6 +145,11 @@ def test_a_reading_at_every_sample_is_thinned(tmp_path: Path) -> None:
 def test_readings_without_meaning_are_refused(channels: dict[str, str], arrays: dict[str, Any], sentence: str, tmp_path: Path) -> None:
     with pytest.raises(Refusal, match=sentence):
         imported(tmp_path, channels, arrays)
+
+
+def test_a_deviation_without_readings_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(Refusal, match="gives temperature_deviation, but no temperature: name a channel of"):
+        imported(tmp_path, {}, {}, temperature_deviation=0.5)
 
 
 def test_pulses_of_a_measured_tacho_are_recorded_as_well(tmp_path: Path) -> None:

@@ -70,6 +70,8 @@ def test_the_interval_contains_the_remaining_life_about_as_often_as_it_says() ->
         ({"severity": [1.0, 0.0]}, "the bearing: hours must be finite and severities above 0"),
         ({"hours": [1.0, 1.0]}, "the bearing: the hours of the inspections do not increase"),
         ({"failed": [*FAILED, ([0.0], [1.0])]}, r"failed bearing 5: .* at least 2 inspection"),
+        ({"hours": [0.0, 1e308]}, "too large, too small or too close together"),
+        ({"failed": [*FAILED, ([0.0, 1e308], [1.0, 2.0])]}, "too large, too small or too close together"),
     ],
 )
 def test_what_gives_no_estimate_is_refused(changes: dict[str, Any], words: str) -> None:

@@ -116,6 +116,11 @@ def test_an_uncertain_limit_widens_the_interval() -> None:
         ({"growth": "linaer"}, "did you mean 'linear'"),
         ({"coverage": 1.0}, "coverage = 1 is outside 0 .. 1"),
         ({"limit_deviation": -0.1}, "limit_deviation = -0.1 is not"),
+        ({"limit_deviation": 1e200}, "too large, too small or too close together"),
+        ({"hours": [0.0, 1.0, 1e200]}, "too large, too small or too close together"),
+        ({"hours": [0.0, 1e-200, 2e-200]}, "too large, too small or too close together"),
+        ({"severity": [1.0, 2.0, 1e200], "growth": "linear"}, "too large, too small or too close together"),
+        ({"severity": [1e-320, 2.0, 4.0], "growth": "hyperbolic"}, "too large, too small or too close together"),
     ],
 )
 def test_invalid_input_is_refused(changes: dict[str, Any], words: str) -> None:

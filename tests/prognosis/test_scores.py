@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 
 import pytest
 from hypothesis import given
@@ -49,6 +50,13 @@ def test_penalties_are_those_of_the_challenge() -> None:
 def test_a_bearing_that_is_said_to_live_on_has_the_worst_score() -> None:
     assert phm_2012_score([10.0], [math.inf]) == 0.0
     assert phm_2008_score([10.0], [math.inf]) == math.inf
+
+
+def test_an_error_beyond_the_range_of_numbers_has_the_worst_score_without_a_warning() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert phm_2012_score([1e-320], [90.0]) == 0.0
+        assert phm_2008_score([100.0], [190.0], unit=1e-320) == math.inf
 
 
 @given(LIVES, st.floats(1e-3, 1e3))

@@ -269,7 +269,7 @@ def test_a_disk_that_is_full_at_the_beginning_is_refused_and_nothing_is_left(tmp
     for limit in range(0, size, size // 20):
         resource.setrlimit(resource.RLIMIT_FSIZE, (limit, hard))
         try:
-            with pytest.raises(Refusal, match="File too large; make room or give another folder"):
+            with pytest.raises(Refusal, match="File too large; free some space or give another folder"):
                 Recorder(tmp_path / "bag", Configuration(), BODIES)
         finally:
             resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))

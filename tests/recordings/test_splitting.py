@@ -184,6 +184,15 @@ def test_a_folder_that_disappears_ends_the_recording_with_a_reason(tmp_path: Pat
     bag.write(at(4000))
 
 
+def test_a_bag_that_is_removed_on_failure_says_so(tmp_path: Path) -> None:
+    bag = bag_of(tmp_path / "bag", Splitting(duration_ns=10 * MS), at(0, 2500))
+    shutil.rmtree(bag.path)
+    removed = r"bag ended at 2\.5 s: No such file or directory; it was removed: free some space or give another folder"
+    with pytest.raises(RecordingFailed, match=removed), bag.removed_on_failure():
+        bag.write(at(3000))
+    assert not bag.path.exists()
+
+
 def test_every_file_begins_with_the_last_messages_on_latched_topics(tmp_path: Path) -> None:
     messages = [(LATCHED, 0, b"first"), *at(0, 5), (LATCHED, 6 * MS, b"second"), *at(10, 19), (LATCHED, 20 * MS, b"third"), *at(21, 30)]
     bag = bag_of(tmp_path / "bag", messages, duration_ns=10 * MS)

@@ -98,7 +98,7 @@ def test_other_bytes_and_other_versions_are_refused(data_set: Path, tmp_path: Pa
     index.write_text(json.dumps(about))
     with pytest.raises(Refusal, match="as in the index"):
         remake_shard(index, name, tmp_path / "a.tar")
-    about["plan"] = "another"
+    about |= {"plan": "another", "model": "another"}
     index.write_text(json.dumps(about))
     with pytest.raises(Refusal, match="install that version"):
         remake_shard(index, name, tmp_path / "a.tar")
@@ -116,8 +116,9 @@ def test_other_bytes_and_other_versions_are_refused(data_set: Path, tmp_path: Pa
         (lambda index: index.update(runs_per_shard=5), "are not those of its recipe"),
         (lambda index: next(iter(index["shards"].values()))["runs"].pop(), "are not those of its recipe"),
         (lambda index: next(iter(index["shards"].values())).update(size=1), r"train-000000\.tar has \d+ bytes, not 1"),
-        (lambda index: index.update(recipe={key: text.replace("160.0", "170.0") for key, text in index["recipe"].items()}), "install that"),
-        (lambda index: index["recipe"].update({"base.yaml": "bearing: {rows: 1}"}), "install that version"),
+        (lambda index: index.update(recipe={key: text.replace("160.0", "170.0") for key, text in index["recipe"].items()}), "not follow"),
+        (lambda index: index["recipe"].update({"base.yaml": "bearing: {rows: 1}"}), "its plan does not follow from its recipe; get"),
+        (lambda index: index["recipe"].update({"sweep.yaml": "{]"}), r"was changed: its recipe sweep\.yaml is not valid YAML in line 1"),
         (lambda index: index["recipe"].update({"sweep.yaml": "machine: ../../../etc/passwd"}), "are both a configuration"),
         (lambda index: index["recipe"].update({"sweep.yaml": "- a list"}), "is not a sweep"),
     ],
@@ -167,6 +168,10 @@ def test_a_missing_run_and_a_full_folder_are_refused(data_set: Path, tmp_path: P
         write_shards(data_set, tmp_path / "shards", 3)
     with pytest.raises(Refusal, match=r"has no sweep\.yaml"):
         write_shards(tmp_path, tmp_path / "more", 3)
+    (tmp_path / "file").touch()
+    for place in (tmp_path / "file", tmp_path / "file" / "below"):
+        with pytest.raises(Refusal, match=r"file.* cannot be used: .*; give an empty or a new folder that can be written"):
+            write_shards(data_set, place, 3)
 
 
 def test_shards_have_at_least_their_runs(data_set: Path) -> None:

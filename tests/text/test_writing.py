@@ -30,6 +30,12 @@ def test_a_write_that_fails_leaves_the_old_file_and_names_it(tmp_path: Path) -> 
     assert list(tmp_path.iterdir()) == [file]
 
 
+def test_a_place_that_cannot_be_written_is_not_called_full(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(Refusal, match=r"about\.json cannot be written: Not a directory; make it writable or give another file"):
+        write_whole(tmp_path / "file" / "about.json", "new")
+
+
 def test_an_error_in_the_context_leaves_nothing(tmp_path: Path) -> None:
     def fail() -> None:
         with whole_file(tmp_path / "picture.png") as temporary:

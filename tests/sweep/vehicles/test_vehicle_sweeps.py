@@ -128,6 +128,7 @@ def test_shipped_vehicles_and_their_cost() -> None:
         ({"vary": {"vehicle.sed": [1, 2, 3]}}, "unknown"),
         ({"vary": {"vehicle.speed_kmh": [80.0, 1000.0]}}, "vary"),
         ({"vary": {"vehicle.speed_kmh": {"low": 80.0}}}, "a range needs low and high"),
+        ({"vary": {"track.spectrum": {}}}, "a range needs low and high"),
         ({"vary": {"vehicle.speed_kmh": {"a": {"b": 1}}}}, "vehicle.speed_kmh.a.b is below speed_kmh, which has the value"),
         ({"set": {"vehicle.bench": "dry", "vehicle.seed": 5}}, "vehicle.seed = 5 under 'set' would have no effect"),
         ({"vary": {"vehicle.seed": [1, "two"]}}, "are not values of one parameter"),
