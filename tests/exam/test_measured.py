@@ -96,6 +96,7 @@ def test_a_wrong_answer_fails(tmp_path: Path, capsys: pytest.CaptureFixture[str]
         ({"truth": "outer"}, "line 2: truth = outer is not a verdict"),
         ({"unit": "V"}, "line 2: unit = V is unknown: give one of m/s"),
         ({"speed_rpm_from_lines": "-5"}, "line 2: speed_rpm_from_lines = -5 is not a speed"),
+        ({"speed_rpm_from_lines": "360000"}, "line 2: speed_rpm_from_lines = 360000 is outside 0 .. 360000 rpm, half a turn in"),
         ({"BPFO": "x"}, "line 2: BPFO = x is not a number"),
         ({"speed_rpm_from_lines": ""}, "line 2: speed_rpm_from_lines = nothing is not a number"),
         ({"name": "calm"}, "lists calm twice"),
@@ -136,6 +137,8 @@ DAMAGED = {
     "text": b"no numbers",
     "complex": npz(a=np.ones(12000) + 1j),
     "words": npz(a=np.full(12000, "one")),
+    "large": npz(a=np.full(12000, 1e38)),
+    "larger": npz(a=np.full(12000, 1e308)),
 }
 
 
