@@ -40,11 +40,11 @@ MOST_CASES = 2_000
 class ScenarioEntry(Group):
     """A scenario of the file, or a family of scenarios."""
 
-    name: str
+    name: str = Field(min_length=1)
     verdict: FaultClass
     points: list[str] | None = None
     """Operating points by name; all of them if omitted."""
-    seeds: list[int] | None = None
+    seeds: list[int] | None = Field(None, min_length=1)
     duration: float | None = Field(None, ge=0.1, le=1e5)
     onset: float | None = Field(None, ge=0.0, le=1e5)
     base: str | None = None
@@ -209,6 +209,8 @@ def _cases(file: ExamFile, entry: ScenarioEntry, source: str) -> Iterator[Case]:
         raise Refusal(f"{where}: there is no operating point '{unknown[0]}'{nearest(unknown[0], file.points)}")
     for point in names or [""]:
         settings = dict(file.points.get(point, {}))
+        if SEED in {**flatten(settings), **flatten(entry.set)}:
+            raise Refusal(f"{where}: {SEED} cannot be set here: use 'seeds', a list such as [1, 2]")
         base = _base(settings.pop("base", None), file, entry, f"{where}, point '{point}'")
         # Only the first seed is checked with the whole configuration, which does not depend on the seed.
         known: dict[str, Case] = {}
@@ -286,6 +288,9 @@ def _case(
     entries += [*entry.timeline, *([{"at": fault_time, "set": dict(fault)}] if fault else [])]
     scenario = {"timeline": entries} if entries else None
     events = scheduled_changes(scenario, configuration, where) if scenario else []
+    late = next((one["at"] for one in entry.timeline if one["at"] >= duration), None)
+    if late is not None:
+        raise Refusal(f"{where}: an entry at {late:g} s is after its end at {duration:g} s: increase the duration or remove it")
     onset = 0.0
     if faulty:
         onset = fault_time if fault or entry.onset is not None else _onset(configuration, events, entry.verdict, where)

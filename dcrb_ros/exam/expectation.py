@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from dcrb_ros.exam.revolutions import Knot, revolutions
@@ -36,6 +36,8 @@ class Expectation:
     """Onset of a bearing fault hidden by a sensor fault [s]; None if the bearing is healthy."""
     last_verdict: bool = False
     """Whether the answer is the last verdict from the onset on, instead of the most frequent one; also of a healthy bearing."""
+    lead: str = ""
+    """Name of the healthy recording that ends at the onset, which several scenarios may share; empty if there is none."""
     speeds: tuple[Knot, ...] = ()
     """Times [s] and speeds [rad/s] between which the speed is linear; if empty, it is constant at the tag ``speed``."""
 
@@ -69,6 +71,14 @@ class Expectation:
         return self.onset if self.twin else self.begin, self.bearing_clean_until
 
     @property
+    def healthy_parts(self) -> Mapping[str, float]:
+        """Length of each recording in this time by its name [s]."""
+        begin, end = self.healthy_span
+        if not self.lead:
+            return {self.name: end - begin}
+        return {self.lead: self.onset - begin, self.name: end - self.onset}
+
+    @property
     def grade(self) -> tuple[str, float] | None:
         """Parameter that grades the scenario, if it is not the width, and its value."""
         parameter, value = self.tags.get("graded_by"), self.tags.get("grade")
@@ -80,13 +90,27 @@ class Expectation:
         constant = ((0.0, speed),) if isinstance(speed, float) else ()
         return revolutions(self.speeds or constant, begin, end)
 
+    @property
+    def speed_known(self) -> bool:
+        """Whether the speed of the shaft is known."""
+        return bool(self.speeds) or isinstance(self.tags.get("speed"), float)
+
     def judgeable(self, begin: float, end: float) -> bool:
         """Return whether the shaft turns enough between two times [s] for a verdict; also if its speed is unknown."""
-        known = self.speeds or isinstance(self.tags.get("speed"), float)
-        return not known or self.revolutions(begin, end) >= FEWEST_REVOLUTIONS
+        return not self.speed_known or self.revolutions(begin, end) >= FEWEST_REVOLUTIONS
 
     @property
     def width(self) -> float:
         """Width of the largest defect [m]; 0 without one."""
         width = self.tags.get("width", 0.0)
         return width if isinstance(width, float) else 0.0
+
+
+def repeated_time(expectations: Sequence[Expectation]) -> float:
+    """Return the healthy time that is counted again because one recording precedes several others [s]."""
+    parts: dict[str, list[float]] = {}
+    for expectation in expectations:
+        for name, seconds in expectation.healthy_parts.items():
+            parts.setdefault(name, []).append(seconds)
+    leads = sorted({expectation.lead for expectation in expectations} - {""})
+    return sum(sum(parts[lead]) - max(parts[lead]) for lead in leads)

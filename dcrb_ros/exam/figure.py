@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from dcrb_ros.exam.criteria import UNLIMITED
+from dcrb_ros.exam.marking import report_mark
 from dcrb_ros.exam.report import Report
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.verdicts import FAULTS
@@ -38,10 +40,17 @@ def write_figure(report: Report, file: Path) -> None:
     for name, draw in panels.items():
         draw(axes[name], report)
     title = f"{report.exam}: {'passed' if report.passed else 'failed'}, {report.detector}"
-    marks = ", ".join(f"{score.profile} {score.score.value:.1f}" for score in report.exam_scores())
-    figure.suptitle(f"{title}\nexam score of 100: {marks}" if marks else title, fontsize=12, parse_math=False)
+    figure.suptitle("\n".join([title, *_marks(report)]), fontsize=12, parse_math=False)
     with whole_file(file) as temporary:
         figure.savefig(temporary)
+
+
+def _marks(report: Report) -> Iterator[str]:
+    """Yield the line below the title: the mark of the report, if it has one."""
+    if report.results and report.last_verdict:
+        yield f"correct verdicts: {report_mark(report).value:.1f} %"
+    elif scores := report.exam_scores():
+        yield f"exam score of 100: {', '.join(f'{score.profile} {score.score.value:.1f}' for score in scores)}"
 
 
 def _empty(axes: Axes, text: str) -> None:

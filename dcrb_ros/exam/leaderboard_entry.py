@@ -192,7 +192,7 @@ def entry_of(report: Report, name: str = "") -> Entry:
             )
             for result in report.results
         ],
-        **({"last_verdict": True} if all(result.expectation.last_verdict for result in report.results) else {}),
+        **({"last_verdict": True} if report.last_verdict else {}),
     )
 
 

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from dcrb_ros.exam.leaderboard import Board
+from dcrb_ros.schema.printable import printable
 from dcrb_ros.text.writing import whole_file
 
 COLOURS = {"safety": "#b23a48", "cost": "#2a9d5c"}
@@ -30,13 +31,13 @@ def write_board_figure(board: Board, file: Path) -> None:
     scores, pairs = figure.subplots(1, 2, width_ratios=(1.4, 1.0))
     _scores(scores, board)
     _pairs(pairs, board)
-    figure.suptitle(f"{board.exam}: {board.marking.name}, 0 to 100", fontsize=12, parse_math=False)
+    figure.suptitle(f"{printable(board.exam)}: {board.marking.name}, 0 to 100", fontsize=12, parse_math=False)
     with whole_file(file) as temporary:
         figure.savefig(temporary)
 
 
 def _names(board: Board) -> list[str]:
-    return [n if len(n) <= LONGEST else f"{n[: LONGEST - 1]}…" for n in (ranked.entry.detector for ranked in board.ranking)]
+    return [n if len(n) <= LONGEST else f"{n[: LONGEST - 1]}…" for n in (printable(ranked.entry.detector) for ranked in board.ranking)]
 
 
 def _scores(axes: Axes, board: Board) -> None:

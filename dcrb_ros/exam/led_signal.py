@@ -124,7 +124,8 @@ class LedSignal(Generic[Judged]):
     def expectation(self) -> Expectation:
         """Return what is expected: an alarm in the healthy lead is false, and the last verdict after it counts."""
         before, rate = self._samples_before(), self.recording.rate
-        return expectation(self.recording, (before + self.recording.samples_within(self.longest)) / rate, before / rate)
+        end, lead = (before + self.recording.samples_within(self.longest)) / rate, self.lead.name if self.lead else ""
+        return expectation(self.recording, end, before / rate, lead)
 
     def _samples_before(self) -> int:
         """Return the number of samples of the healthy recording at the sampling rate of the other one."""
@@ -155,8 +156,8 @@ def _same_bearing(first: Orders, second: Orders) -> bool:
     return all(math.isclose(a, b, rel_tol=SAME_BEARING) for a, b in pairs)
 
 
-def expectation(recording: JudgedRecording, end: float, onset: float = 0.0) -> Expectation:
-    """Return what is expected of a recording that begins at ``onset`` and ends at ``end`` [s]; ball faults are not required."""
+def expectation(recording: JudgedRecording, end: float, onset: float = 0.0, lead: str = "") -> Expectation:
+    """Return what is expected of a recording from ``onset`` to ``end`` [s], after the recording ``lead``; ball faults are not required."""
     # Envelope analysis cannot name most ball faults (Smith and Randall 2015), so they enter the statistics only.
     required = recording.truth != "roller"
-    return Expectation(recording.name, recording.truth, end, onset, recording.tags, required=required, last_verdict=True)
+    return Expectation(recording.name, recording.truth, end, onset, recording.tags, required=required, last_verdict=True, lead=lead)

@@ -9,8 +9,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from dcrb_ros.exam.exam_score import DECIMALS, SEED, ScoreDifference, compare, difference, draws, headline_score, interval, scores
-from dcrb_ros.exam.leaderboard_entry import Entry, EntryScenario
+from dcrb_ros.exam.leaderboard_entry import Entry, EntryScenario, entry_of
 from dcrb_ros.exam.profile import HEADLINE, HEADLINE_PROFILE, PROFILES
+from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.statistics import CONFIDENCE, Interval
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
@@ -143,6 +144,14 @@ class VerdictMarking(Marking):
 def marking_of(entry: Entry) -> Marking:
     """Return how the entries of the same exam are marked."""
     return VerdictMarking() if entry.last_verdict else ScoreMarking()
+
+
+def report_mark(report: Report) -> Interval:
+    """Return the share of correct verdicts in a report of last verdicts [%]; NaN if no scenario is required."""
+    if not any(result.expectation.required for result in report.results):
+        return Interval(math.nan, 0.0, 100.0)
+    marking = VerdictMarking()
+    return marking.series(entry_of(report))[marking.name]
 
 
 def _required(entry: Entry) -> list[EntryScenario]:

@@ -48,6 +48,8 @@ LONGEST = 60.0
 """Longest part of a recording that is judged [s]: the longest window of the detector."""
 SHORTEST = 0.5
 """Shortest recording that is judged [s]."""
+LARGEST = float(np.finfo(np.float32).max)
+"""Largest acceleration, the range of a message [m/s^2]."""
 FOUND = 0.9
 """Share of the outer and inner-ring faults that must be named."""
 
@@ -71,7 +73,7 @@ class MeasuredRecording(JudgedRecording):
         """Return the acceleration, shape (samples,) [m/s^2].
 
         Raises:
-            Refusal: the file is missing, is no NPZ file with one array ``a`` of numbers, or has values that are not finite.
+            Refusal: the file is missing, is no NPZ file with one array ``a`` of numbers, or has values that are not finite or too large.
         """
         try:
             with self.file.open("rb") as stream, np.load(stream, allow_pickle=False) as arrays:
@@ -85,7 +87,11 @@ class MeasuredRecording(JudgedRecording):
         values = np.asarray(given, np.float64)
         if len(values) < SHORTEST * self.rate:
             raise Refusal(f"{self.file} has {len(values) / self.rate:.2f} s, but a verdict needs {SHORTEST:g} s: leave it out of the table")
-        return values * ACCELERATION_UNITS[self.unit]
+        with np.errstate(over="ignore"):
+            values = values * ACCELERATION_UNITS[self.unit]
+        if np.abs(values).max() > LARGEST:
+            raise Refusal(f"{self.file}: 'a' has values above {LARGEST:.1g} m/s^2, the range of a message: check the column unit")
+        return values
 
     def longest_part(self, seconds: float = LONGEST) -> Floats:
         """Return the acceleration of the first ``seconds`` [m/s^2]; see `samples`."""
@@ -135,6 +141,11 @@ def _row(table: Path, line: int, row: dict[str, str], speed: str) -> MeasuredRec
         raise Refusal(f"{table}, line {line}: {error}") from None
     if not (math.isfinite(frequency) and frequency > 0.0):
         raise Refusal(f"{table}, line {line}: {speed} = {row[speed]} is not a speed: give it in rpm, above 0")
+    if frequency >= 0.5 * rate:
+        raise Refusal(
+            f"{table}, line {line}: {speed} = {row[speed]} is outside 0 .. {30.0 * rate:g} rpm, half a turn in each sample at {rate} Hz: "
+            "check speed and sampling_rate"
+        )
     if row["truth"] not in FAULT_CLASSES:
         known = f"{', '.join(FAULT_CLASSES)}{nearest(str(row['truth']), FAULT_CLASSES)}"
         raise Refusal(f"{table}, line {line}: truth = {row['truth']} is not a verdict: give one of {known}")

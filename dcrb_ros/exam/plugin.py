@@ -27,7 +27,7 @@ def load_plugin(given: str) -> DetectorFactory:
     Raises:
         Refusal: there is no such module, file, class, member or entry point, or it cannot be imported or called.
     """
-    bare, bracket, member = given.removesuffix("]").partition("[") if given.endswith("]") else (given, "", "")
+    bare, bracket, member = given.removesuffix("]").partition("[") if given.endswith("]") and "[" in given else (given, "", "")
     module_name, colon, name = bare.rpartition(":")
     if not colon:
         offered = {point.name: point for point in importlib.metadata.entry_points(group=GROUP)}
@@ -35,9 +35,13 @@ def load_plugin(given: str) -> DetectorFactory:
             known = f"; installed are {', '.join(offered)}{nearest(given, offered)}" if offered else ""
             raise Refusal(f"--python {given} is not an installed detector: give MODULE:CLASS or FILE.py:CLASS{known}")
         module_name, _, name = offered[given].value.partition(":")
+    if not (module_name and name):
+        raise Refusal(f"--python {given} names no {'class' if module_name else 'module'}: give MODULE:CLASS or FILE.py:CLASS")
     module = load_module(given, module_name)
     factory: DetectorFactory | None = getattr(module, name, None)
-    if factory is None or not callable(factory):
+    if factory is not None and not callable(factory):
+        raise Refusal(f"--python {given}: {name} in {module_name} is {factory!r} and no class: give the name of a detector class in it")
+    if factory is None:
         raise Refusal(
             f"--python {given}: {module_name} has no class {name}{nearest(name, vars(module))}: give the name of a detector class in it"
         )

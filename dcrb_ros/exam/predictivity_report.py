@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
@@ -119,7 +119,8 @@ def compare_entries(table: Path, exam: Exam, entries: Sequence[Entry], measured:
         Compared(one.name, one.machine, one.truth, one.bearing, one.name in led) for one in table_rows if one.name in counterparts
     )
     names = tuple(name for name in ours if name in field)
-    check_families(names)
+    alone = *_alone(ours, field, "on the measured recordings"), *_alone(field, ours, "in the exam")
+    check_families(names, _reasons(alone))
     _check_task(table, origin, field)
     right = {name: _right_answers(ours[name]) for name in names}, {name: _right_answers(field[name]) for name in names}
     for name in names:
@@ -129,7 +130,14 @@ def compare_entries(table: Path, exam: Exam, entries: Sequence[Entry], measured:
     in_field = [[right[1][name][one.name] for one in recordings] for name in names]
     marks = Marks(names, names, (True,) * len(names), recordings, np.array(in_field), np.array(in_exam))
     found = tuple(predictivities(marks))
-    return Comparison(marks, found, found, (), origin, sum(len(counterparts[one.name]) for one in recordings))
+    return Comparison(marks, found, found, alone, origin, sum(len(counterparts[one.name]) for one in recordings))
+
+
+def _alone(entries: Mapping[str, Entry], others: Mapping[str, Entry], where: str) -> Iterator[BrokenFamily]:
+    """Yield the detectors that have an entry on one side only."""
+    for name in entries:
+        if name not in others:
+            yield BrokenFamily(name, f"it has no entry of this name {where}: give both the same --name")
 
 
 def _check_task(table: Path, origin: ReplicaOrigin, field: Mapping[str, Entry]) -> None:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from dcrb_ros.exam.breakdown import family_areas, overall_area, strata
 from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.exam_score import SEED, Contribution, ExamScore, exam_scores
+from dcrb_ros.exam.expectation import repeated_time
 from dcrb_ros.exam.scoring import NO_ANSWER, ScenarioResult
 from dcrb_ros.exam.statistics import Characteristic, Interval, characteristic, percentile, rate, share
 from dcrb_ros.recordings.manifest import model_fingerprint, software
@@ -47,7 +48,7 @@ class Delay:
     p95: float
     """95th percentile of the delay [s]."""
     turns: float
-    """Median delay in shaft revolutions [-]."""
+    """Median delay in shaft revolutions [-]; NaN if the speed is unknown."""
 
 
 class Detected:
@@ -124,6 +125,11 @@ class Report:
         return all(check.holds for check in self.checks())
 
     @property
+    def last_verdict(self) -> bool:
+        """Whether all answers are last verdicts, so that neither delays nor silence count."""
+        return all(result.expectation.last_verdict for result in self.results)
+
+    @property
     def faulty(self) -> list[ScenarioResult]:
         """The results of the scenarios with a fault."""
         return [result for result in self.results if result.expectation.faulty]
@@ -134,17 +140,27 @@ class Report:
         return sum(result.healthy_time for result in self.results) / 3600.0
 
     @property
+    def distinct_hours(self) -> float:
+        """Healthy time in which a recording that precedes several others counts once [h]."""
+        return self.hours - repeated_time([result.expectation for result in self.results]) / 3600.0
+
+    @property
+    def repeats(self) -> float:
+        """How often the healthy time is counted on average [-]; 1 if no recording precedes several others."""
+        return self.hours / self.distinct_hours if self.distinct_hours else 1.0
+
+    @property
     def alarms(self) -> int:
         """False alarms in the healthy time."""
         return sum(result.counted_alarms for result in self.results)
 
     def alarm_rate(self) -> Interval:
         """Return the false alarm rate with its confidence interval [1/h]."""
-        return rate(self.alarms, self.hours)
+        return rate(self.alarms, self.hours, self.repeats)
 
     def alarm_rate_per_turn(self) -> Interval:
         """Return the number of false alarms per million shaft revolutions with its confidence interval [-]."""
-        return rate(self.alarms, self.healthy_revolutions / 1e6)
+        return rate(self.alarms, self.healthy_revolutions / 1e6, self.repeats)
 
     @property
     def healthy_revolutions(self) -> float:
@@ -187,7 +203,7 @@ class Report:
                 len(group),
                 percentile([r.delay for r in detected if r.delay is not None], 50.0),
                 percentile([r.delay for r in detected if r.delay is not None], 95.0),
-                percentile([r.delay_revolutions for r in detected if r.delay_revolutions is not None], 50.0),
+                percentile([r.delay_revolutions for r in detected if r.delay_revolutions is not None and r.expectation.speed_known], 50.0),
             )
             for verdict, group in _grouped(self.faulty).items()
             for detected in [[r for r in group if r.found]]
@@ -288,6 +304,7 @@ class Report:
             "false_alarms": {
                 "count": self.alarms,
                 "healthy_hours": self.hours,
+                "distinct_healthy_hours": self.distinct_hours,
                 "per_hour": alarms._asdict(),
                 "per_1000_hours": Interval(*(1e3 * value for value in alarms))._asdict(),
                 "healthy_turns": self.healthy_revolutions,
@@ -303,7 +320,7 @@ class Report:
             "graded_detection": [{**vars(d), "probability": d.probability._asdict()} for d in self.graded_detections()],
             "rigs": [vars(rig) for rig in self.rigs()],
             "roc": curve._asdict() if curve else None,
-            "scenarios": [_described(result) for result in self.results],
+            "scenarios": [result.described() for result in self.results],
         }
         return {key: _finite(value) for key, value in tree.items()}
 
@@ -312,33 +329,6 @@ def _grouped(results: Sequence[ScenarioResult]) -> dict[str, list[ScenarioResult
     """Return results by correct verdict, in the order of `FAULT_CLASSES`."""
     groups = ((verdict, [r for r in results if r.expectation.verdict == verdict]) for verdict in FAULT_CLASSES)
     return {verdict: group for verdict, group in groups if group}
-
-
-def _described(result: ScenarioResult) -> dict[str, Any]:
-    expectation = result.expectation
-    return {
-        "name": expectation.name,
-        "verdict": expectation.verdict,
-        "answer": result.answer,
-        "passed": result.passed,
-        "required": expectation.required,
-        "flaw": result.flaw,
-        "onset": expectation.onset if expectation.faulty else None,
-        "begin": expectation.begin,
-        "duration": expectation.duration,
-        "delay": result.delay,
-        "delay_turns": result.delay_revolutions,
-        "alarm_delay": result.alarm_delay,
-        "credit": dict(result.credit.detection) or None,
-        "healthy_periods": result.credit.periods,
-        "spoiled_periods": result.credit.failed,
-        "silent": result.credit.silent,
-        "false_alarms": [vars(alarm) for alarm in result.false_alarms],
-        "score": result.score,
-        "opinions": result.diagnoses,
-        "twin": expectation.twin or None,
-        "tags": dict(expectation.tags),
-    }
 
 
 def _finite(tree: Any) -> Any:

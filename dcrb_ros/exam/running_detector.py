@@ -66,7 +66,7 @@ class RunningDetector:
         if not callable(getattr(self._detector, "update", None)):
             raise Refusal(f"the detector {self._detector!r} has no method update(index, acceleration, shaft_angle): give it one")
         if hasattr(self._detector, "take_bearing"):
-            self._detector.take_bearing(bearing())
+            _called("take_bearing", "", lambda: self._detector.take_bearing(bearing()))
 
     def take(self, block: DetectorBlock) -> Any:
         """Give it a block and return its output, which may be anything.

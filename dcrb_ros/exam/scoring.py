@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from typing import Any
 
 from dcrb_ros.exam.credit import Credit, credit
 from dcrb_ros.exam.criteria import Criteria
@@ -76,6 +77,33 @@ class ScenarioResult:
     def found(self) -> bool:
         """Whether the fault was detected in time with the correct verdict."""
         return self.delay is not None and self.answer == self.expectation.verdict
+
+    def described(self) -> dict[str, Any]:
+        """Return the result as a tree for JSON."""
+        expectation = self.expectation
+        return {
+            "name": expectation.name,
+            "verdict": expectation.verdict,
+            "answer": self.answer,
+            "passed": self.passed,
+            "required": expectation.required,
+            "flaw": self.flaw,
+            "onset": expectation.onset if expectation.faulty else None,
+            "begin": expectation.begin,
+            "duration": expectation.duration,
+            "delay": self.delay,
+            "delay_turns": self.delay_revolutions if expectation.speed_known else None,
+            "alarm_delay": self.alarm_delay,
+            "credit": dict(self.credit.detection) or None,
+            "healthy_periods": self.credit.periods,
+            "spoiled_periods": self.credit.failed,
+            "silent": self.credit.silent,
+            "false_alarms": [vars(alarm) for alarm in self.false_alarms],
+            "score": self.score,
+            "opinions": self.diagnoses,
+            "twin": expectation.twin or None,
+            "tags": dict(expectation.tags),
+        }
 
 
 def score_scenario(

@@ -20,13 +20,18 @@ class Interval(NamedTuple):
     high: float
 
 
-def rate(count: int, hours: float) -> Interval:
-    """Return the rate of ``count`` events in ``hours`` with its exact Poisson interval (Garwood 1936) [1/h]."""
+def rate(count: int, hours: float, repeats: float = 1.0) -> Interval:
+    """Return the rate of ``count`` events in ``hours`` with its exact Poisson interval (Garwood 1936) [1/h].
+
+    If the time is counted ``repeats`` times on average [-], so are its events. The interval is that of count and time divided by this
+    number, which need not be whole.
+    """
     if hours <= 0.0:
         return Interval(float("nan"), 0.0, float("inf"))
     tail = 0.5 * (1.0 - CONFIDENCE)
-    low = 0.5 * float(chi2.ppf(tail, 2 * count)) if count else 0.0
-    return Interval(count / hours, low / hours, 0.5 * float(chi2.ppf(1.0 - tail, 2 * count + 2)) / hours)
+    once, distinct = count / repeats, hours / repeats
+    low = 0.5 * float(chi2.ppf(tail, 2.0 * once)) if count else 0.0
+    return Interval(count / hours, low / distinct, 0.5 * float(chi2.ppf(1.0 - tail, 2.0 * once + 2.0)) / distinct)
 
 
 def share(count: int, of: int) -> Interval:

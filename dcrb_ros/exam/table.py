@@ -12,6 +12,7 @@ from rich.text import Text
 
 from dcrb_ros.exam.breakdown import PARTIAL, family_areas, overall_area, strata
 from dcrb_ros.exam.criteria import UNLIMITED
+from dcrb_ros.exam.marking import report_mark
 from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.statistics import CONFIDENCE, Interval
 from dcrb_ros.recordings.manifest import model_fingerprint
@@ -56,7 +57,7 @@ def sentences(report: Report) -> Iterator[str]:
     yield (
         "false alarms: not counted, there is no healthy signal"
         if not report.hours
-        else f"false alarms: {report.alarms} in {report.hours * 60.0:.1f} min of healthy signal, {bounds(report.alarm_rate(), 1)} per hour "
+        else f"false alarms: {report.alarms} in {_healthy_time(report)}, {bounds(report.alarm_rate(), 1)} per hour "
         f"({CONFIDENCE:.0%} Poisson confidence interval)"
     )
     if report.healthy_revolutions:
@@ -64,7 +65,7 @@ def sentences(report: Report) -> Iterator[str]:
             f"false alarms per 1000 bearing-hours: {bounds(Interval(*(1e3 * value for value in report.alarm_rate())), 0)}; per million "
             f"revolutions, of which {report.healthy_revolutions:.0f} are healthy: {bounds(report.alarm_rate_per_turn(), 0)}"
         )
-    if report.results:
+    if report.results and not report.last_verdict:
         yield f"time without a verdict: {report.silent_share:.1%}"
     curve = report.characteristic()
     yield (
@@ -75,6 +76,12 @@ def sentences(report: Report) -> Iterator[str]:
     if report.scenarios:
         yield f"scenarios: sha256 {report.scenarios}"
     yield f"dcrb_ros {__version__}, model {model_fingerprint()}"
+
+
+def _healthy_time(report: Report) -> str:
+    """Return the healthy time as text, with the part of it that is not repeated."""
+    once = f" ({report.distinct_hours * 60.0:.1f} min without repetitions)" if report.repeats > 1.0 + 1e-9 else ""
+    return f"{report.hours * 60.0:.1f} min of healthy signal{once}"
 
 
 def _checks(report: Report) -> Table:
@@ -92,6 +99,11 @@ def _filled(title: str, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> 
 
 
 def _scores(report: Report) -> Iterator[RenderableType]:
+    # The exam score counts delays and silence, which are no part of the task if only the last verdict counts.
+    if report.results and report.last_verdict:
+        mark = bounds(report_mark(report), 1)
+        yield f"correct verdicts in the required scenarios, mean over their classes: {mark} % ({CONFIDENCE:.0%} bootstrap interval)"
+        return
     rows = [(row.profile, bounds(row.score, 1), number(row.detection, 3), number(row.clean, 3)) for row in report.exam_scores()]
     if not rows:
         yield "exam score: none, it takes both faults and healthy time"

@@ -164,6 +164,18 @@ def test_tags_are_derived_from_configuration_and_changes() -> None:
         ({"criteria": {"delay": {"cog": 1.0}}}, "criteria.delay: unknown key 'cog' (known: outer_ring"),
         ({"criteria": {"found": 2.0}}, "criteria: found = 2.0 is refused: input should be less than or equal to 1"),
         ({"scenarios": [{**WELL, "duration": 0.05}]}, "scenario 'well': duration = 0.05 is refused"),
+        ({"scenarios": [{**WELL, "seeds": []}]}, "scenario 'well': seeds = [] is refused: list should have at least 1 item"),
+        ({"scenarios": [{**WELL, "name": ""}]}, "scenario 1: name = '' is refused"),
+        (
+            {"scenarios": [{**WELL, "set": {"simulation.seed": 3}}]},
+            "simulation.seed cannot be set here: use 'seeds', a list such as [1, 2]",
+        ),
+        ({"scenarios": [{**WELL, "set": {"simulation": {"seed": 3}}}]}, "simulation.seed cannot be set here"),
+        ({"points": {"a": {"simulation.seed": 3}}}, "simulation.seed cannot be set here"),
+        (
+            {"scenarios": [{**WELL, "duration": 5.0, "timeline": [{"at": 5.0, "set": {"operating.speed": 60.0}}]}]},
+            "an entry at 5 s is after its end at 5 s: increase the duration or remove it",
+        ),
     ],
 )
 def test_the_place_of_an_error_is_named(changes: dict[str, Any], sentence: str) -> None:

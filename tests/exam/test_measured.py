@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -31,7 +32,10 @@ from dcrb_ros.exam.measured import (
     whole_scenarios,
 )
 from dcrb_ros.exam.plugin_process import ProcessDetector
+from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.scoring import NO_ANSWER, score_scenario
+from dcrb_ros.exam.statistics import rate
+from dcrb_ros.exam.table import sentences
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.schema.refusal import Refusal
 
@@ -92,6 +96,7 @@ def test_a_wrong_answer_fails(tmp_path: Path, capsys: pytest.CaptureFixture[str]
         ({"truth": "outer"}, "line 2: truth = outer is not a verdict"),
         ({"unit": "V"}, "line 2: unit = V is unknown: give one of m/s"),
         ({"speed_rpm_from_lines": "-5"}, "line 2: speed_rpm_from_lines = -5 is not a speed"),
+        ({"speed_rpm_from_lines": "360000"}, "line 2: speed_rpm_from_lines = 360000 is outside 0 .. 360000 rpm, half a turn in"),
         ({"BPFO": "x"}, "line 2: BPFO = x is not a number"),
         ({"speed_rpm_from_lines": ""}, "line 2: speed_rpm_from_lines = nothing is not a number"),
         ({"name": "calm"}, "lists calm twice"),
@@ -132,6 +137,8 @@ DAMAGED = {
     "text": b"no numbers",
     "complex": npz(a=np.ones(12000) + 1j),
     "words": npz(a=np.full(12000, "one")),
+    "large": npz(a=np.full(12000, 1e38)),
+    "larger": npz(a=np.full(12000, 1e308)),
 }
 
 
@@ -274,6 +281,19 @@ def test_the_last_verdict_is_the_answer_for_a_healthy_bearing_too(verdicts: str,
         times = np.linspace(expected.onset + 0.1, expected.end - 0.1, len(verdicts))
         received = [ReceivedDiagnosis(float(time), of[letter]) for time, letter in zip(times, verdicts, strict=True)]
         assert score_scenario(expected, received, measured_criteria()).answer == answer
+
+
+def test_a_healthy_recording_that_precedes_several_others_counts_once_in_the_interval(tmp_path: Path) -> None:
+    calm, struck = read_measured(folder(tmp_path))
+    after = [replace(struck, name=f"struck_{number}") for number in range(3)]
+    signals = [LedSignal(calm, None, LONGEST), *(LedSignal(one, calm, LONGEST) for one in after)]
+    results = [score_scenario(signal.expectation(), [], measured_criteria()) for signal in signals]
+    report = Report("made up", "nobody", measured_criteria(), "", tuple(results))
+    assert (3600.0 * report.hours, 3600.0 * report.distinct_hours) == pytest.approx((8.0, 2.0))
+    assert report.alarm_rate().high == pytest.approx(rate(0, 2.0 / 3600.0).high)
+    assert "0 in 0.1 min of healthy signal (0.0 min without repetitions)" in "".join(sentences(report))
+    alone = replace(report, results=tuple(results[:1]))
+    assert "repetitions" not in "".join(sentences(alone))
 
 
 def test_verdicts_on_the_lead_are_no_answer(tmp_path: Path) -> None:

@@ -11,10 +11,12 @@ from made_up_blocks import recorded
 from same_process import dcrb
 
 from dcrb_ros import FaultDetector
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.exam import plugin
 from dcrb_ros.exam.leaderboard_entry import read_entry
 from dcrb_ros.exam.plugin import load_plugin
 from dcrb_ros.exam.plugin_process import ProcessDetector
+from dcrb_ros.exam.running_detector import RunningDetector
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.schema.refusal import Refusal
@@ -55,13 +57,26 @@ def test_a_class_in_a_module_and_an_entry_point_are_found(monkeypatch: pytest.Mo
         ("gone.py:Detector", "there is no file gone.py"),
         ("no_such_module:Detector", "cannot be imported: ModuleNotFoundError"),
         ("dcrb_ros:FaultDetectr", "has no class FaultDetectr"),
-        ("dcrb_ros.exam.plugin:GROUP", "has no class GROUP"),
-        (":Detector", "cannot be imported"),
+        ("dcrb_ros.exam.plugin:GROUP", "GROUP in dcrb_ros.exam.plugin is 'dcrb_ros.detectors' and no class: give the name of a detector"),
+        ("dcrb_ros:FaultDetector]", r"has no class FaultDetector\]"),
+        (":Detector", "names no module: give MODULE:CLASS"),
+        ("dcrb_ros.exam.plugin:", "names no class: give MODULE:CLASS"),
     ],
 )
 def test_what_is_no_detector_is_refused(given: str, sentence: str) -> None:
     with pytest.raises(Refusal, match=sentence):
         load_plugin(given)
+
+
+def test_an_exception_for_the_bearing_names_the_method() -> None:
+    class Careless:
+        def update(self, *_: object) -> None: ...
+
+        def take_bearing(self, _: object) -> None:
+            raise KeyError("rows")
+
+    with pytest.raises(RuntimeError, match="take_bearing failed: KeyError: 'rows'"):
+        RunningDetector(lambda *_: Careless(), Orders(0.4, 6.8, 9.2, 3.0), 51200, lambda: None)
 
 
 def test_a_class_is_evaluated_on_the_command_line(tmp_path: Path) -> None:

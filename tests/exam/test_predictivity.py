@@ -358,6 +358,12 @@ def _compare_entries(folder: Path, measured: Path, replica: str, second: Entry, 
     about = as_json(compare_entries(table, exam, entries("{}/1"), field))
     assert [(one["exam"], one["field"]) for one in about["detectors"]] == [(1.0, 1.0), (0.5, 0.5), (0.5, 0.5)]
     assert (about["families"][0]["tau_b"]["value"], about["counterparts"]) == (1.0, 3)
+    single = [*field[:2], field[2].model_copy(update={"detector": "d9"}), field[2].model_copy(update={"detector": "d8"})]
+    both = [*entries("{}/1"), entries("{}/1")[2].model_copy(update={"detector": "d8"})]
+    compared = compare_entries(table, exam, both, single)
+    assert [one.name for one in compared.broken] == ["d2", "d9"]
+    assert "Left out: d2, it has no entry of this name on the measured recordings" in markdown(compared)
+    assert "Left out: d9, it has no entry of this name in the exam" in markdown(compared)
     renamed = [one.model_copy(update={"scenarios_sha256": digest}) for one in entries("{}/1")]
     with pytest.raises(Refusal, match=r"the entry 'd0' on measured recordings lacks calm_1: make it with all recordings of"):
         compare_entries(table, exam, entries("{}/1"), renamed)

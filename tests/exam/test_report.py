@@ -129,6 +129,28 @@ def test_strata_of_their_own_are_left_out_of_the_detections_over_the_width() -> 
     assert [(d.width, d.found, d.scenarios) for d in masked.detections()] == [(0.002, 1, 1)]
 
 
+def test_a_report_of_last_verdicts_has_their_share_and_no_exam_score(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "200")
+    given = [result("outer_ring", "outer_ring", 1.0), result("outer_ring", "healthy"), result("healthy", "healthy")]
+    named = [dataclasses.replace(one, expectation=dataclasses.replace(one.expectation, name=f"{k}")) for k, one in enumerate(given)]
+    text = printed(report(*map(last_verdicts, named)))
+    assert "mean over their classes: 75.0 (0.0 .. 100.0) % (95% bootstrap interval)" in " ".join(text.split())
+    assert "exam score" not in text.lower()
+    assert "time without a verdict" not in text
+    assert "exam score: none" in printed(report(*named))
+    assert list(figure._marks(report(*map(last_verdicts, named)))) == ["correct verdicts: 75.0 %"]
+    assert "mean over their classes: - (0.0 .. 100.0)" in printed(report(last_verdicts(result("roller", "roller", 1.0, required=False))))
+
+
+def test_without_a_known_speed_a_delay_has_no_revolutions() -> None:
+    unknown = result("outer_ring", "outer_ring", 1.0, delay_revolutions=0.0)
+    turning = dataclasses.replace(unknown.expectation, speeds=((0.0, 6.283),))
+    known = dataclasses.replace(unknown, expectation=turning, delay_revolutions=1.0)
+    assert math.isnan(report(unknown).delays()[0].turns)
+    assert report(known).delays()[0].turns == 1.0
+    assert [one["delay_turns"] for one in report(unknown, known).described()["scenarios"]] == [None, 1.0]
+
+
 def test_the_statistics_of_a_report_follow_from_its_results() -> None:
     assert MIXED.hours == pytest.approx(1.0)
     assert (MIXED.alarms, MIXED.alarm_rate().value) == (2, pytest.approx(2.0))

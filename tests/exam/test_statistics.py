@@ -24,6 +24,12 @@ def test_the_poisson_interval_has_two_and_a_half_per_cent_on_either_side(count: 
         assert found.low == 0.0
 
 
+@given(st.integers(0, 20), st.floats(0.1, 100.0), st.integers(1, 8))
+def test_time_that_is_counted_several_times_makes_no_interval_narrower(count: int, hours: float, repeats: int) -> None:
+    once, several = rate(count, hours), rate(repeats * count, repeats * hours, repeats)
+    assert several == pytest.approx(once)
+
+
 @given(st.integers(0, 60), st.integers(0, 60))
 def test_the_binomial_interval_has_two_and_a_half_per_cent_on_either_side(count: int, missed: int) -> None:
     of = count + missed
