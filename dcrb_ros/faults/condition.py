@@ -12,7 +12,7 @@ class Condition(NamedTuple):
     loss: float = 0.0
     """Share of the lubricant that is lost [-]."""
     duration: float = 0.0
-    """Time in which all lubricant would be lost [s]; 0 for at once."""
+    """Time in which all lubricant would be lost [s]; 0 for as fast as films go, within 0.16 s."""
     oil_share: float = 0.0
     """Share of lubricant in the space about the rollers [-]; 0 for that of the configuration."""
     seal_torque: float = 0.0

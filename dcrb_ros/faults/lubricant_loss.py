@@ -19,7 +19,7 @@ class LubricantLoss(Fault):
     duration: float = quantity(
         0.0,
         "s",
-        "Time in which all lubricant would be lost: the loss grows at this rate to its share; 0 for at once",
+        "Time in which all lubricant would be lost: the loss grows at this rate to its share; 0 for within 0.16 s",
         0.0,
         1e7,
         run_time=True,

@@ -1,4 +1,14 @@
-"""Contact of two rollers with each other where the bar between them is broken (Fig. 5a of Fan et al. 2025)."""
+"""Contact of two rollers with each other where the bar between them is broken (Fig. 5a of Fan et al. 2025).
+
+With a contact angle alpha two neighbours have the same distance from the shaft, and axes inclined to it by alpha. They touch at the
+distance of their own diameter, 2 r = 2 r_R/cos(alpha), and press along the line between their centres, which lies in the plane. Their
+surfaces slide across their axes: cos(alpha) of the friction force F_t acts in the plane, and the torque on the spin of the plane is
+r_R F_t. So the slip, whose power F_t s is that of the forces in the plane, is
+
+    s = v_t cos(alpha) - r_R (omega_i + omega_j)
+
+with the velocity v_t of one centre relative to the other along the tangent; two rollers that turn with the plane as one body do not slip.
+"""
 
 from __future__ import annotations
 
@@ -24,22 +34,23 @@ def predicted_velocity(rollers: Rollers, c: int) -> tuple[float, float, float]:
 @piece
 def add_pair_contact(payload: Payload, state: State, pair_force: Floats, row: int, i: int, j: int) -> None:
     """Add the contact of rollers ``i`` and ``j`` of a row to the forces on both, at their predicted velocities."""
-    rollers, first = state.rollers[0], row * payload.free.shape[1]
+    rollers, first, share = state.rollers[0], row * payload.free.shape[1], payload.spin_share
     pair, k, h = rollers.pair, first + i, payload.step
     normal_law, traction_law = payload.normal_law, payload.traction_law
     dx, dy = rollers.x[first + i] - rollers.x[first + j], rollers.y[first + i] - rollers.y[first + j]
     distance = math.sqrt(dx * dx + dy * dy)
-    penetration = 2.0 * payload.roller_radius - distance
+    penetration = 2.0 * payload.roller_radius / share - distance
     if penetration <= 0.0:
         pair.force[k] = 0.0
         clear_memory(traction_law, pair.traction, k)
         clear_memory(normal_law, pair.normal, k)
         return
     nx, ny = dx / distance, dy / distance
+    across_x, across_y = share * nx, share * ny
     velocity, other = predicted_velocity(rollers, first + i), predicted_velocity(rollers, first + j)
     vx, vy = velocity[0] - other[0], velocity[1] - other[1]
     rate = -(vx * nx + vy * ny)
-    slip = vy * nx - vx * ny - payload.roller_radius * (velocity[2] + other[2])
+    slip = vy * across_x - vx * across_y - payload.roller_radius * (velocity[2] + other[2])
     memory = load_memory(normal_law, pair.normal, k)
     force, stiffness = normal_force(normal_law, memory, penetration, payload.pair)
     damping = damping_of(payload, memory, payload.pair, penetration - 0.5 * h * rate, h * rate, force, stiffness, 1.0)
@@ -49,7 +60,7 @@ def add_pair_contact(payload: Payload, state: State, pair_force: Floats, row: in
     slipping = load_memory(traction_law, pair.traction, k)
     offset, slope, kept = traction_line(traction_law, slipping, slip, None, normal, None, h)
     friction = normal * (offset + slope * slip)
-    fx, fy = normal * nx + friction * ny, normal * ny - friction * nx
+    fx, fy = normal * nx + friction * across_y, normal * ny - friction * across_x
     for roller, sign in ((i, 1.0), (j, -1.0)):
         pair_force[row, roller, 0] += sign * fx
         pair_force[row, roller, 1] += sign * fy

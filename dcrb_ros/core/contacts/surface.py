@@ -109,7 +109,7 @@ def write_free_unequal(impacts: Impacts, payload: Payload, state: State, work: W
             vx, vy = rollers.vx[c] - work.mean_velocity[OUTER, 0], rollers.vy[c] - work.mean_velocity[OUTER, 1]
             orbit = (vy * dx - vx * dy) / (dx * dx + dy * dy)
             step.height[c] += strength * height
-            step.sink_speed[c] -= strength * slope * (orbit - rollers.spin[c])
+            step.sink_speed[c] -= strength * slope * (payload.spin_share * (orbit - rollers.spin[c]))
 
 
 @piece
@@ -124,7 +124,8 @@ def add_inner_marks(impacts: Impacts, payload: Payload, state: State, work: Work
                 rx, ry = contact.radial_x[k], contact.radial_y[k]
                 orbit = ((bound.predicted_vy[k] - ring.mean[1]) * rx - (bound.predicted_vx[k] - ring.mean[0]) * ry) / contact.distance[k]
                 contact.penetration[k] += strength * height
-                contact.sink_speed[k] -= strength * slope * (orbit - bound.predicted_rim[k] / payload.roller_radius)
+                passing = payload.spin_share * (orbit - bound.predicted_rim[k] / payload.roller_radius)
+                contact.sink_speed[k] -= strength * slope * passing
 
 
 @piece

@@ -18,6 +18,7 @@ from dcrb_ros.core.layout.state import FRICTION, LOSS, State, empty_state
 from dcrb_ros.core.layout.workspace import Workspace, workspace
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import load_configuration
 
 pytestmark = pytest.mark.kernel
 
@@ -42,7 +43,8 @@ def pressed(row: int, depth: float, velocity: Floats, steps: int = 1, **groups: 
     state, work = empty_state(payload), workspace(payload)
     state.roller_position[:, AHEAD] = (1.0, 1.0)  # far apart in the other row
     state.roller_position[row, BEHIND] = (0.03, -0.02)
-    state.roller_position[row, AHEAD] = np.array((0.03, -0.02)) + (2.0 * payload.roller_radius - depth) * np.array((0.8, 0.6))
+    diameter = 2.0 * payload.roller_radius / payload.spin_share
+    state.roller_position[row, AHEAD] = np.array((0.03, -0.02)) + (diameter - depth) * np.array((0.8, 0.6))
     state.roller_velocity[row, [BEHIND, AHEAD]] = 0.5 * velocity
     state.roller_change[row, [BEHIND, AHEAD]] = velocity
     work.pair_force[:] = 7.0  # from the last step
@@ -51,13 +53,15 @@ def pressed(row: int, depth: float, velocity: Floats, steps: int = 1, **groups: 
     return payload, state, work
 
 
+ANGLED = {"bearing": load_configuration("tapered_352213").bearing.model_dump(), "simulation": {"step": 4.8828125e-6}}
 VELOCITY = np.array([(0.3, -0.1, -4.0), (-0.1, 0.2, 9.0)])
 
 
+@pytest.mark.parametrize("groups", [{}, ANGLED], ids=["cylindrical", "tapered"])
 @pytest.mark.parametrize("row", [0, 1])
 @pytest.mark.parametrize("velocity", [VELOCITY, -0.1 * VELOCITY], ids=["closing", "opening"])
-def test_rollers_push_each_other_apart_and_pay_for_slip_and_loss(row: int, velocity: Floats) -> None:
-    payload, state, work = pressed(row, 1e-5, velocity)
+def test_rollers_push_each_other_apart_and_pay_for_slip_and_loss(row: int, velocity: Floats, groups: dict[str, object]) -> None:
+    payload, state, work = pressed(row, 1e-5, velocity, **groups)
     behind, ahead = work.pair_force[row, BEHIND], work.pair_force[row, AHEAD]
     assert behind[:2] == pytest.approx(-ahead[:2])
     assert behind[2] == ahead[2]  # both spins are opposed
@@ -68,11 +72,45 @@ def test_rollers_push_each_other_apart_and_pay_for_slip_and_loss(row: int, veloc
     power = float((work.pair_force[row, [BEHIND, AHEAD]] * velocity * lever).sum())
     assert power == pytest.approx(-normal * rate - state.account[FRICTION] / payload.step)
     assert state.account[FRICTION] > 0.0
-    still = pressed(row, 1e-5, np.zeros((2, 3)))[1]
+    still = pressed(row, 1e-5, np.zeros((2, 3)), **groups)[1]
     elastic = still.of_rollers(still.rollers[0].pair.force)[row, BEHIND]
     assert elastic > 100.0
     assert state.account[LOSS] == pytest.approx((normal - elastic) * rate * payload.step)
     assert state.account[LOSS] > 0.0
+
+
+def cones_touch_at(radius: float, pitch_radius: float, angle: float) -> float:
+    """Return the distance [m] at which cones of a middle radius [m] touch, whose axes meet on the shaft at an angle [rad] to it.
+
+    Their surfaces have the same apex, at R = pitch_radius/sin(angle) from the middles: the angle between their axes is 2 asin(d/(2 R)),
+    that of two cones which touch along a line is twice the half-angle of a cone, whose tangent is radius/R.
+    """
+    apex = pitch_radius / math.sin(angle)
+    return 2.0 * apex * math.sin(math.atan(radius / apex))
+
+
+def test_tapered_rollers_touch_at_the_distance_of_cones_with_a_common_apex() -> None:
+    bearing = load_configuration("tapered_352213").bearing
+    distance = cones_touch_at(0.00615, 0.04625, math.radians(15.11))  # r and r_M as the comments of config/ state them
+    assert distance == pytest.approx(2.0 * bearing.own_roller_radius, abs=1e-5)
+    for apart, touching in ((-2e-5, True), (2e-5, False)):
+        _, state, _ = pressed(0, 2.0 * bearing.own_roller_radius - distance - apart, np.zeros((2, 3)), **ANGLED)
+        assert (state.of_rollers(state.rollers[0].pair.force)[0, BEHIND] > 0.0) == touching
+
+
+def test_tapered_rollers_that_turn_as_one_body_do_not_slip_and_their_forces_have_no_torque() -> None:
+    turn, payload = 30.0, build_payload(Configuration.model_validate({"faults": {"broken_bars": "row1/bar5"}, **ANGLED}))
+    half = payload.roller_radius / payload.spin_share * np.array((0.8, 0.6))
+    still = np.array([(turn * half[1], -turn * half[0], turn), (-turn * half[1], turn * half[0], turn)])
+    spinning = still + np.array([(0.0, 0.0, 40.0), (0.0, 0.0, 40.0)])
+    _, state, _ = pressed(0, 1e-9, still, **ANGLED)
+    assert state.account[FRICTION] == pytest.approx(0.0, abs=1e-12)
+    payload, state, work = pressed(0, 1e-5, spinning, **ANGLED)
+    behind, ahead = work.pair_force[0, BEHIND], work.pair_force[0, AHEAD]
+    apart = state.roller_position[0, BEHIND, :2] - state.roller_position[0, AHEAD, :2]
+    about_middle = apart[0] * behind[1] - apart[1] * behind[0]
+    assert state.account[FRICTION] > 0.0
+    assert about_middle == pytest.approx(-payload.roller_radius * (behind[2] + ahead[2]), rel=2e-3)  # of the penetration
 
 
 def test_the_constant_damping_acts_on_the_whole_step() -> None:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
+import pytest
 
 from dcrb_ros.bearing.payload import build_payload, initial_state
 from dcrb_ros.core.contacts.force_line import LARGEST_CLOSING
@@ -24,3 +27,31 @@ def test_contacts_that_stay_open_have_no_heights() -> None:
     assert (contact.penetration[:end][~read] < -LARGEST_CLOSING * payload.step - payload.profile_height).all()
     assert not contact.tilt[:end][~read].any()
     assert not contact.sink_speed[:end][~read].any()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("angle", [0.0, 0.4])
+@pytest.mark.parametrize("ring", ["inner", "outer"])
+def test_a_mark_sinks_as_fast_on_a_track_of_its_own_as_among_the_heights_of_its_ball(ring: str, angle: float) -> None:
+    own, cosine = load_configuration("ball_bearing_6205").bearing, math.cos(angle)
+    # A ball of the same radius in the plane is larger by 1/cos(alpha).
+    bearing = {"contact_angle": angle, "roller_mass": own.roller_mass / cosine**3, "roller_inertia": own.roller_inertia / cosine**5}
+    found = []
+    for memory in (0.0, 1e4):
+        mark = {"roller": 1, "row": 1, "width": 1e-3, "azimuth": 0.05 - (math.pi if ring == "inner" else 0.0)}
+        surfaces = {"roller_spread": 0.0, "waviness": 0.0, "short_waves": 0.0}
+        given = {"faults": {"roller_1": mark}, "impacts": {"spin_memory": memory}, "bearing": bearing, "surfaces": surfaces}
+        configuration = load_configuration("ball_bearing_6205", given)
+        payload = build_payload(configuration)
+        if memory:
+            impacts = payload.surfaces
+            latitudes, strengths = np.full_like(impacts.latitudes, np.inf), np.ones_like(impacts.mark_strengths)
+            always = impacts._replace(latitudes=latitudes, mark_strengths=strengths)
+            payload = payload._replace(surfaces=always)
+        state, work = initial_state(configuration, payload), workspace(payload)
+        advance(payload, state, work, np.empty((1, 2)), np.empty(1))
+        bound = work.bound[0]
+        contact = np.flatnonzero(bound.roller[: work.row_ends[-1]] == 0)
+        found.append(float(work.rollers[0].sink_speed[0] if ring == "outer" else bound.inner.sink_speed[contact[0]]))
+    assert abs(found[0]) > 1e-3
+    assert found[1] == pytest.approx(found[0], rel=0.02)  # of the equilibrium on both tables
