@@ -185,7 +185,7 @@ def test_a_folder_that_disappears_ends_the_recording_with_a_reason(tmp_path: Pat
 
 
 def test_a_bag_that_is_removed_on_failure_says_so(tmp_path: Path) -> None:
-    bag = bag_of(tmp_path / "bag", Splitting(duration_ns=10 * MS), at(0, 2500))
+    bag = bag_of(tmp_path / "bag", at(0, 2500), duration_ns=10 * MS)
     shutil.rmtree(bag.path)
     removed = r"bag ended at 2\.5 s: No such file or directory; it was removed: free some space or give another folder"
     with pytest.raises(RecordingFailed, match=removed), bag.removed_on_failure():
