@@ -60,7 +60,7 @@ def test_a_recording_that_cannot_be_created_is_refused_and_reported(tmp_path: Pa
         (tmp_path / "bag-2").unlink()
         resource.prlimit(simulator.process.pid, resource.RLIMIT_FSIZE, (6000, 6000))  # enough for the manifest, not for the first message
         answer = client.ask(SetBool, "record", data=True)
-        assert (answer.success, "File too large; make room" in answer.message) == (False, True), answer
+        assert (answer.success, "File too large; free some space" in answer.message) == (False, True), answer
         blocks = len(client.received[VIBRATION])
         client.until(lambda: len(client.received[VIBRATION]) > blocks + 50, "more of the waveform")
     assert Recording(bag).complete

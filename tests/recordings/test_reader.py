@@ -197,7 +197,7 @@ def test_nothing_is_left_behind_on_a_full_disk(run: Run, tmp_path: Path) -> None
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (100, hard))
     try:
-        with pytest.raises(Refusal, match="cannot be written: File too large; make room"):
+        with pytest.raises(Refusal, match="cannot be written: File too large; free some space"):
             Recorder(tmp_path / "none", run.configuration, BodyNames(2, 16))
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
