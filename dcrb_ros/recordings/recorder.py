@@ -8,7 +8,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
 import yaml
 
@@ -24,9 +24,6 @@ from dcrb_ros.settings.parameters import Recording as RecordingSettings
 from dcrb_ros.stream.block import Block
 from dcrb_ros.stream.events import TimedCommand
 from dcrb_ros.stream.states import BodyNames
-
-if TYPE_CHECKING:
-    from dcrb_ros.recordings.vehicle_recorder import VehicleOutcome
 
 __all__ = ["Recorder", "RecordingFailed", "RunRecorder", "channel_of", "chosen_topics"]
 
@@ -68,6 +65,20 @@ def chosen_topics(text: str) -> frozenset[Topic]:
     return frozenset(known[name] for name in names or known) | {SENSOR}
 
 
+class Counted(Protocol):
+    """The outcome of a run so far, such as `Outcome`."""
+
+    @property
+    def samples(self) -> int:
+        """Number of samples."""
+
+    def add(self, message: Message) -> None:
+        """Include a message."""
+
+    def records(self) -> dict[str, dict[str, str]]:
+        """Return the metadata records at the end of a file."""
+
+
 Made = TypeVar("Made")
 """The blocks of a run: those of a bench or of a vehicle."""
 
@@ -86,7 +97,7 @@ class RunRecorder(ABC, Generic[Made]):
         settings: RecordingSettings,
         namespace: str,
         topics: Collection[Topic],
-        counted: Outcome | VehicleOutcome,
+        counted: Counted,
         opening: Mapping[str, Mapping[str, str]],
         first: Iterable[Message],
     ) -> None:
