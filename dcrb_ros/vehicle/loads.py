@@ -56,7 +56,7 @@ def check_loads(vehicle: Vehicle, commands: Mapping[str, float], where: str = ""
     if loads[box, 1] >= 0.0:
         causes = ", ".join(f"{name} = {value:g}" for name, value in others.items() if value)
         raise Refusal(
-            f"{where}speed_kmh = {speed:g} km/h with {causes} loads {vehicle.boxes[box].name} with {-1e-3 * loads[box, 1]:.1f} kN, and the "
+            f"{where}speed_kmh = {speed:g} km/h with {causes} loads {vehicle.boxes[box].name} with {-1e-3 * loads[box, 1]:.4g} kN, and the "
             f"model needs more than 0 kN: lower the speed, or give other values{end}"
         )
     return loads

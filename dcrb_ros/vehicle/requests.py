@@ -40,8 +40,8 @@ class VehicleRequests:
             self._check_room()
             waiting = {name: value for name, value in self._pending if name in RANGES}
             together = self.commanded | waiting | dict(commands)
-            fastest = max(together["speed_kmh"], 3.6 * self._model.speed)
-            check_loads(self._vehicle, together | {"speed_kmh": fastest}, end="; the previous commands remain in effect")
+            for speed in (together["speed_kmh"], 3.6 * self._model.speed):  # the vehicle passes all speeds between them
+                check_loads(self._vehicle, together | {"speed_kmh": speed}, end="; the previous commands remain in effect")
             self._pending.extend((name, float(value)) for name, value in commands.items())
 
     def change(self, changes: Mapping[str, Any], simulations: Mapping[str, Simulation]) -> None:

@@ -6,8 +6,9 @@ The files are those of a bench (`dcrb_ros.simulation.scenario`) with keys as the
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -86,8 +87,9 @@ def vehicle_scenario(tree: Any, vehicle: Vehicle, source: str) -> VehicleScenari
     course = _Course(vehicle)
     of_boxes: dict[str, list[Entry]] = {box.name: [] for box in vehicle.boxes}
     settings: list[ScheduledSetting] = []
+    sources: list[str] = []
     for entry in entries:
-        where, before = f"{entry.source}: ", course.speed(entry)
+        where, known = f"{entry.source}: ", len(settings)
         changes = {key: value for key, value in entry.values.items() if not key.startswith(PREFIX)}
         asked = sorted_changes(vehicle, course.wheels, changes, where)
         for name, values in asked.boxes.items():
@@ -97,11 +99,11 @@ def vehicle_scenario(tree: Any, vehicle: Vehicle, source: str) -> VehicleScenari
                 settings += course.settings(entry, key, checked_command(key.removeprefix(PREFIX), value, where))
             elif not _is_of_box(key):
                 settings += course.settings(entry, key, value)
-        commands = course.commands()
-        check_loads(vehicle, commands | {"speed_kmh": max(before, commands["speed_kmh"])}, where)
+        sources += [entry.source] * (len(settings) - known)
         course.wheels.update(asked.wheels)
     if len(settings) > MAX_CHANGES:
         raise Refusal(f"{source}: its gradual changes of the vehicle take {len(settings)} steps, above {MAX_CHANGES}: shorten them")
+    _check_way(vehicle, sorted(zip(settings, sources, strict=True), key=lambda item: item[0].frame))
     boxes = {
         box.name: tuple(planned_changes(of_boxes[box.name], box.configuration, f"{source}, {box.name}"))
         for box in vehicle.boxes
@@ -127,6 +129,40 @@ def _is_of_box(key: str) -> bool:
     """Return whether a key names a parameter of a box, rather than its wheel or a slide."""
     parts = key.split(".")
     return len(parts) > 2 and parts[2] != "wheel"
+
+
+def _approached(value: float, wanted: float, change: float) -> float:
+    """Return a value after a change towards the wanted one."""
+    return wanted if abs(wanted - value) <= change else value + math.copysign(change, wanted - value)
+
+
+def _check_way(vehicle: Vehicle, settings: Iterable[tuple[ScheduledSetting, str]]) -> None:
+    """Refuse settings, with the names of their entries and in the order of time, that leave a box without load at any time.
+
+    Between two of them only the speed changes, in one direction, so that the loads are extreme before and after each.
+    """
+    interval = FRAME / vehicle.boxes[0].configuration.step_rate
+    commands = {name: float(getattr(vehicle.journey, name)) for name in RANGES}
+    speed, ramp, begun, source = commands["speed_kmh"], vehicle.journey.ramp, 0, ""
+
+    def check(seconds: float) -> None:
+        check_loads(vehicle, commands | {"speed_kmh": speed}, f"{source} (at {seconds:.6g} s): ")
+
+    of_vehicle = (item for item in settings if item[0].key.startswith(PREFIX))
+    for frame, together in itertools.groupby(of_vehicle, key=lambda item: item[0].frame):
+        speed = _approached(speed, commands["speed_kmh"], 3.6 * ramp * (frame - begun) * interval)
+        check(frame * interval)
+        for setting, name in together:
+            source = name
+            if setting.key == RAMP:
+                ramp = setting.value
+            else:
+                commands[setting.key.removeprefix(PREFIX)] = setting.value
+        check(frame * interval)
+        begun = frame
+    last = begun * interval + abs(commands["speed_kmh"] - speed) / (3.6 * ramp)
+    speed = commands["speed_kmh"]
+    check(last)
 
 
 class _Course:
@@ -165,19 +201,10 @@ class _Course:
             for k in range(1, count + 1):
                 yield ScheduledSetting(first + (last - first) * k // count, key, before + k / count * (value - before))
 
-    def commands(self) -> dict[str, float]:
-        """Return the commands in effect."""
-        return {name: self._present[f"{PREFIX}{name}"] for name in RANGES}
-
-    def speed(self, entry: Entry) -> float:
-        """Return the speed at the beginning of an entry [km/h]."""
-        return self._speed_at(-(-entry.first // FRAME))
-
     def _speed_at(self, frame: int) -> float:
         """Return the speed at a frame [km/h], which may still be on its way to the commanded one."""
         begun, speed, commanded = self._last_speed
-        change = 3.6 * self._ramp * (frame - begun) * self._frame
-        return commanded if abs(commanded - speed) <= change else speed + math.copysign(change, commanded - speed)
+        return _approached(speed, commanded, 3.6 * self._ramp * (frame - begun) * self._frame)
 
     def _before(self, key: str) -> Any:
         """Return the present value of a key."""

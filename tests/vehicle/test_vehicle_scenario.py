@@ -112,7 +112,19 @@ def test_the_scenario_of_a_bearing_is_refused_by_its_name(start: dict[str, Any])
         ([{"at": 1.0, "over": 2.0, "set": {"vehicle.cant": 0.1}}, {"at": 2.0, "set": {"vehicle.cant": 0.0}}], "another entry changes"),
         (
             [{"at": 1.0, "set": {"vehicle.speed_kmh": 150.0}}, {"at": 90.0, "set": {"vehicle.speed_kmh": 20.0, "vehicle.curvature": 0.01}}],
-            "entry 2: speed_kmh = 150 km/h with curvature = 0.01 loads axle_1.left with -",
+            r"entry 2 \(at 90 s\): speed_kmh = 150 km/h with curvature = 0.01 loads axle_1.left with -",
+        ),
+        (
+            [{"at": 0.0, "set": {"vehicle.curvature": 0.005}}, {"at": 1.0, "set": {"vehicle.speed_kmh": 200.0}}],
+            r"entry 2 \(at 72\..* s\): speed_kmh = 200 km/h with curvature = 0.005",
+        ),
+        (
+            [
+                {"at": 0.0, "set": {"vehicle.curvature": 0.01}},
+                {"at": 1.0, "over": 1000.0, "set": {"vehicle.curvature": 0.0}},
+                {"at": 2.0, "set": {"vehicle.speed_kmh": 150.0}},
+            ],
+            r"entry 2 \(at .* s\): speed_kmh = 1.* km/h with curvature = 0.00.* loads axle_1.left with -",
         ),
         ([{"at": 1.0, "set": {}}], "entry 1: 'set' must name parameters"),
         ([{"at": 0.0, "over": 9e5, "set": dict.fromkeys(GROWING, 1e-3)}], "take 120000 steps, above 100000"),
@@ -124,6 +136,20 @@ def test_invalid_scenarios_are_refused_in_a_sentence(entries: list[Any], message
     with pytest.raises(Refusal, match=message) as caught:
         vehicle_scenario(tree, vehicle(), "ride.yaml")
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "entries",
+    [
+        [{"at": 1.0, "over": 100.0, "set": {"vehicle.speed_kmh": 150.0}}, {"at": 10.0, "set": {"vehicle.curvature": 0.003}}],
+        [
+            {"at": 1.0, "over": 100.0, "set": {"vehicle.speed_kmh": 200.0}},
+            {"at": 200.0, "over": 100.0, "set": {"vehicle.speed_kmh": 40.0, "vehicle.curvature": 0.005}},
+        ],
+    ],
+)
+def test_a_curve_may_begin_while_the_speed_changes(entries: list[Any]) -> None:
+    assert vehicle_scenario({"timeline": entries}, vehicle(), "ride.yaml").settings
 
 
 def test_the_shipped_scenario_fits_its_vehicle() -> None:

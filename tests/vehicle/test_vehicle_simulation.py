@@ -231,6 +231,14 @@ def test_a_command_that_lifts_a_box_is_refused() -> None:
     simulation.command(curvature=0.001)
 
 
+def test_a_command_that_lifts_a_box_on_the_way_to_a_low_speed_is_refused() -> None:
+    """Cant and wind press a light vehicle to the inner side of a curve, and the speed to the outer one."""
+    light = {"body.mass": 8000.0, "body.height": 3.0, "vehicle.curvature": 0.01, "vehicle.cant": 0.18, "vehicle.speed_kmh": 60.0}
+    simulation = bogie({**SMOOTH, **light, "vehicle.wind": 8e4})
+    with pytest.raises(Refusal, match=r"speed_kmh = 5 km/h with .*wind = 80000 loads axle_1.right with -"):
+        simulation.command(speed_kmh=5.0)
+
+
 def test_a_live_fault_is_in_the_truth_of_its_box() -> None:
     simulation = bogie(SMOOTH)
     run = simulation.blocks()
