@@ -1,6 +1,6 @@
 """Levels of the axle boxes of a healthy vehicle by the track, and the processor time of each part of a vehicle, as Markdown tables.
 
-Both are on the page docs/explanation/vehicle.md. Usage:
+The levels are on the page docs/explanation/vehicle.md, the times on docs/results/performance.md. Usage:
 
     python benchmarks/vehicle_levels.py levels [SECONDS]
     python benchmarks/vehicle_levels.py cost [SECONDS]
