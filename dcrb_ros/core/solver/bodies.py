@@ -26,10 +26,10 @@ def predict_bodies(payload: Payload, state: State, work: Workspace) -> None:
 
 
 @piece
-def move_cage(payload: Payload, state: State, work: Workspace, row: int) -> float:
+def move_cage(payload: Payload, state: State, work: Workspace, row: int, damped: bool) -> float:
     """Solve for the mean velocity of a cage with its pinned rollers, whose centre of mass may lie off the cage's centre.
 
-    Returns the change of that velocity by the solution [m/s].
+    Returns the change of that velocity by the solution [m/s]. A ``damped`` cage takes half of it.
     """
     h, body, sx, sy = payload.step, CAGE + row, work.train_moment[row, 0], work.train_moment[row, 1]
     mean, free, bound = work.mean_velocity, work.force_of_free, work.force_of_bound
@@ -44,6 +44,8 @@ def move_cage(payload: Payload, state: State, work: Workspace, row: int) -> floa
     x, y = state.velocity[CAGE + row, 0] + lift_x - sx * by_mass * turn, state.velocity[CAGE + row, 1] + lift_y - sy * by_mass * turn
     speed = state.velocity[CAGE + row, 2] + turn
     moved: float = max(abs(x - mean[body, 0]), abs(y - mean[body, 1])) + payload.pitch_radius * abs(speed - mean[body, 2])
+    if damped:
+        x, y, speed = 0.5 * (x + mean[body, 0]), 0.5 * (y + mean[body, 1]), 0.5 * (speed + mean[body, 2])
     mean[body, 0], mean[body, 1], mean[body, 2] = x, y, speed
     return moved
 

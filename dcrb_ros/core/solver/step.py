@@ -31,6 +31,11 @@ from dcrb_ros.core.solver.update import store_bound
 
 MOST_SWEEPS = 6
 """Sweeps over the bound rollers in a step at most."""
+MOST_DAMPED_SWEEPS = 16
+"""Damped sweeps at most that follow where these hardly converge: at a light cage that rollers press on its land."""
+SLOW = 0.3
+"""Change of the velocities by the last of `MOST_SWEEPS` over that by the first, beyond which damped sweeps follow [-]: the next step
+predicts the velocities from the last ones and multiplies their error."""
 CONVERGED = 3e8
 """Square of an angular frequency [rad^2/s^2]: a sweep that changes no mean velocity of rings and cages by more than CONVERGED h^2 times
 the rings' change over the step is the last one. The residual is then a hundredth of that, and the order stays two."""
@@ -101,7 +106,9 @@ def solve(payload: Payload, state: State, work: Workspace, count: int, lands: in
     prepare_bound(payload, work, count)
     surface = state.shaft[SHAFT_SPEED] * payload.inner_raceway_radius
     h = payload.step
-    for _ in range(MOST_SWEEPS):
+    first = 0.0
+    for sweep in range(MOST_SWEEPS + MOST_DAMPED_SWEEPS):
+        damped = sweep >= MOST_SWEEPS
         solve_bound(payload, work, count, surface)
         sum_bound_forces(payload, work)
         add_land_forces(payload, work, lands)
@@ -109,8 +116,9 @@ def solve(payload: Payload, state: State, work: Workspace, count: int, lands: in
             add_land_films(payload, work)
         moved, changed = move_rings(payload, state, work)
         for row in range(payload.free.shape[0]):
-            moved = max(moved, move_cage(payload, state, work, row))
-        if moved < h * h * (CONVERGED * changed + CONVERGED_AT_REST * h):
+            moved = max(moved, move_cage(payload, state, work, row, damped))
+        first = moved if sweep == 0 else first
+        if moved < h * h * (CONVERGED * changed + CONVERGED_AT_REST * h) or (sweep == MOST_SWEEPS - 1 and moved <= SLOW * first):
             break
 
 

@@ -79,6 +79,47 @@ def test_rollers_push_each_other_apart_and_pay_for_slip_and_loss(row: int, veloc
     assert state.account[LOSS] > 0.0
 
 
+BARRELS = load_configuration("spherical_22205")
+LIGHT = {name: getattr(BARRELS, name).model_dump() for name in ("bearing", "operating", "simulation", "cage")}
+
+
+@pytest.mark.parametrize("loss_time", [6e-6, 1e-5])
+@pytest.mark.parametrize("speed", [0.01, 1.0, 10.0])
+def test_light_rollers_do_not_part_faster_than_they_met(loss_time: float, speed: float) -> None:
+    payload, state, work = pressed(0, 0.0, np.zeros((2, 3)), contact={"loss_time": loss_time}, **LIGHT)
+    state.roller_position[0, BEHIND, :2] += 0.5 * payload.step * speed * np.array((0.8, 0.6))  # in mid-step: they touched when it began
+    state.roller_velocity[0, BEHIND, :2] = speed * np.array((0.8, 0.6))
+    touch(payload, state, work)
+    normal = state.of_rollers(state.rollers[0].pair.force)[0, BEHIND]
+    after = speed - 2.0 * payload.step * normal / payload.roller_mass
+    assert -speed < after < speed
+
+
+def test_what_light_rollers_lose_is_the_loss_and_the_work_of_the_elastic_force() -> None:
+    depth, speed, loss_time = 1e-6, 1.0, 1e-5
+    _, still, _ = pressed(0, depth, np.zeros((2, 3)), contact={"loss_time": 0.0}, **LIGHT)
+    elastic = still.of_rollers(still.rollers[0].pair.force)[0, BEHIND]
+    payload, state, work = pressed(0, depth, np.zeros((2, 3)), steps=0, contact={"loss_time": loss_time}, **LIGHT)
+    state.roller_velocity[0, BEHIND, :2] = speed * np.array((0.8, 0.6))
+    touch(payload, state, work)
+    normal = state.of_rollers(state.rollers[0].pair.force)[0, BEHIND]
+    after = speed - 2.0 * payload.step * normal / payload.roller_mass
+    mean = 0.5 * (speed + after)
+    assert state.account[LOSS] == pytest.approx(payload.step * (normal - elastic) * mean)
+    assert 0.25 * payload.roller_mass * (speed**2 - after**2) == pytest.approx(state.account[LOSS] + payload.step * elastic * mean)
+
+
+def test_light_rollers_under_a_constant_force_stay_where_they_are() -> None:
+    _, still, _ = pressed(0, 1e-6, np.zeros((2, 3)), contact={"loss_time": 0.0}, **LIGHT)
+    elastic = still.of_rollers(still.rollers[0].pair.force)[0, BEHIND]
+    payload, state, work = pressed(0, 1e-6, np.zeros((2, 3)), steps=0, contact={"loss_time": 1e-5}, **LIGHT)
+    forces = state.of_rollers(state.rollers[0].pair.force)
+    forces[0, BEHIND] = elastic
+    touch(payload, state, work)
+    assert forces[0, BEHIND] == pytest.approx(elastic)
+    assert state.account[LOSS] == pytest.approx(0.0, abs=1e-15)
+
+
 def cones_touch_at(radius: float, pitch_radius: float, angle: float) -> float:
     """Return the distance [m] at which cones of a middle radius [m] touch, whose axes meet on the shaft at an angle [rad] to it.
 
