@@ -31,6 +31,9 @@ MOST_SPECTRA = 300
 HEADROOM = 1.25
 """Largest force over the end of the force scale before a new scale is drawn [-]."""
 
+LONGEST_FLUSH = 30.0
+"""Wall time in which Rerun must write what is left [s]: after a failed write it may never answer."""
+
 
 class ReceivedMessages:
     """Keeps messages until they are logged; after a reset a new Rerun recording is started."""
@@ -92,7 +95,7 @@ class LiveRun:
 
     def close(self) -> None:
         """Send everything to the viewer or write it to the file."""
-        self._stream.flush()
+        self._stream.flush(timeout_sec=LONGEST_FLUSH)
         self._stream.disconnect()
 
     def _first(self, name: str) -> bool:

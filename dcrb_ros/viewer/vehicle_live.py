@@ -16,7 +16,7 @@ from dcrb_ros.messages.vehicle import decode_description
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.vehicle_description import VehicleDescription
 from dcrb_ros.viewer.content import TimedWaveform
-from dcrb_ros.viewer.live_run import ReceivedMessages, as_current
+from dcrb_ros.viewer.live_run import LONGEST_FLUSH, ReceivedMessages, as_current
 from dcrb_ros.viewer.spectrum import envelope_spectra
 from dcrb_ros.viewer.spectrum_picture import GrowingSpectra
 from dcrb_ros.viewer.vehicle_content import VehicleContent, content_of, joined
@@ -103,7 +103,7 @@ class VehicleLiveView(ReceivedMessages):
 
     def _end(self) -> None:
         if self._stream is not None:
-            self._stream.flush()
+            self._stream.flush(timeout_sec=LONGEST_FLUSH)
             self._stream.disconnect()
         self._stream, self._recent, self._spectra, self._largest, self._verdicts = None, {}, {}, 0.0, {}
 
