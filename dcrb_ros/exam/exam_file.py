@@ -290,7 +290,7 @@ def _case(
     events = scheduled_changes(scenario, configuration, where) if scenario else []
     late = next((one["at"] for one in entry.timeline if one["at"] >= duration), None)
     if late is not None:
-        raise Refusal(f"{where}: an entry at {late:g} s is after its end at {duration:g} s: increase the duration or remove it")
+        raise Refusal(f"{where}: an entry at {late:g} s is not before its end at {duration:g} s: increase the duration or remove it")
     onset = 0.0
     if faulty:
         onset = fault_time if fault or entry.onset is not None else _onset(configuration, events, entry.verdict, where)

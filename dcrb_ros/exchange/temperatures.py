@@ -78,11 +78,11 @@ def readings_of(
         raise Refusal(f"{source} has {len(values)} readings for {len(times)} times in {TIME}: give a time for each reading")
     known = np.isfinite(values)
     time_ns, values = time_ns[known], values[known]
-    wild = values[(values < COLDEST) | (values > HOTTEST)]
-    if len(wild):
+    outside = values[(values < COLDEST) | (values > HOTTEST)]
+    if len(outside):
         raise Refusal(
-            f"{source} has a temperature of {wild[0]:g} deg C, outside {COLDEST:g} .. {HOTTEST:g} deg C: give degrees Celsius, NaN where "
-            "unknown"
+            f"{source} has a temperature of {outside[0]:g} deg C, outside {COLDEST:g} .. {HOTTEST:g} deg C: give degrees Celsius, NaN "
+            "where unknown"
         )
     if np.any(np.diff(time_ns) <= 0):
         raise Refusal(f"{source}: the times in {TIME} must increase: sort the readings")

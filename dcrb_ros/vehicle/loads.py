@@ -7,8 +7,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.parameter_field import field_of
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.vehicle.description import GRAVITY, JOURNAL_DISTANCE, WHEEL_DISTANCE, Vehicle
+from dcrb_ros.vehicle.description import GRAVITY, JOURNAL_DISTANCE, WHEEL_DISTANCE, Journey, Vehicle
 
 BETWEEN_AXLES = 1800.0
 """Load that braking at 1 m/s^2 moves from the trailing to the leading axle, for each box [N] (an assumption)."""
@@ -48,15 +49,16 @@ def check_loads(vehicle: Vehicle, commands: Mapping[str, float], where: str = ""
     """Return `quasi_static` of commands by their names, the speed in km/h; ``where`` begins and ``end`` completes a refusal.
 
     Raises:
-        Refusal: the commands lift a box off its bearing.
+        Refusal: the commands leave a box without load.
     """
     speed, others = commands["speed_kmh"], {name: commands[name] for name in ("curvature", "cant", "wind", "brake")}
     loads = quasi_static(vehicle, speed / 3.6, **others)
     box = int(np.argmax(loads[:, 1]))
     if loads[box, 1] >= 0.0:
-        causes = ", ".join(f"{name} = {value:g}" for name, value in others.items() if value)
+        units = {name: field_of(name, Journey.model_fields[name]).unit for name in others}
+        causes = ", ".join(f"{name} = {value:g} {units[name]}" for name, value in others.items() if value)
         raise Refusal(
             f"{where}speed_kmh = {speed:g} km/h with {causes} loads {vehicle.boxes[box].name} with {-1e-3 * loads[box, 1]:.4g} kN, and the "
-            f"model needs more than 0 kN: lower the speed, or give other values{end}"
+            f"model needs more than 0 kN: lower the speed, the curvature, the cant or the wind{end}"
         )
     return loads

@@ -88,8 +88,8 @@ class VehicleModel:
         gains = [math.sqrt(float(np.mean([abs(structure.response(f)[0, 0]) ** 2 for f in grid]))) for grid in grids]
         self._bearing_paths = Paths(bearing_paths(vehicle, self.rate), count, 2)
         self._contact_paths = Paths(contact_paths(vehicle, self.rate, gains), count, 1)
-        self._jerked_on = np.zeros(count)
-        """Share of the jumps in the last step of a frame that the next frame begins with, shape (boxes,) [m/s^2]."""
+        self._next_jump = np.zeros(count)
+        """Share of jumps in the last step of a frame that belongs to the first step of the next one, shape (boxes,) [m/s^2]."""
         self._ring_force = np.zeros(count)
         self._ring_motion = np.zeros((count, count))
         journey = vehicle.journey
@@ -250,7 +250,7 @@ class VehicleModel:
         rails = {side: self._rails.curvature(places, side).reshape(at.shape) for side in self._sides}
         events = []
         jerked = np.zeros((len(vehicle.boxes), FRAME + 1))
-        jerked[:, 0] = self._jerked_on
+        jerked[:, 0] = self._next_jump
         for j, box in enumerate(vehicle.boxes):
             p = box.axle
             jerked[j, :FRAME] += speed**2 * rails[box.side][p] + turning[p] ** 2 * self._wheels[j].curvature(at[p])
@@ -269,7 +269,7 @@ class VehicleModel:
                 jerked[j, step] += (1.0 - share) * height * self.rate
                 jerked[j, step + 1] += share * height * self.rate
                 events.append(TrackEvent((first + tick * TICK) / self.rate, where, box.name, cause, height))
-        self._jerked_on = jerked[:, FRAME].copy()
+        self._next_jump = jerked[:, FRAME].copy()
         self._contact_paths.add(np.ascontiguousarray(jerked[:, None, :FRAME]), motion[:, None])
         return events
 

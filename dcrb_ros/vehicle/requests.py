@@ -32,7 +32,7 @@ class VehicleRequests:
         """Keep commands.
 
         Raises:
-            Refusal: one is unknown or out of range, they lift a box, or too many requests are waiting; nothing is changed.
+            Refusal: one is unknown or out of range, they leave a box without load, or too many requests are waiting; nothing is changed.
         """
         for name, value in commands.items():
             checked_command(name, value, end="; the previous command remains in effect")

@@ -79,7 +79,7 @@ def simulation_of(parameters: Mapping[str, Any], source: str, tree: Any = None, 
 
 
 def _loaded(box: Box, x: float, y: float) -> Configuration:
-    """Return the configuration of a box that bears a load at the start [N], of which the settled track is a part."""
+    """Return the configuration of a box that starts with a force on its inner ring in X and Y [N]."""
     return changed(box.configuration, {"operating.lateral_load": x, "operating.load": -y}, box.name)
 
 

@@ -173,7 +173,7 @@ def test_tags_are_derived_from_configuration_and_changes() -> None:
         ({"points": {"a": {"simulation.seed": 3}}}, "simulation.seed cannot be set here"),
         (
             {"scenarios": [{**WELL, "duration": 5.0, "timeline": [{"at": 5.0, "set": {"operating.speed": 60.0}}]}]},
-            "an entry at 5 s is after its end at 5 s: increase the duration or remove it",
+            "an entry at 5 s is not before its end at 5 s: increase the duration or remove it",
         ),
     ],
 )

@@ -205,6 +205,21 @@ def test_a_crossing_is_met_on_its_rail_alone_where_the_file_says() -> None:
     assert [event.place for event in joints if event.box == "axle_2.right"] == [0.0, 10.0]
 
 
+def test_a_kink_between_two_frames_is_that_within_a_frame() -> None:
+    """A kink 0.4 steps before the end of a frame, and one some ticks before it: the same motion, later."""
+    speed, rate, later = 30.0, 102400.0, 3 * TICK
+
+    def motion(step: float) -> np.ndarray:
+        place = 1.28 + speed * step / rate  # met by the leading wheelset at this step
+        vehicle = smooth(vehicle__speed_kmh=3.6 * speed, track__crossings=f"{place!r} left", track__joint_angle=0.01)
+        return run(vehicle, 6 * FRAME / rate)[0][0]
+
+    across = motion(4 * FRAME - 0.4)
+    within = motion(4 * FRAME - 0.4 - later)
+    assert abs(across).max() > 1.0
+    assert across[later:] == pytest.approx(within[:-later], abs=1e-6 * float(abs(across).max()))
+
+
 def test_classes_of_the_fra_lie_in_order_around_erri() -> None:
     def density(name: str, wavelength: float) -> float:
         pair = irregularity(Track(spectrum=name))  # type: ignore[arg-type]

@@ -112,7 +112,7 @@ def test_the_scenario_of_a_bearing_is_refused_by_its_name(start: dict[str, Any])
         ([{"at": 1.0, "over": 2.0, "set": {"vehicle.cant": 0.1}}, {"at": 2.0, "set": {"vehicle.cant": 0.0}}], "another entry changes"),
         (
             [{"at": 1.0, "set": {"vehicle.speed_kmh": 150.0}}, {"at": 90.0, "set": {"vehicle.speed_kmh": 20.0, "vehicle.curvature": 0.01}}],
-            r"entry 2 \(at 90 s\): speed_kmh = 150 km/h with curvature = 0.01 loads axle_1.left with -",
+            r"entry 2 \(at 90 s\): speed_kmh = 150 km/h with curvature = 0.01 1/m loads axle_1.left with -",
         ),
         (
             [{"at": 0.0, "set": {"vehicle.curvature": 0.005}}, {"at": 1.0, "set": {"vehicle.speed_kmh": 200.0}}],

@@ -220,13 +220,13 @@ def test_bearings_start_at_the_load_of_the_settled_track() -> None:
 
 def test_a_command_that_lifts_a_box_is_refused() -> None:
     simulation = bogie({**SMOOTH, "vehicle.speed_kmh": 200.0})
-    sentence = "speed_kmh = 200 km/h with curvature = 0.01 loads axle_1.left with -118.9 kN"
+    sentence = "speed_kmh = 200 km/h with curvature = 0.01 1/m loads axle_1.left with -118.9 kN"
     with pytest.raises(Refusal, match=sentence):
         simulation.command(curvature=0.01)
     with pytest.raises(Refusal, match=sentence):  # the vehicle is faster until its ramp ends
         simulation.command(speed_kmh=20.0, curvature=0.01)
     simulation.command(speed_kmh=300.0)
-    with pytest.raises(Refusal, match=r"speed_kmh = 300 km/h with curvature = 0\.002"):
+    with pytest.raises(Refusal, match=r"speed_kmh = 300 km/h with curvature = 0\.002 1/m loads"):
         simulation.command(curvature=0.002)
     simulation.command(curvature=0.001)
 
@@ -235,7 +235,7 @@ def test_a_command_that_lifts_a_box_on_the_way_to_a_low_speed_is_refused() -> No
     """Cant and wind press a light vehicle to the inner side of a curve, and the speed to the outer one."""
     light = {"body.mass": 8000.0, "body.height": 3.0, "vehicle.curvature": 0.01, "vehicle.cant": 0.18, "vehicle.speed_kmh": 60.0}
     simulation = bogie({**SMOOTH, **light, "vehicle.wind": 8e4})
-    with pytest.raises(Refusal, match=r"speed_kmh = 5 km/h with .*wind = 80000 loads axle_1.right with -"):
+    with pytest.raises(Refusal, match=r"speed_kmh = 5 km/h with .*wind = 80000 N loads axle_1.right with -"):
         simulation.command(speed_kmh=5.0)
 
 
