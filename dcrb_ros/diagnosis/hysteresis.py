@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -55,19 +55,30 @@ class Hysteresis:
     explains the lines of the other and the next judgement has it the other way around, the one with more evidence counts.
     """
 
-    def __init__(self, confirm: int, release: int, release_margin: float, persist: int = 1, least: float = 0.0) -> None:
+    def __init__(
+        self,
+        confirm: int,
+        release: int,
+        release_margin: float,
+        persist: int = 1,
+        least: float = 0.0,
+        related: Sequence[Component] = (),
+    ) -> None:
         """Confirm after ``confirm`` judgements with ``least`` evidence [dB], or up to ``persist`` with weak evidence.
 
         Clear after ``release`` judgements, ``release_margin`` [dB] below that. A judgement may require more evidence of a component.
+        Judgements that suspect one or another of the ``related`` components confirm the one with more evidence in all of them.
         """
         self._confirm, self._release, self._margin, self._persist = confirm, release, release_margin, max(confirm, persist)
-        self._least = least
+        self._least, self._related = least, tuple(related)
         self.reset()
 
     def reset(self) -> None:
         """Forget all judgements."""
         self._suspicions: dict[Component, Suspicion] = {component: Suspicion() for component in COMPONENTS}
         self._pairs: dict[tuple[Component, Component], Suspicion] = {pair: Suspicion() for pair in itertools.combinations(COMPONENTS, 2)}
+        self._any_related, self._shares = Suspicion(), dict.fromkeys(self._related, 0.0)
+        """Whether any of the related components is suspected, and the evidence for each of them since [dB]."""
         self._clear = 0
 
     def verdict(self, excess: Mapping[Component, float], least: Mapping[Component, float] = MappingProxyType({})) -> Verdict:
@@ -77,6 +88,8 @@ class Hysteresis:
             self._update(suspicion, excess[component], required[component])
         for (component, other), suspicion in self._pairs.items():
             self._update(suspicion, min(excess[component], excess[other]), max(required[component], required[other]))
+        if self._related:
+            self._update_related(excess, required)
         confirmed = self.confirmed
         if len(confirmed) > 1:
             return "compound"
@@ -95,10 +108,20 @@ class Hysteresis:
         if not suspicion.count(present=present, absent=absent, confirm=confirm, release=self._release) and not suspicion.seen:
             suspicion.evidence = 0.0
 
+    def _update_related(self, excess: Mapping[Component, float], required: Mapping[Component, float]) -> None:
+        """Count a judgement of the related components by the one with most evidence above what it requires."""
+        largest = max(self._related, key=lambda component: excess[component] - required[component])
+        self._update(self._any_related, excess[largest], required[largest])
+        for component in self._related:
+            share = self._shares[component] + max(excess[component], 0.0)
+            self._shares[component] = share if self._any_related.seen or self._any_related.confirmed else 0.0
+
     @property
     def confirmed(self) -> list[Component]:
         """Components with a confirmed fault, which were suspected together if there are several."""
         alone = [component for component, suspicion in self._suspicions.items() if suspicion.confirmed]
+        if not alone and self._any_related.confirmed:
+            return [max(self._shares, key=lambda component: self._shares[component])]
         if len(alone) < 2:
             return alone
         strongest = max(alone, key=lambda component: self._suspicions[component].evidence)

@@ -22,6 +22,18 @@ def test_a_fault_is_confirmed_kept_and_released() -> None:
     assert [hysteresis.verdict(excess) for excess in course] == expected
 
 
+def test_related_components_confirm_the_one_with_more_evidence() -> None:
+    """The lines of a damaged roller that the cage modulates are taken for those of the cage in every other judgement."""
+    roller, cage, none = {**QUIET, "roller": 6.0}, {**QUIET, "cage": 4.0}, QUIET
+    related = Hysteresis(confirm=2, release=3, release_margin=1.0, related=("roller", "cage"))
+    course = (none, none, roller, cage, none, roller, none, none, none)
+    assert [related.verdict(excess) for excess in course] == ["waiting", "healthy", "healthy", *["roller"] * 5, "healthy"]
+    assert [related.verdict(excess) for excess in (cage, none, roller)] == ["healthy"] * 3
+    assert [related.verdict(excess) for excess in (cage, cage)] == ["roller", "cage"]
+    alone = Hysteresis(confirm=2, release=3, release_margin=1.0)
+    assert [alone.verdict(excess) for excess in (roller, cage, roller, cage)] == ["waiting"] * 4
+
+
 def test_a_watched_bearing_raises_an_alarm_from_strong_evidence_on() -> None:
     """A recording judged as a whole is named at the threshold, and one below 2.5 s from 1.2 dB on."""
     p = DetectorParameters()

@@ -2,28 +2,35 @@
 
 from __future__ import annotations
 
+import copy
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from dcrb_ros.diagnosis.combination import Combination
 from dcrb_ros.diagnosis.demodulation import Demodulator
-from dcrb_ros.diagnosis.evidence import Evidence, highest_searched
+from dcrb_ros.diagnosis.evidence import highest_searched
 from dcrb_ros.diagnosis.order_spectrum import order_spectra
-from dcrb_ros.diagnosis.rule import Finding
+from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.diagnosis.rule import BearingRule
 from dcrb_ros.diagnosis.segments import Segment
 from dcrb_ros.diagnosis.thermal_detector import ThermalFaultDetector
 from dcrb_ros.diagnosis.vehicle.arrival import TurnEnvelopes
+from dcrb_ros.diagnosis.vehicle.comparison import Judgement
 from dcrb_ros.diagnosis.vehicle.turn_average import TurnAverage
 from dcrb_ros.diagnosis.window import Window
 from dcrb_ros.schema.arrays import Floats
-from dcrb_ros.schema.verdicts import Component
 from dcrb_ros.stream.diagnosis import Diagnosis
 
 BEFORE, AFTER = 2e-3, 0.012
 """Time before and after a kink of the rail in which an envelope shows it [s]: lateness of the other box, and the ringing of the structure.
 
 With 8 to 30 ms, healthy bearings beside joints had 5 to 9 dB less evidence than with 0, and 12 ms left the least in the mean."""
+
+
+DEPTHS = tuple(name for name in DetectorParameters.model_fields if name.endswith("_depth"))
+"""Parameters of the rules that require a modulation depth."""
 
 
 class OwnWindow(NamedTuple):
@@ -42,9 +49,11 @@ class OwnWindow(NamedTuple):
 class BoxDetector(ThermalFaultDetector):
     """A `ThermalFaultDetector` that also keeps a window of the signal without what repeats in every turn."""
 
-    def __init__(self, *arguments: Any, **options: Any) -> None:
-        """Prepare as `ThermalFaultDetector`."""
+    def __init__(self, *arguments: Any, relief: float, **options: Any) -> None:
+        """Prepare as `ThermalFaultDetector`; ``relief`` is by how much fainter the lines of faint findings may be [dB]."""
         super().__init__(*arguments, **options)
+        self._faint_rules = [fainter(rule, relief) for rule in self.rules]
+        self._faint = Combination(self._faint_rules, self.parameters.release_margin)
         p, hops = self.parameters, max(1, round(self.parameters.window / self.parameters.hop))
         demodulator = Demodulator(self._bands, self.rate, self._hop + 2 * self._margin, p.whitening, tones=False)
         bins = self._window.bins_per_turn
@@ -52,6 +61,12 @@ class BoxDetector(ThermalFaultDetector):
         self._average = TurnAverage(self._hop, self._margin, hops)
         self._end = 0.0
         """Time at which the window ends [s]."""
+
+    def take_bearing(self, bearing: object) -> None:
+        """Take the geometry of the bearing; see `FaultDetector.take_bearing`."""
+        super().take_bearing(bearing)
+        for rule in self._faint_rules:
+            rule.take_bearing(bearing)
 
     def _diagnosed(self, segment: Segment) -> Diagnosis:
         """Take a segment into both windows."""
@@ -67,8 +82,8 @@ class BoxDetector(ThermalFaultDetector):
             return None
         return OwnWindow(*self._rest.envelopes(), self._end - self._rest.ages(), self._rest.frequency)
 
-    def own_evidence(self, window: OwnWindow, share: float, kinks: Floats) -> tuple[Evidence, dict[Component, Finding], TurnEnvelopes]:
-        """Return the evidence of a window without kinks of the rail and other rare impacts, the findings in it, and the envelopes.
+    def judgement(self, window: OwnWindow, share: float, kinks: Floats) -> Judgement:
+        """Return the evidence of a window without kinks of the rail and other rare impacts.
 
         The ringing after each of the ``kinks`` [s] counts as missing. Of the rest, no squared envelope counts with more than the value that
         it exceeds in a ``share`` of the time [-]. Kinks are rarer than the impacts of a damaged bearing, but larger.
@@ -83,7 +98,15 @@ class BoxDetector(ThermalFaultDetector):
         if missing.any():
             limited = np.where(missing, limited[:, ~missing].mean(axis=1, dtype=np.float64).astype(np.float32)[:, None], limited)
         # The last band lies below that of the detector.
-        return evidence, self._combination.findings(evidence), TurnEnvelopes(limited[:-1], self._rest.bins_per_turn)
+        envelopes = TurnEnvelopes(limited[:-1], self._rest.bins_per_turn)
+        return Judgement(evidence, self._combination.findings(evidence), self._faint.findings(evidence), envelopes)
+
+
+def fainter(rule: BearingRule[Any], relief: float) -> BearingRule[Any]:
+    """Return a copy of a rule that requires lines fainter by ``relief`` [dB]."""
+    copied = copy.copy(rule)
+    copied.p = rule.p.model_copy(update={name: getattr(rule.p, name) * 10.0 ** (-relief / 10.0) for name in DEPTHS})
+    return copied
 
 
 def _rings(times: Floats, kinks: Floats) -> npt.NDArray[np.bool_]:

@@ -43,7 +43,7 @@ class BoxWatch:
 
     def __init__(self, box: BoxDescription, rate: int, parameters: VehicleDetectorParameters, box_parameters: DetectorParameters) -> None:
         """Prepare for the bearing of a box, sampled at ``rate`` [Hz]."""
-        self.name, self.detector = box.name, BoxDetector(Orders.from_dict(box.orders), rate, box_parameters)
+        self.name, self.detector = box.name, BoxDetector(Orders.from_dict(box.orders), rate, box_parameters, relief=parameters.relief)
         self.detector.take_bearing(box.bearing)
         self.detector.sensor_range = box.sensor_range
         p, q = box_parameters, parameters
@@ -81,8 +81,7 @@ class BoxWatch:
 
     def judged(self, window: OwnWindow, kinks: Floats) -> Judgement:
         """Return the evidence on the bearing without wheels and ``kinks`` of the rail [s]."""
-        evidence, findings, envelopes = self.detector.own_evidence(window, self._share, kinks)
-        return Judgement(evidence, findings, envelopes)
+        return self.detector.judgement(window, self._share, kinks)
 
     def _latest(self, index: int) -> Contact | None:
         """Return what was measured up to a sample, at most a hop earlier; later samples may have arrived or not."""

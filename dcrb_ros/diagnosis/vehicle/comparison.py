@@ -13,6 +13,7 @@ distinguishes them. Where the contrast to the other box of the wheelset is small
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -21,7 +22,7 @@ import numpy as np
 
 from dcrb_ros.diagnosis.evidence import Evidence
 from dcrb_ros.diagnosis.line_search import GUARD
-from dcrb_ros.diagnosis.rule import Finding, modulation_excess
+from dcrb_ros.diagnosis.rule import Finding
 from dcrb_ros.diagnosis.vehicle.arrival import LEAST, TurnEnvelopes, lead
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
 from dcrb_ros.schema.arrays import Floats
@@ -29,6 +30,10 @@ from dcrb_ros.schema.verdicts import COMPONENTS, Component
 
 FAINTEST = 0.02
 """Modulation depth of lines from which a band is compared [-]: a fifth of the least that a rule requires."""
+NOISE = 0.4
+"""Depth of sharp lines over the limit of their noise up to which a box has none [-]: noise leaves more of one family in 20.
+
+The values of a hump are many and near their noise; none of them is left out."""
 LIMIT = 30.0
 """Largest contrast of a band [dB]."""
 SHARPEST = 2.0
@@ -45,8 +50,6 @@ LEAST_BESIDE = 0.1
 """Power of those harmonics over that of the line from which it is one of them [-]."""
 HUMP = np.linspace(-0.25, 0.25, 9)
 """Distances from the middle of a hump that are compared [FTF]."""
-EXACT = 1e-9
-"""Difference of two equal values of evidence [dB]."""
 NOT_OWN = -60.0
 """Excess of lines that belong to another box or to a wheel [dB]."""
 
@@ -58,6 +61,8 @@ class Judgement:
     evidence: Evidence
     findings: Mapping[Component, Finding]
     """Evidence for a fault of each component."""
+    faint: Mapping[Component, Finding]
+    """The same at lower thresholds of the modulation depth, which count if no other box has the lines."""
     envelopes: TurnEnvelopes
 
     @property
@@ -96,19 +101,30 @@ def compare(judgements: Mapping[str, Judgement], parameters: VehicleDetectorPara
 
 def _compared(name: str, component: Component, judged: Mapping[str, Judgement], parameters: VehicleDetectorParameters) -> Compared:
     own = judged[name]
-    finding = own.findings[component]
-    excess, orders = finding.excess, _orders(finding, own)
+    usual, faint = _attributed(name, own.findings[component], judged, parameters), own.faint[component]
+    if faint.excess <= max(own.findings[component].excess, 0.0):
+        return usual
+    alone = _attributed(name, faint, judged, parameters)
+    return alone if alone.contrast >= parameters.contrast and alone.excess > usual.excess else usual
+
+
+def _attributed(name: str, finding: Finding, judged: Mapping[str, Judgement], parameters: VehicleDetectorParameters) -> Compared:
+    """Return the evidence of a finding in one box after the comparison of its lines with those in the other boxes."""
+    own = judged[name]
+    excess = finding.excess
     if finding.lines.order <= 0.0 or excess < -LIMIT:
         return Compared(excess, NOT_OWN, 0.0, "")
     if _of_wheel(finding, own, judged):
         return Compared(NOT_OWN, NOT_OWN, 0.0, "")
-    contrasts = {other: contrast(orders, own, judged[other]) for other in judged if other != name}
+    orders = _orders(finding, own)
+    noise = NOISE if finding.lines.lines else 0.0
+    contrasts = {other: contrast(orders, own, judged[other], noise) for other in judged if other != name}
     if not contrasts:
         return Compared(excess, NOT_OWN, LIMIT, "")
     rival = min(contrasts, key=lambda other: contrasts[other])
     least = contrasts[rival]
     if least >= parameters.contrast:
-        return Compared(max(excess, _relieved(finding, own, parameters.relief)), NOT_OWN, least, rival)
+        return Compared(excess, NOT_OWN, least, rival)
     if least <= -parameters.contrast:
         return Compared(NOT_OWN, NOT_OWN, least, rival)
     alike = sum(value < parameters.contrast for value in contrasts.values())
@@ -141,14 +157,23 @@ def _lead(name: str, rival: str, orders: Floats, judged: Mapping[str, Judgement]
     return lead(judged[name].envelopes, judged[rival].envelopes, orders, judged[name].shaft_frequency)
 
 
-def contrast(orders: Floats, own: Judgement, other: Judgement) -> float:
-    """Return by how much lines at ``orders`` of one box are larger there than in another one, in the median of bands [dB]."""
+def contrast(orders: Floats, own: Judgement, other: Judgement, noise: float = NOISE) -> float:
+    """Return by how much lines at ``orders`` of one box are larger there than in another one, in the median of bands [dB].
+
+    Lines up to a share ``noise`` of the limit of their noise count as none [-].
+    """
     # The other wheelset may turn faster or more slowly; its spectrum is over its own orders.
     elsewhere = orders * own.shaft_frequency / max(other.shaft_frequency, 1e-9)
     ratios = []
     bands = zip(own.evidence.bands, other.evidence.bands, own.evidence.depths(orders), other.evidence.depths(elsewhere), strict=True)
-    for here, there, *depths in bands:
-        if here not in own.evidence.within or max(depths) < FAINTEST:
+    for here, there, first, second in bands:
+        if here not in own.evidence.within or max(first, second) < FAINTEST:
+            continue
+        depths = [
+            depth if depth >= noise * math.sqrt(float(band.noise(lines).sum())) else 0.0
+            for depth, band, lines in ((first, here, orders), (second, there, elsewhere))
+        ]
+        if max(depths) < FAINTEST:
             continue
         size = _decibels(depths[0] * here.spectrum.mean, depths[1] * there.spectrum.mean)
         ratios.append(size if max(depths) > SATURATED else 0.5 * (size + _decibels(*(_modulation(depth) for depth in depths))))
@@ -182,18 +207,3 @@ def _of_wheel(finding: Finding, own: Judgement, judged: Mapping[str, Judgement])
         if float(np.median(band.at(beside))) >= LEAST_BESIDE * float(band.at(orders[:1])[0]):
             return True
     return False
-
-
-def _relieved(finding: Finding, own: Judgement, relief: float) -> float:
-    """Return the evidence of the deepest component with a lower threshold of its depth [dB]; `NOT_OWN` for another component.
-
-    The other boxes of the vehicle do not have the lines, as a healthy bearing of this kind would.
-    """
-    rule, comb, band = finding.rule, finding.comb, own.evidence.of_band(finding.band)
-    if rule is None or comb is None or band is None or finding.excess < max(own.scores.values()):
-        return NOT_OWN
-    price = float(np.log10(max(1, len(rule.bands(own.evidence)) * rule.families(own.evidence.orders))))
-    lines, chance = rule.family(band, comb), rule.p.false_alarm
-    alone, relieved = (modulation_excess(lines, rule.depth * 10.0 ** (-lower / 10.0), chance, price) for lower in (0.0, relief))
-    # What other criteria refuse is no evidence at a lower threshold of the depth, either.
-    return min(relieved, finding.excess + relief) if finding.excess >= alone - EXACT else finding.excess

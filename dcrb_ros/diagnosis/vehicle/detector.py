@@ -32,6 +32,8 @@ from dcrb_ros.stream.vehicle_diagnosis import UNDECIDED, Status, VehicleDiagnosi
 Samples: TypeAlias = tuple[int, npt.NDArray[Any], npt.NDArray[Any] | None]
 """Index of the first sample, accelerations and angles."""
 
+ALIKE: tuple[Component, ...] = ("roller", "cage")
+"""Components whose faint lines are taken for one another: the cage modulates those of a damaged roller."""
 DEFAULTS = DetectorParameters()
 VEHICLE_DEFAULTS = VehicleDetectorParameters()
 
@@ -101,7 +103,8 @@ class VehicleDetector:
         hops = max(1, round(p.window / p.hop))
 
         def hystereses() -> dict[str, Hysteresis]:
-            return {name: Hysteresis(p.confirm, p.release, p.release_margin, hops if p.confirm > 1 else 1) for name in self._boxes}
+            persist = hops if p.confirm > 1 else 1
+            return {name: Hysteresis(p.confirm, p.release, p.release_margin, persist, related=ALIKE) for name in self._boxes}
 
         self._decided, self._undecided = hystereses(), hystereses()
         self._hop = max(1, round(p.hop * description.sampling_rate))

@@ -17,6 +17,7 @@ from dcrb_ros.diagnosis.rules.cage import Cage
 from dcrb_ros.diagnosis.rules.outer_ring import OuterRing
 from dcrb_ros.diagnosis.rules.roller import Roller
 from dcrb_ros.diagnosis.vehicle.arrival import TurnEnvelopes
+from dcrb_ros.diagnosis.vehicle.box_detector import fainter
 from dcrb_ros.diagnosis.vehicle.comparison import Compared, Judgement, compare
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
 from dcrb_ros.schema.verdicts import COMPONENTS, Component
@@ -37,10 +38,11 @@ def judged(lines: Lines, component: Component) -> Judgement:
         amplitude[round(100.0 * order)] = depth
     search = SharedSearch([OrderSpectrum(np.arange(0.0, 70.0, 0.01), amplitude, 1.0)], ORDERS, 0.02)
     evidence = Evidence([BandEvidence(WHOLE, search)], WHOLE, HIGH, 20.0, 0.5)
-    findings = {name: Finding(name, LEAST_EXCESS, "") for name in COMPONENTS}
-    rules = {"outer_ring": OuterRing(P), "roller": Roller(P), "cage": Cage(P)}
-    findings[component] = rules[component].finding(evidence) or findings[component]
-    return Judgement(evidence, findings, TurnEnvelopes(np.zeros((1, 64), np.float32), 64))
+    rule = {"outer_ring": OuterRing(P), "roller": Roller(P), "cage": Cage(P)}[component]
+    usual, faint = ({name: Finding(name, LEAST_EXCESS, "") for name in COMPONENTS} for _ in range(2))
+    usual[component] = rule.finding(evidence) or usual[component]
+    faint[component] = fainter(rule, Q.relief).finding(evidence) or faint[component]
+    return Judgement(evidence, usual, faint, TurnEnvelopes(np.zeros((1, 64), np.float32), 64))
 
 
 def compared(lines: Lines, others: Lines, component: Component = "roller") -> Compared:
@@ -83,3 +85,18 @@ def test_lines_that_another_criterion_refuses_are_not_relieved() -> None:
     """Deep lines with twice as deep ones at 2 BPFO: the rhythm of rollers that excite twice per pass."""
     found = compared({k * 6.72: 0.6 if k == 2 else 0.17 for k in range(1, 7)}, {}, "outer_ring")
     assert found.excess < 0.0
+
+
+def test_a_faint_roller_must_be_modulated_by_the_cage() -> None:
+    """The whole orders of the other wheelset may lie at 2 BSF, too."""
+    lines = {h * 6.1: 0.05 for h in (1, 2, 3)}
+    assert compared(FTF | lines, {}).excess > 0.0
+    assert compared(lines, {}).excess < 0.0
+
+
+def test_what_noise_leaves_in_another_box_is_no_rival() -> None:
+    """Lines of 0.05 over a background with a limit of 0.021; the other box has 0.022 at the first harmonic, a tenth of that in power."""
+    own, noise = {k * 6.72: 0.05 for k in range(1, 7)}, {6.72: 0.022}
+    clear, alike = compared(own, noise, "outer_ring"), compared(own, own, "outer_ring")
+    assert clear.contrast > 2.0 * Q.contrast
+    assert alike.contrast == pytest.approx(0.0, abs=0.1)
