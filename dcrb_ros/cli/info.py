@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -110,7 +111,7 @@ def vehicle_info(bag: Path, *, as_json: bool) -> None:
 
     shown = console()
     shown.print(f"the recording of a vehicle with {len(boxes)} boxes, sampling rate: {recording.sampling_rate} Hz", soft_wrap=True)
-    shown.print(f"a box by itself: dcrb info {bag / next(iter(boxes))}", soft_wrap=True)
+    shown.print(f"a box by itself: dcrb info {shlex.quote(str(bag / next(iter(boxes))))}", soft_wrap=True)
     if recording.scenario is not None:
         shown.print(f"scenario: {json.dumps(recording.scenario)}", soft_wrap=True)
     agreed = {True: "as stated", False: "NOT as stated", None: "none stated"}

@@ -241,7 +241,7 @@ def test_only_the_first_of_many_damaged_runs_are_named(tmp_path: Path, capsys: p
         _report_flaws(data_set)
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 6
-    assert lines[-1] == "2 further runs are damaged and simulated again"
+    assert lines[-1] == "damage in 2 further runs: simulated again"
 
 
 def test_a_data_set_of_an_earlier_version_is_continued_with_a_warning(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
