@@ -28,6 +28,7 @@ from dcrb_ros.schema.numbers import duration_within
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.text.counts import counted
 
 LONGEST_SOURCE = 60.0
 """Longest simulated source [s]."""
@@ -181,7 +182,7 @@ def calibrate(
     stated = [names] if isinstance(names, str) and names else list(names)
     called = stated or [_name(signal, number) for number, signal in enumerate(given, 1)]
     if len(called) != len(given):
-        raise Refusal(f"{len(called)} names are given for {len(given)} recordings: give one for each, or none")
+        raise Refusal(f"{counted(len(called), 'name')} given for {counted(len(given), 'recording')}: give one for each, or none")
     progress("checking the recordings")
     machines = [checked_recording(signal, name, trust=trust) for signal, name in zip(given, called, strict=True)]
     check_one_machine(machines)

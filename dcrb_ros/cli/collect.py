@@ -10,6 +10,7 @@ from warnings import catch_warnings, simplefilter
 import typer
 
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.counts import counted
 
 
 def collect(
@@ -55,4 +56,4 @@ def collect(
     for warning in warned:
         typer.echo(f"warning: {warning.message}", err=True)
     shares = ", ".join(f"{count} {fault} in {split}" for (split, fault), count in sorted(counts.items()))
-    print(f"{output}: {sum(counts.values())} recordings, {shares}")
+    print(f"{output}: {counted(sum(counts.values()), 'recording')}, {shares}")

@@ -179,11 +179,10 @@ def _below(group: str) -> list[ParameterField]:
     from dcrb_ros.schema.refusal import Refusal, nearest
     from dcrb_ros.settings.files import fields_by_key
 
-    if group == DETECTOR:
-        return list(fields_by_key(DetectorParameters).values())
-    fields = fields_by_key()
+    detector = {f"{DETECTOR}.{key}": field for key, field in fields_by_key(DetectorParameters).items()}
+    fields = {**fields_by_key(), **detector}
     matching = [field for key, field in fields.items() if f"{key}.".startswith(f"{group}.")]
     if not matching:
-        groups = [*dict.fromkeys(key.partition(".")[0] for key in fields), DETECTOR]
+        groups = list(dict.fromkeys(key.partition(".")[0] for key in fields))
         raise Refusal(f"there is no group of parameters '{group}': give one of {', '.join(groups)}{nearest(group, [*groups, *fields])}")
     return matching

@@ -13,6 +13,7 @@ from dcrb_ros.cli.detect_vehicle import diagnosed_vehicle, print_vehicle, vehicl
 from dcrb_ros.cli.options import DetectorFile, Force, JsonOutput, detector_parameters, warn_of_digest
 from dcrb_ros.cli.output_file import check_force, check_free, check_output, replacing
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.counts import counted
 from dcrb_ros.text.writing import write_whole
 
 if TYPE_CHECKING:
@@ -97,7 +98,7 @@ def detect(
         with replacing("--report", report, force=force):
             write_whole(report, page)
         if not as_json:
-            print(f"{report}: {len(diagnosed)} recording{'s' * (len(diagnosed) > 1)}; a browser shows it, and prints it to PDF")
+            print(f"{report}: {counted(len(diagnosed), 'recording')}; a browser shows it, and prints it to PDF")
 
 
 def _check_vehicles(

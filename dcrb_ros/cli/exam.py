@@ -13,6 +13,7 @@ from dcrb_ros.cli.literal_help import Commands
 from dcrb_ros.cli.options import Force
 from dcrb_ros.cli.output_file import replacing
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.counts import counted
 from dcrb_ros.text.writing import whole_file, write_whole
 
 app = Commands(help="Seal, open and verify exams drawn from a secret seed; make a leaderboard; compare an exam with measured recordings.")
@@ -72,7 +73,7 @@ def open_(
     opened = open_exam(read_sealed(sealed), read_secret(secret), str(sealed))
     with replacing("--output", file, force=force):
         write_whole(file, yaml_text(dict(opened.tree)))
-    print(f"{file}: {len(opened.exam.cases)} scenarios; score it with dcrb score {shlex.quote(str(file))}")
+    print(f"{file}: {counted(len(opened.exam.cases), 'scenario')}; score it with dcrb score {shlex.quote(str(file))}")
 
 
 @app.command()

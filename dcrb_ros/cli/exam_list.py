@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from dcrb_ros.runtime.terminal import console, table
+from dcrb_ros.text.counts import counted
 
 if TYPE_CHECKING:
     from dcrb_ros.exam.exam_file import Exam
@@ -31,7 +32,7 @@ def print_scenarios(exam: AnyExam) -> None:
     else:
         _print_columns(title, rows)
     seconds = sum(case.simulation.duration for case in exam.cases)
-    print(f"{len(exam.cases)} scenarios, {seconds:.0f} s simulated, sha256 {exam.digest}")
+    print(f"{counted(len(exam.cases), 'scenario')}, {seconds:.0f} s simulated, sha256 {exam.digest}")
 
 
 def _cells(exam: Exam) -> Iterable[tuple[str, ...]]:
@@ -58,4 +59,4 @@ def _print_vehicles(exam: VehicleExam) -> None:
     ]
     _print_columns(f"{exam.name}: {exam.about}", rows, heads)
     seconds = sum(case.duration for case in exam.cases)
-    print(f"{len(exam.cases)} vehicles, {seconds:.0f} s simulated, sha256 {exam.digest}")
+    print(f"{counted(len(exam.cases), 'vehicle')}, {seconds:.0f} s simulated, sha256 {exam.digest}")

@@ -12,6 +12,7 @@ import typer
 from dcrb_ros.cli.options import Force, JsonOutput, Quiet, Workers, check_speed, refuse_given, worker_count
 from dcrb_ros.cli.output_file import PICTURES, check_free, check_output, check_outputs, replacing
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.counts import counted
 from dcrb_ros.text.writing import write_whole
 
 if TYPE_CHECKING:
@@ -47,7 +48,7 @@ def replica(
     with replacing("--output", output, force=force):
         write_whole(output, yaml_text(tree))
     command = shlex.join(("dcrb", "exam", "predictivity", str(table), "--replica", str(output)))
-    print(f"{output}: {len(tree['scenarios'])} scenarios; compare it with {command}")
+    print(f"{output}: {counted(len(tree['scenarios']), 'scenario')}; compare it with {command}")
 
 
 def predictivity(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -110,7 +111,7 @@ def vehicle_info(bag: Path, *, as_json: bool) -> None:
 
     shown = console()
     shown.print(f"the recording of a vehicle with {len(boxes)} boxes, sampling rate: {recording.sampling_rate} Hz", soft_wrap=True)
-    shown.print(f"a box by itself: dcrb info {bag / next(iter(boxes))}", soft_wrap=True)
+    shown.print(f"a box by itself: dcrb info {shlex.quote(str(bag / next(iter(boxes))))}", soft_wrap=True)
     if recording.scenario is not None:
         shown.print(f"scenario: {json.dumps(recording.scenario)}", soft_wrap=True)
     agreed = {True: "as stated", False: "NOT as stated", None: "none stated"}
@@ -183,9 +184,11 @@ def _digest_line(digests: SampleDigests) -> str:
 
 def _streams(recording: Recording) -> list[str]:
     """Return lines on the readings of temperature and the pulses of the tacho, where there are any."""
+    from dcrb_ros.recordings.arrays import reading_in_words
+
     lines, readings, tacho = [], recording.temperatures(), recording.tacho()
     if len(readings):
-        first, last = (readings.to_words(number) for number in (0, -1))
+        first, last = (reading_in_words(readings, number) for number in (0, -1))
         lines.append(f"{len(readings)} readings of temperature, at {readings.time[0]:.3f} s {first}, at {readings.time[-1]:.3f} s {last}")
     if len(tacho):
         lines.append(f"{len(tacho)} pulses of a tacho, {tacho.pulses_per_turn or 'an unknown number'} per turn")

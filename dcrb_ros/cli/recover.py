@@ -9,6 +9,7 @@ import typer
 
 from dcrb_ros.cli.options import Bag, Force
 from dcrb_ros.cli.output_file import replacing
+from dcrb_ros.text.counts import counted
 
 
 def recover(
@@ -27,4 +28,4 @@ def recover(
         salvage = recovered(bag, output)
     for damage in salvage.damage:
         typer.echo(f"dcrb: {damage}", err=True)
-    print(f"{output}: {salvage.messages} messages, the last at {time_text(salvage.last_ns)}")
+    print(f"{output}: {counted(salvage.messages, 'message')}, the last at {time_text(salvage.last_ns)}")

@@ -9,6 +9,7 @@ import typer
 
 from dcrb_ros.cli.options import refuse_given
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.counts import counted
 
 
 def shards(
@@ -28,7 +29,7 @@ def shards(
 
     if remake is None:
         names = write_shards(source, output, runs)
-        print(f"{output}: {len(names)} shards and their index")
+        print(f"{output}: {counted(len(names), 'shard')} and the index")
         return
     refuse_given(context, "does not apply to --remake, which makes the shard as the index describes it: leave it out", "runs")
     if output.exists():

@@ -14,6 +14,7 @@ from dcrb_ros.cli.first_start import announce_compilation, compilation_shown
 from dcrb_ros.cli.options import JsonOutput, Quiet, refuse_given, size_text
 from dcrb_ros.runtime.optional import installed
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.counts import counted
 
 if TYPE_CHECKING:
     from dcrb_ros.sweep.data_set import DataSetWriter
@@ -144,7 +145,7 @@ def _report_flaws(data_set: DataSetWriter) -> None:
     for reason in reasons[:SHOWN_FLAWS]:
         typer.echo(f"{reason}: the run is simulated again", err=True)
     if len(reasons) > SHOWN_FLAWS:
-        typer.echo(f"{len(reasons) - SHOWN_FLAWS} further runs are damaged and simulated again", err=True)
+        typer.echo(f"damage in {counted(len(reasons) - SHOWN_FLAWS, 'further run')}: simulated again", err=True)
 
 
 def _generate(data_set: DataSetWriter, workers: Workers, *, quiet: bool) -> Tally:
@@ -167,7 +168,7 @@ def _generate(data_set: DataSetWriter, workers: Workers, *, quiet: bool) -> Tall
         except KeyboardInterrupt:
             if not quiet:
                 reached = sum(1 for _ in data_set.store.names(LABELS))
-                bar.console.print(f"stopped after {reached} of {total} runs; run the same command again to continue")
+                bar.console.print(f"stopped after {reached} of {counted(total, 'run')}; run the same command again to continue")
             raise
         bar.update(task, total=sum(tally.statuses.values()), completed=sum(tally.statuses.values()))
         return tally
@@ -196,7 +197,7 @@ def _print_summary(tally: Tally, address: str, *, quiet: bool = False, as_json: 
         shares = ", ".join(f"{count} {split}" for split, count in splits.items() if count)
         print(f"{address}: {counts}; {shares}; {tally.seconds:.6g} s recorded")
         if not quiet:
-            print(f"load it with: dcrb_ros.DataSet('{address}').windows('train')")
+            print(f"load it with: dcrb_ros.DataSet({address!r}).windows('train')")
 
 
 def _estimate(plan: Plan, workers: int, *, as_json: bool) -> None:
@@ -219,10 +220,10 @@ def _estimate(plan: Plan, workers: int, *, as_json: bool) -> None:
         }
         print(json.dumps(about, indent=2))
         return
-    print(f"{cost.runs} runs of {cost.duration:g} s in {plan.conditions} {plan.unit}")
+    print(f"{counted(cost.runs, 'run')} of {cost.duration:g} s in {counted(plan.conditions, plan.unit.removesuffix('s'))}")
     print(table(heads, cases))
     print(
-        f"about {_span(cost.seconds(workers))} on {workers} workers of this machine ({cost.factor:.1f} x real time each, plus "
+        f"about {_span(cost.seconds(workers))} on {counted(workers, 'worker')} of this machine ({cost.factor:.1f} x real time each, plus "
         f"{cost.start:.2f} s per run) and {size_text(cost.size)} of disk space"
     )
     if cost.refused:

@@ -107,7 +107,9 @@ def detect(
     signal
         A `SimulationResult`, `Recording` or `Waveform`, or accelerations of shape (samples, 2), (samples, 3) or (samples,) [m/s^2].
     sampling_rate, bearing
-        Sampling rate [Hz] and geometry or orders of the bearing; needed with plain arrays, and with these only.
+        Sampling rate [Hz] and geometry or orders of the bearing; needed with plain arrays, and with these only. For the geometry of
+        ``Bearing()``, that of the benches ``dry`` and ``paper``, the limits of BPFO lines of this simulated bearing apply. Describe a
+        measured bearing with this geometry by its orders.
     shaft_angle
         Rotation of the inner ring beside plain arrays, shape (samples,) [rad]. Without it the speed is estimated from the signal.
     parameters

@@ -17,6 +17,7 @@ from pydantic import Field, ValidationError
 from dcrb_ros.bearing.runtime_change import altered
 from dcrb_ros.exam.case import Case, CaseSimulation, derived_tags, scenarios_hash
 from dcrb_ros.exam.criteria import Criteria, DelayLimits
+from dcrb_ros.exam.exam_parameters import refuse_ineffective
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.revolutions import speed_knots
 from dcrb_ros.exam.twins import with_twins
@@ -209,7 +210,9 @@ def _cases(file: ExamFile, entry: ScenarioEntry, source: str) -> Iterator[Case]:
         raise Refusal(f"{where}: there is no operating point '{unknown[0]}'{nearest(unknown[0], file.points)}")
     for point in names or [""]:
         settings = dict(file.points.get(point, {}))
-        if SEED in {**flatten(settings), **flatten(entry.set)}:
+        given = {**flatten(settings), **flatten(entry.set)}
+        refuse_ineffective(given, where)
+        if SEED in given:
             raise Refusal(f"{where}: {SEED} cannot be set here: use 'seeds', a list such as [1, 2]")
         base = _base(settings.pop("base", None), file, entry, f"{where}, point '{point}'")
         # Only the first seed is checked with the whole configuration, which does not depend on the seed.

@@ -31,7 +31,7 @@ from dcrb_ros.text.writing import write_whole
 FORMAT: Literal["dcrb exam entry 2"] = "dcrb exam entry 2"
 """Format that is written; the first had no diagnoses."""
 DIGEST = "sha256"
-"""Key of a file with the digest of the others; files of earlier versions have none."""
+"""Key of a file with the digest of the others."""
 AGREEMENT = 1e-4
 """Largest difference between the exam scores stated in an entry and those computed again from its scenarios [-]."""
 EXACT = 1e-6
@@ -212,11 +212,12 @@ def read_entry(path: Path) -> Entry:
     """Return the entry in a file.
 
     Raises:
-        Refusal: the file cannot be read, is not an entry or was changed, its scores or area do not follow from its scenarios, or a
-            scenario contradicts itself.
+        Refusal: the file cannot be read, is not an entry, was changed or has no digest, its scores or area do not follow from its
+            scenarios, or a scenario contradicts itself.
     """
     tree: Any = parsed_json(read_text(checked_path(path), LARGEST), str(path))
-    if isinstance(tree, dict) and DIGEST in tree and tree.pop(DIGEST) != digest_of(tree, DIGEST):
+    stated = tree.pop(DIGEST, None) if isinstance(tree, dict) else None
+    if stated is not None and stated != digest_of(tree, DIGEST):
         raise Refusal(f"{path} was changed: its digest does not match; make it again with dcrb score --entry")
     try:
         entry = Entry.model_validate(tree)
@@ -224,6 +225,8 @@ def read_entry(path: Path) -> Entry:
         problem = first_problem(error)
         raise Refusal(f"{path} is not an entry ({problem.key or 'the file'}: {problem.reason}): make it with dcrb score --entry") from None
     _check(entry, path)
+    if stated is None:
+        raise Refusal(f"{path} has no {DIGEST}, so that a change would not be found: make it again with dcrb score --entry")
     return entry
 
 

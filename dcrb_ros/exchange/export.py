@@ -56,17 +56,27 @@ def export(recording: Recording, path: Path, *, notes: list[str] | None = None) 
     if not path.absolute().parent.is_dir():
         raise Refusal(f"{path} cannot be written: there is no folder {path.absolute().parent}; create it or give another path")
     notes = [] if notes is None else notes
-    columns, extra, labels, block_size = _collect(recording, notes, whole=path.suffix.lower() in WITH_FURTHER_ARRAYS)
+    rate = recording.sampling_rate if path.suffix.lower() == ".wav" else _measured_rate(recording)
+    columns, extra, labels, block_size = _collect(recording, notes, rate, whole=path.suffix.lower() in WITH_FURTHER_ARRAYS)
     about = {"manifest": recording.manifest, "outcome": recording.outcome, "labels": labels}
-    description = _description(recording, path, {**columns, **extra}, labels, block_size)
+    description = _description(recording, path, rate, {**columns, **extra}, labels, block_size)
     with whole_file(path) as temporary:
-        writer(temporary, columns, extra, recording.sampling_rate, about)
+        writer(temporary, columns, extra, rate, about)
         write_whole(described, yaml_text(description))
     return described
 
 
-def _collect(recording: Recording, notes: list[str], *, whole: bool) -> tuple[dict[str, Array], dict[str, Array], dict[str, Any], int]:
-    """Return the sample columns, the ground truth over time, the labels and the block size.
+def _measured_rate(recording: Recording) -> float:
+    """Return the sampling rate of the measurement [Hz], which an import rounds to an integer."""
+    rate, sensor = recording.sampling_rate, recording.manifest.get("sensor")
+    measured = sensor.get("measured_sampling_rate") if recording.imported and isinstance(sensor, dict) else None
+    return measured if isinstance(measured, float) and measured > 0.0 and round(measured) == rate else rate
+
+
+def _collect(
+    recording: Recording, notes: list[str], measured_rate: float, *, whole: bool
+) -> tuple[dict[str, Array], dict[str, Array], dict[str, Any], int]:
+    """Return the sample columns with times at ``measured_rate`` [Hz], the ground truth over time, the labels and the block size.
 
     Readings of temperature are arrays of their own if ``whole``, otherwise columns beside the samples.
     """
@@ -87,7 +97,7 @@ def _collect(recording: Recording, notes: list[str], *, whole: bool) -> tuple[di
     acceleration = np.concatenate([block.acceleration for block in blocks])[order]
     columns: dict[str, Array] = {
         "index": index,
-        "time": index / rate,
+        "time": index / measured_rate,
         **dict(zip(AXES, acceleration.T, strict=False)),
         "shaft_angle": np.concatenate([block.shaft_angle for block in blocks])[order],
     }
@@ -129,7 +139,9 @@ def array_name(name: str) -> str:
     return f"truth_{name.replace('/', '_')}"
 
 
-def _description(recording: Recording, path: Path, columns: dict[str, Array], labels: dict[str, Any], block_size: int) -> dict[str, Any]:
+def _description(
+    recording: Recording, path: Path, rate: float, columns: dict[str, Array], labels: dict[str, Any], block_size: int
+) -> dict[str, Any]:
     wav = path.suffix.lower() == ".wav"
     known = (name for name in sorted(columns) if name in CHANNELS or name in (*IMPORTED, TIME))
     channels: dict[str, Any] = {name: number for number, name in enumerate(_in_wav(columns), 1)} if wav else {name: name for name in known}
@@ -140,7 +152,7 @@ def _description(recording: Recording, path: Path, columns: dict[str, Array], la
         del channels["ay"]
     tacho, warm = "tacho" in channels, any(name in channels for name in CHANNELS)
     return {
-        "sampling_rate": recording.sampling_rate,
+        "sampling_rate": rate,
         "unit": RELATIVE if sensor.get("acceleration_unit") == RELATIVE else "m/s^2",
         "channels": channels,
         **({"pulses_per_turn": recording.pulses_per_turn or 1, "tacho_levels": list(LEVELS)} if tacho else {}),

@@ -260,26 +260,26 @@ READERS: dict[str, Callable[[Path], ExternalFile]] = {
 Columns = Mapping[str, Array]
 
 
-def _write_npz(path: Path, columns: Columns, extra: Columns, rate: int, about: Mapping[str, Any]) -> None:
+def _write_npz(path: Path, columns: Columns, extra: Columns, rate: float, about: Mapping[str, Any]) -> None:
     arrays: dict[str, Any] = {**columns, **extra, "sampling_rate": np.array(rate), "about": np.array(json.dumps(about))}
     with path.open("wb") as stream:
         np.savez(stream, **arrays)
 
 
-def _write_csv(path: Path, columns: Columns, extra: Columns, rate: int, about: Mapping[str, Any]) -> None:
+def _write_csv(path: Path, columns: Columns, extra: Columns, rate: float, about: Mapping[str, Any]) -> None:
     # Nine digits represent a float32 exactly; a time is given to the nanosecond.
     forms = ["%d" if values.dtype.kind == "i" else "%.9f" if name == "time" else "%.9g" for name, values in columns.items()]
     table = np.column_stack([values.astype(np.float64) for values in columns.values()])
     np.savetxt(path, table, fmt=forms, delimiter=",", header=",".join(columns), comments="")
 
 
-def _write_mat(path: Path, columns: Columns, extra: Columns, rate: int, about: Mapping[str, Any]) -> None:
+def _write_mat(path: Path, columns: Columns, extra: Columns, rate: float, about: Mapping[str, Any]) -> None:
     from scipy.io import savemat
 
     savemat(path, {**columns, **extra, "sampling_rate": rate, "about": json.dumps(about)}, do_compression=True, oned_as="column")
 
 
-def _write_wav(path: Path, columns: Columns, extra: Columns, rate: int, about: Mapping[str, Any]) -> None:
+def _write_wav(path: Path, columns: Columns, extra: Columns, rate: float, about: Mapping[str, Any]) -> None:
     from scipy.io import wavfile
 
     steps = np.diff(columns["index"])
@@ -287,10 +287,10 @@ def _write_wav(path: Path, columns: Columns, extra: Columns, rate: int, about: M
         raise Refusal(
             f"a WAV file cannot represent gaps, of which the recording has {int(np.sum(steps != 1))}: export it as npz, mat, csv or parquet"
         )
-    wavfile.write(path, rate, np.column_stack([columns[name] for name in (*AXES, "shaft_angle") if name in columns]))
+    wavfile.write(path, round(rate), np.column_stack([columns[name] for name in (*AXES, "shaft_angle") if name in columns]))
 
 
-def _write_parquet(path: Path, columns: Columns, extra: Columns, rate: int, about: Mapping[str, Any]) -> None:
+def _write_parquet(path: Path, columns: Columns, extra: Columns, rate: float, about: Mapping[str, Any]) -> None:
     import pyarrow
     from pyarrow import parquet
 
@@ -298,7 +298,7 @@ def _write_parquet(path: Path, columns: Columns, extra: Columns, rate: int, abou
     parquet.write_table(table, path)
 
 
-WRITERS: dict[str, Callable[[Path, Columns, Columns, int, Mapping[str, Any]], None]] = {
+WRITERS: dict[str, Callable[[Path, Columns, Columns, float, Mapping[str, Any]], None]] = {
     ".csv": _write_csv,
     ".wav": _write_wav,
     ".mat": _write_mat,

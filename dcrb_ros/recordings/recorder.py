@@ -121,7 +121,7 @@ class RunRecorder(ABC, Generic[Made]):
             self._bag.flush()
         except RecordingFailed as error:
             shutil.rmtree(self.path, ignore_errors=True)
-            raise Refusal(f"{error}; free some space or give another folder") from None
+            raise Refusal(str(error)) from None
 
     def __enter__(self: Run) -> Run:
         return self

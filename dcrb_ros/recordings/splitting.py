@@ -29,6 +29,10 @@ Records = Mapping[str, Mapping[str, str]]
 class RecordingFailed(RuntimeError):
     """Writing failed, on a full disk for instance; everything flushed before can be read."""
 
+    def __init__(self, event: str, remedy: str = "") -> None:
+        super().__init__(f"{event}; {remedy} or give another folder" if remedy else event)
+        self.event, self.remedy = event, remedy
+
 
 def new_folder(path: Path) -> Path:
     """Create the folder of a recording.
@@ -118,7 +122,7 @@ class Bag:
             self._write_metadata()
         except OSError as error:
             self._abandon()
-            raise RecordingFailed(f"the recording {self.path} could not be finished: {error.strerror}") from None
+            raise RecordingFailed(f"the recording {self.path} could not be finished: {error.strerror}", remedy_of(error)) from None
         self.open = False
 
     @contextmanager
@@ -132,7 +136,7 @@ class Bag:
                 self.close()
             shutil.rmtree(self.path, ignore_errors=True)
             if isinstance(error, RecordingFailed):
-                raise RecordingFailed(f"{error}; it was removed: free some space or give another folder") from None
+                raise RecordingFailed(f"{error.event}; it was removed", error.remedy) from None
             raise
 
     @contextmanager
@@ -142,7 +146,8 @@ class Bag:
             yield
         except OSError as error:
             self._abandon()
-            raise RecordingFailed(f"the recording {self.path} ended at {self._reached():.1f} s: {error.strerror}") from None
+            event = f"the recording {self.path} ended at {self._reached():.1f} s: {error.strerror}"
+            raise RecordingFailed(event, remedy_of(error)) from None
 
     def _begin_file(self, number: int) -> McapFile:
         return McapFile(self.path / f"{self.path.name}_{number}.mcap", self._opening, self._settings.compression)

@@ -16,6 +16,7 @@ from dcrb_ros.sweep.execution import CommonSettings, run_task
 from dcrb_ros.sweep.plan import Task
 from dcrb_ros.sweep.store import StoreFailed
 from dcrb_ros.sweep.workers import Outcome
+from dcrb_ros.text.counts import counted
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -35,7 +36,7 @@ class ClusterWorkers:
         """Tasks that are processed at the same time [-]."""
 
     def __str__(self) -> str:
-        return f"{self.count} workers, dashboard: {self._client.dashboard_link}"
+        return f"{counted(self.count, 'worker')}, dashboard: {self._client.dashboard_link}"
 
     def dispatched(self, common: CommonSettings, tasks: Iterator[Task]) -> Iterator[tuple[Task, Outcome]]:
         """Yield each task with its outcome; see `Workers.dispatched`."""

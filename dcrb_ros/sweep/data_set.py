@@ -20,7 +20,7 @@ from dcrb_ros.sweep.label import ERROR
 from dcrb_ros.sweep.plan import Plan
 from dcrb_ros.sweep.schema import CARD, DESCRIPTION, write_about
 from dcrb_ros.sweep.store import Store, StoreFailed
-from dcrb_ros.sweep.sums import write_sums
+from dcrb_ros.sweep.sums import SUMS, write_sums
 from dcrb_ros.sweep.sweep_file import EXTENDED
 from dcrb_ros.sweep.table import LABELS as LABELS_TABLE
 from dcrb_ros.sweep.table import Tally, write_table
@@ -73,6 +73,7 @@ class DataSetWriter:
             self.extended = known.get("name") != about["name"]
         elif any(True for _ in store.names("")):
             raise Refusal(f"{store.address} contains files that are not a data set: give an empty or a new folder")
+        self._refuse_folders()
         # Written first, since the folder is recognised by this file.
         store.write(ABOUT, json.dumps(about, indent=1).encode())
         store.write(COPY, self.plan.sweep.text.encode())
@@ -118,6 +119,12 @@ class DataSetWriter:
         )
         write_sums(self.store, [LABELS_TABLE, CARD, DESCRIPTION, ABOUT, COPY, BASE, *(name for name, _ in tables)])
         return tally
+
+    def _refuse_folders(self) -> None:
+        """Refuse a folder in place of a file that is written after the last run."""
+        for name in (LABELS_TABLE, CARD, DESCRIPTION, SUMS, *(name for name, _ in self.plan.tables())):
+            if self.store.folder is not None and (self.store.folder / name).is_dir():
+                raise Refusal(f"{self.store.path(name)} is a folder, and the data set has a file of this name: rename or remove the folder")
 
     def _task_seconds(self, workers: int) -> float:
         """Return the simulated time of a task [s]: short enough that all workers stay busy to the end."""

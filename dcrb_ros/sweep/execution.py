@@ -111,7 +111,7 @@ def _label(common: CommonSettings, run: PlannedRun, simulated: _Vehicles | _Bear
     except (Refusal, ModelFailure) as failure:
         return {**label, "status": REFUSED if isinstance(failure, Refusal) else FAILED, "reason": str(failure)}
     except RecordingFailed as failure:
-        raise StoreFailed(f"{failure}; free some space and run the same command again to continue") from None
+        raise StoreFailed(f"{failure.event}; {failure.remedy} and run the same command again to continue") from None
     except (StoreFailed, MemoryError):
         raise
     except Exception as error:

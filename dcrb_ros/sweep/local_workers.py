@@ -19,6 +19,7 @@ from dcrb_ros.sweep.execution import CommonSettings, run_task
 from dcrb_ros.sweep.plan import Task
 from dcrb_ros.sweep.store import StoreFailed
 from dcrb_ros.sweep.workers import Outcome
+from dcrb_ros.text.counts import counted
 
 SPAWN = multiprocessing.get_context("spawn")
 MOST_ATTEMPTS = 4
@@ -80,7 +81,7 @@ class LocalWorkers:
         self._idle: list[_Process] = []
 
     def __str__(self) -> str:
-        return f"{self.count} worker{'s' if self.count > 1 else ''}"
+        return counted(self.count, "worker")
 
     @property
     def process_ids(self) -> list[int]:

@@ -33,6 +33,7 @@ from dcrb_ros.sweep.plan import Plan, Task
 from dcrb_ros.sweep.schema import SPLITS
 from dcrb_ros.sweep.store import Store, file_record
 from dcrb_ros.sweep.sums import SUMS, read_sums
+from dcrb_ros.sweep.vehicles.sweep import VEHICLE
 from dcrb_ros.sweep.verification import flaw, read_label
 from dcrb_ros.text.files import read_text
 from dcrb_ros.text.json import LARGEST, parsed_json
@@ -218,7 +219,7 @@ def _plan(folder: Path) -> Plan:
     tree = read_yaml(folder / file)
     if not isinstance(tree, dict):
         raise Refusal(f"{folder / file} is not a sweep: give the folder of dcrb sweep")
-    return plan_of(sweep_of({**tree, "base": base}, str(folder / file), folder))
+    return plan_of(sweep_of({**tree, VEHICLE if VEHICLE in tree else "base": base}, str(folder / file), folder))
 
 
 def _read_index(index: Path) -> Index:

@@ -57,8 +57,10 @@ def _refused(path: Path) -> Iterator[None]:
 
 
 def remedy_of(error: OSError) -> str:
-    """Return what makes a failed write possible: space on a full disk, otherwise a permission."""
-    return "free some space" if error.errno in FULL else "make it writable"
+    """Return what makes a failed write possible: space on a full disk, a folder that exists, a sound disk, otherwise a permission."""
+    if error.errno in FULL:
+        return "free some space"
+    return {errno.ENOENT: "create its folder", errno.EIO: "check the disk"}.get(error.errno or 0, "make it writable")
 
 
 def write_whole(path: Path, content: str | bytes) -> None:

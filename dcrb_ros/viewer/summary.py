@@ -64,7 +64,8 @@ def _lines(content: Content, truth: Truth | None) -> Iterator[str]:
         yield f"| Imported data | BPFO {content.orders.bpfo:.4g}, BPFI {content.orders.bpfi:.4g} orders |"
     else:
         diameter, pitch = 2e3 * bearing.own_roller_radius, 2e3 * bearing.pitch_radius
-        yield f"| Bearing | {bearing.rows} x {bearing.rollers_per_row} rollers of {diameter:g} mm on a pitch circle of {pitch:g} mm |"
+        elements = f"{bearing.rows} x {bearing.rollers_per_row} rolling elements"
+        yield f"| Bearing | {elements} of {diameter:g} mm on a pitch circle of {pitch:g} mm |"
     if verdict and verdict.evidence.get("reason"):
         yield f"\nReason: {verdict.evidence['reason']}."
 

@@ -124,7 +124,7 @@ def test_a_base_with_another_bearing() -> None:
 
 
 def test_names_for_some_recordings_only() -> None:
-    with pytest.raises(Refusal, match="2 names are given for 1 recordings"):
+    with pytest.raises(Refusal, match="2 names given for 1 recording"):
         calibrate(recorded(), names=["one", "two"])
 
 

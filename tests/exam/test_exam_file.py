@@ -171,6 +171,8 @@ def test_tags_are_derived_from_configuration_and_changes() -> None:
         ),
         ({"scenarios": [{**WELL, "set": {"simulation": {"seed": 3}}}]}, "simulation.seed cannot be set here"),
         ({"points": {"a": {"simulation.seed": 3}}}, "simulation.seed cannot be set here"),
+        ({"scenarios": [{**WELL, "set": {"time_scale": 2.0}}]}, "'well': time_scale has no effect in an exam"),
+        ({"points": {"a": {"recording": {"path": "x"}}}}, "'well': recording.path has no effect in an exam"),
         (
             {"scenarios": [{**WELL, "duration": 5.0, "timeline": [{"at": 5.0, "set": {"operating.speed": 60.0}}]}]},
             "an entry at 5 s is not before its end at 5 s: increase the duration or remove it",

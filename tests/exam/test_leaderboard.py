@@ -72,6 +72,9 @@ def test_an_entry_of_the_first_format_has_no_credit_for_a_fault_that_was_never_d
         del scenario["diagnoses"], scenario["failure"]
     file = tmp_path / "e.json"
     file.write_text(json.dumps(tree), encoding="utf-8")
+    with pytest.raises(Refusal, match="has no sha256, so that a change would not be found"):
+        read_entry(file)
+    write_entry(Entry.model_validate(tree), file)
     write_entry(read_entry(file), file)
     written = json.loads(file.read_text(encoding="utf-8"))
     assert written.pop("sha256")

@@ -22,6 +22,7 @@ from dcrb_ros.exam.scoring import score_scenario
 from dcrb_ros.exam.sealing import SealedExam, _value, commitment, drawn_exam, new_secret, open_exam, seal
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.json import digest_of
 
 SECRET = "0" * 63 + "1"
 TEMPLATE: dict[str, Any] = {
@@ -194,7 +195,7 @@ class Sealed:
         ]
 
     def verify(self, tree: dict[str, Any]) -> int:
-        self.file.write_text(json.dumps(tree), encoding="utf-8")
+        self.file.write_text(json.dumps(tree | {"sha256": digest_of(tree, "sha256")}), encoding="utf-8")
         return dcrb("exam", "verify", str(self.sealed), str(self.secret), str(self.file))
 
 

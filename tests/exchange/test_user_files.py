@@ -114,6 +114,12 @@ def test_a_fractional_rate_keeps_the_speed(tmp_path: Path) -> None:
     assert found.remarks() == ["the sampling rate of 48828.1 Hz is recorded as 48828 Hz, since stamps count whole samples"]
     turns = np.unwrap(found.angle.astype(float))[-1] / (2.0 * np.pi)
     assert turns == pytest.approx(25.0 * 99_999 / rate, rel=1e-7)
+    exported = tmp_path / "again.npz"
+    again = WaveformImport(exported, export(recording, exported))
+    assert (again.measured_rate, again.rate) == (rate, 48828)
+    with np.load(exported) as arrays:
+        assert (float(arrays["sampling_rate"]), arrays["time"][-1]) == (rate, 99_999 / rate)
+    assert WaveformImport(tmp_path / "again.wav", export(recording, tmp_path / "again.wav")).rate == 48828
 
 
 def test_files_are_joined_with_the_gap_between_them(tmp_path: Path) -> None:

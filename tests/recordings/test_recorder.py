@@ -233,7 +233,7 @@ def test_a_disk_that_is_full_at_a_split_leaves_the_earlier_files_complete(tmp_pa
     bag, encoder = tmp_path / "bag", BlockEncoder(Configuration(), BODIES)
     recorder = Recorder(bag, Configuration.model_validate({"recording": {"split_duration": 0.5}}), BODIES)
     (bag / "bag_1.mcap").symlink_to("/dev/full")
-    with pytest.raises(RecordingFailed, match=r"ended at 0\.5 s: No space left on device"):
+    with pytest.raises(RecordingFailed, match=r"ended at 0\.5 s: No space left on device; free some space or give another folder"):
         recorder.write_messages(message for block in blocks(60) for message in encoder.encode(block))
     assert sorted(file.name for file in bag.iterdir()) == ["bag_0.mcap", "metadata.yaml"]
     assert about(bag)["relative_file_paths"] == ["bag_0.mcap"]
@@ -256,7 +256,7 @@ def test_an_error_that_the_disk_reports_late_fails_the_recording(tmp_path: Path,
     encoder, recorder = BlockEncoder(Configuration(), BODIES), Recorder(tmp_path / "bag", Configuration(), BODIES)
     recorder.write_messages(message for block in blocks(10) for message in encoder.encode(block))
     monkeypatch.setattr(os, "fsync", fsync)
-    with pytest.raises(RecordingFailed, match="could not be finished: Input/output error"):
+    with pytest.raises(RecordingFailed, match="could not be finished: Input/output error; check the disk or give another folder"):
         recorder.close()
     monkeypatch.undo()
     assert sum(1 for _ in Recording(tmp_path / "bag").vibrations()) == 10

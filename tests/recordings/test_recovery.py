@@ -319,7 +319,7 @@ def test_the_last_time_is_printed_for_people(bag: Path, tmp_path: Path) -> None:
             writer.add_message(channel, time_ns, bytes(12), 0)
         writer.finish()
     done = fresh_dcrb("recover", str(path), "-o", str(tmp_path / "new"))
-    assert done.stdout == f"{tmp_path / 'new'}: 1 messages, the last at 2026-11-22 08:59:59.437 UTC\n"
+    assert done.stdout == f"{tmp_path / 'new'}: 1 message, the last at 2026-11-22 08:59:59.437 UTC\n"
     words = "/number has a message at 9223372036854775808 ns, beyond 2262-04-11 23:47:16.854 UTC, which ROS cannot represent"
     assert done.stderr == f"dcrb: {words}\n"
     assert metadata_flaw(tmp_path / "new") == ""

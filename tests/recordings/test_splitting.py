@@ -178,7 +178,7 @@ def test_missing_parents_of_the_folder_are_created_and_an_existing_folder_is_kep
 def test_a_folder_that_disappears_ends_the_recording_with_a_reason(tmp_path: Path) -> None:
     bag = bag_of(tmp_path / "bag", at(0, 2500), duration_ns=10 * MS)
     shutil.rmtree(bag.path)
-    with pytest.raises(RecordingFailed, match=r"bag ended at 2\.5 s: No such file or directory"):
+    with pytest.raises(RecordingFailed, match=r"bag ended at 2\.5 s: No such file or directory; create its folder or give another folder"):
         bag.write(at(3000))
     assert not bag.open
     bag.write(at(4000))
@@ -187,7 +187,7 @@ def test_a_folder_that_disappears_ends_the_recording_with_a_reason(tmp_path: Pat
 def test_a_bag_that_is_removed_on_failure_says_so(tmp_path: Path) -> None:
     bag = bag_of(tmp_path / "bag", at(0, 2500), duration_ns=10 * MS)
     shutil.rmtree(bag.path)
-    removed = r"bag ended at 2\.5 s: No such file or directory; it was removed: free some space or give another folder"
+    removed = r"bag ended at 2\.5 s: No such file or directory; it was removed; create its folder or give another folder"
     with pytest.raises(RecordingFailed, match=removed), bag.removed_on_failure():
         bag.write(at(3000))
     assert not bag.path.exists()

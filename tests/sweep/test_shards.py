@@ -194,3 +194,26 @@ def test_a_changed_run_is_not_packed(data_set: Path, tmp_path: Path) -> None:
     waveform.write_bytes(waveform.read_bytes()[:-1] + b"x")
     with pytest.raises(Refusal, match=f"{waveform.name} has been changed"):
         write_shards(copied, tmp_path / "more", 3)
+
+
+def test_shards_of_vehicles_are_made_again_without_the_file_of_the_vehicle(tmp_path: Path) -> None:
+    import yaml
+
+    from dcrb_ros.sweep.kinds import plan_of
+
+    own = tmp_path / "bogie.yaml"
+    own.write_text("vehicle: {bench: dry}\naxle_1: {left: {}, right: {}}\n")
+    cases = {"healthy": {}, "outer": {"box": "axle_1.left", "box.faults.outer_1.width": 0.002}}
+    split = {"train": 0.5, "validation": 0.0, "test": 0.5}
+    vary = {"vehicle.seed": [1, 2]}
+    tree = {"vehicle": str(own), "design": "grid", "vary": vary, "cases": cases, "duration": 0.5, "settle": 0.0, "split": split}
+    with open_data_set(plan_of(sweep_of(tree, "sweep.yaml", text=yaml.safe_dump(tree))), Store(str(tmp_path / "set"))) as made:
+        made.make(Here(), lambda _: None)  # type: ignore[arg-type]
+    name, *others = write_shards(tmp_path / "set", tmp_path / "shards", 100)
+    assert [name, *others] == ["train-000000.tar", "test-000000.tar"]
+    own.unlink()
+    remake_shard(tmp_path / "shards" / INDEX, name, tmp_path / name)
+    assert (tmp_path / name).read_bytes() == (tmp_path / "shards" / name).read_bytes()
+    with tarfile.open(tmp_path / name) as tar:
+        boxes = [json.loads(tar.extractfile(member).read())["box"] for member in tar.getnames() if member.endswith(".json")]  # type: ignore[union-attr]
+    assert boxes == ["axle_1.left", "axle_1.right"] * 2

@@ -241,7 +241,7 @@ def test_only_the_first_of_many_damaged_runs_are_named(tmp_path: Path, capsys: p
         _report_flaws(data_set)
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 6
-    assert lines[-1] == "2 further runs are damaged and simulated again"
+    assert lines[-1] == "damage in 2 further runs: simulated again"
 
 
 def test_a_data_set_of_an_earlier_version_is_continued_with_a_warning(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -285,3 +285,13 @@ def test_files_are_on_the_disk_before_they_have_their_names(tmp_path: Path, monk
     assert (kind, then, last) == ("sync", "rename", "sync")
     assert part == source
     assert folder == str(tmp_path / "labels")
+
+
+@pytest.mark.parametrize("name", ["README.md", "labels.parquet", "SHA256SUMS"])
+def test_a_folder_in_place_of_a_file_is_refused_before_the_first_run(name: str, tmp_path: Path) -> None:
+    plan, store = Plan(sweep_of(TREE, "sweep.yaml", text=SWEEP)), Store(str(tmp_path))
+    with open_data_set(plan, store):
+        pass
+    (tmp_path / name).mkdir()
+    with pytest.raises(Refusal, match=f"{name} is a folder, .*: rename or remove the folder"), open_data_set(plan, store):
+        pass

@@ -48,7 +48,7 @@ def test_an_error_in_the_context_leaves_nothing(tmp_path: Path) -> None:
 
 
 def test_a_missing_folder_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(Refusal, match="No such file or directory"):
+    with pytest.raises(Refusal, match="No such file or directory; create its folder or give another file"):
         write_whole(tmp_path / "nowhere" / "file", "text")
 
 

@@ -258,6 +258,7 @@ def test_summary_contains_verdict_and_ground_truth(content: Content) -> None:
     assert "outer ring defect" in page
     assert "outer_1: 2 mm wide, both rows" in page
     assert f"{PAPER_SPEED * 30 / math.pi:.1f} rpm, 100 kN" in page
+    assert "2 x 16 rolling elements of 30 mm on a pitch circle of 188 mm" in page
 
 
 def test_a_fault_that_comes_between_two_summary_pages_has_one_of_its_own() -> None:

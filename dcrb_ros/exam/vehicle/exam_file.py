@@ -17,6 +17,7 @@ from pydantic import Field, ValidationError
 
 from dcrb_ros.exam.case import canonical
 from dcrb_ros.exam.criteria import Criteria
+from dcrb_ros.exam.exam_parameters import refuse_ineffective
 from dcrb_ros.schema.fields import Group, choice, quantity
 from dcrb_ros.schema.parameter_field import first_problem
 from dcrb_ros.schema.refusal import Refusal, nearest
@@ -186,6 +187,7 @@ def _cases(file: VehicleExamFile, entry: VehicleEntry, base: Mapping[str, Any], 
         name = "/".join(filter(None, words))
         drawn = {key: seed_of(file.seed, name, key) for key in DRAWN} if file.seed is not None else {}
         layers = (base, drawn, flatten(file.set), flatten(file.points.get(point, {})), flatten(file.variants.get(variant, {})), own)
+        refuse_ineffective((key for layer in layers[1:] for key in layer), where)
         parameters = {key: value for layer in layers for key, value in layer.items()}
         damaged = {_placed(key, box, where): verdict for key, verdict in entry.damaged.items() if verdict != "healthy"}
         tags = {**({"point": point} if point else {}), **({"variant": variant} if variant else {}), "kind": entry.name, **entry.tags}
