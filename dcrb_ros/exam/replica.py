@@ -31,7 +31,7 @@ from dcrb_ros.exam.replica_priors import (
     SHARE,
     WIDTH,
     drawn,
-    seed_of,
+    generator_of,
 )
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.refusal import Refusal, nearest
@@ -166,7 +166,7 @@ def _counterparts(
             "name": f"{recording.name}/{number + 1}",
             "verdict": recording.truth,
             "duration": min(plan.longest, recording.seconds),
-            "seeds": [int(seed_of(plan.seed, machine, recording.name, "run").integers(1, SEEDS))],
+            "seeds": [int(generator_of(plan.seed, machine, recording.name, "run").integers(1, SEEDS))],
             "twin": False,
             "required": recording.truth != "roller",
             "tags": {
@@ -200,8 +200,8 @@ def _drawn_settings(
 ) -> dict[str, Any]:
     """Return what is drawn for a recording of a simulated machine; ``levels`` returns its healthy level at a speed, for its parameters."""
     truth, kind = recording.truth, "balls" if bench.contact.law == BALLS else "rollers"
-    of_machine = drawn("machine", truth, kind, seed_of(plan.seed, machine), plan.left_out)
-    of_bearing = drawn("bearing", truth, kind, seed_of(plan.seed, machine, recording.bearing), plan.left_out)
+    of_machine = drawn("machine", truth, kind, generator_of(plan.seed, machine), plan.left_out)
+    of_bearing = drawn("bearing", truth, kind, generator_of(plan.seed, machine, recording.bearing), plan.left_out)
     gain, load = of_bearing.pop(GAIN), of_machine.pop(LOAD) * bench.operating.load
     gain = 1.0 if recording.gain_known else gain
     fault = {name: of_bearing.pop(name) for name in (WIDTH, DEPTH, SHARE, AZIMUTH) if name in of_bearing}

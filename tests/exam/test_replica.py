@@ -18,7 +18,7 @@ from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.exam.exam_file import exam_of
 from dcrb_ros.exam.replica import ReplicaPlan, replica_tree
 from dcrb_ros.exam.replica_geometry import bearing_settings, geometry_of
-from dcrb_ros.exam.replica_priors import PRIORS, described, drawn, seed_of
+from dcrb_ros.exam.replica_priors import PRIORS, described, drawn, generator_of
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import load_configuration
 
@@ -136,10 +136,10 @@ def test_a_bearing_of_the_bench_is_that_of_the_bench() -> None:
 
 def test_impacts_have_shares_of_one_variance() -> None:
     for k in range(300):
-        values = drawn("bearing", "outer_ring", "balls", seed_of(k))
+        values = drawn("bearing", "outer_ring", "balls", generator_of(k))
         assert values["impacts.element_share"] + values["impacts.shaft_share"] <= 1.0
         assert 0.0 < values["impacts.spread"] <= 1.3
-    assert "impacts.spread" not in drawn("bearing", "healthy", "balls", seed_of(1))
+    assert "impacts.spread" not in drawn("bearing", "healthy", "balls", generator_of(1))
 
 
 def test_every_prior_is_described_and_draws_values_within_its_words() -> None:
