@@ -155,7 +155,7 @@ def test_every_prior_is_described_and_draws_values_within_its_words() -> None:
         ({"BPFO": "3.2"}, "is not a whole number of rolling elements"),
         ({"FTF": "0.6"}, "FTF = 0.6 contradicts BPFO"),
         ({"BSF": "0.4"}, "BSF = 0.4 gives rolling elements"),
-        ({"sampling_rate": "12007"}, "has no divisor from 10 to 200 Hz"),
+        ({"sampling_rate": "12007"}, "has no divisor from 10 to 1000 Hz"),
         ({"sampling_rate": "400000"}, "400000"),
         ({"truth": "cage"}, "calm_1 is cage, which has no replica"),
         ({"seconds": "-1"}, "seconds = -1 is not a number above 0"),
