@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from dcrb_ros.bearing.lubrication import observe_lubrication
+from dcrb_ros.bearing.film_observation import observe_lubrication
 from dcrb_ros.core import observation as of
 from dcrb_ros.core.layout.state import SHAFT_SPEED, State
 from dcrb_ros.core.payload import Payload

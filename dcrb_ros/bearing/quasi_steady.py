@@ -15,7 +15,7 @@ import numpy as np
 
 from dcrb_ros.bearing.heat_network import GREASE_EXCHANGE, Conductances, Vector, contact_conductance, heat_network, idle_conductance
 from dcrb_ros.bearing.load_distribution import roller_forces
-from dcrb_ros.bearing.lubricant import lubrication_at
+from dcrb_ros.bearing.lubricant_condition import lubrication_at
 from dcrb_ros.core.laws.cage_oil import DRAG_COEFFICIENT
 from dcrb_ros.core.laws.calls import churning, film_at, film_memory, film_thickness, has_cage_oil, land_torque
 from dcrb_ros.core.laws.lubricants import lubricant_of

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from dcrb_ros.bearing.heat_network import HeatNetwork
-from dcrb_ros.bearing.lubricant import cage_friction_of, lubrication_at
+from dcrb_ros.bearing.lubricant_condition import cage_friction_of, lubrication_at
 from dcrb_ros.core.laws.calls import film_at
 from dcrb_ros.core.laws.site import Material
 from dcrb_ros.core.layout.state import State

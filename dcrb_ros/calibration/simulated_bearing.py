@@ -18,6 +18,7 @@ from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten, load_configuration, settings_by_key
+from dcrb_ros.settings.measured_rate import rates
 from dcrb_ros.settings.parameters import Publishing, Recording
 from dcrb_ros.settings.sensor import Background, SensorParameters, Structure
 from dcrb_ros.simulation.loop import Simulation
@@ -32,8 +33,6 @@ INDIVIDUAL_SECONDS = 2.0
 """Simulated time of each of the others [s]."""
 STEEL = 7850.0
 """Density of rollers [kg/m^3]."""
-USUAL_PREVIEW = 200
-"""Rate of the preview where it divides the sampling rate [Hz]."""
 SPEED_KEYS = ("operating.speed_kmh", "operating.speed_fluctuation", "operating.speed_ripple")
 """Parameters outside of path, background and sensor that a calibration determines, too."""
 
@@ -74,7 +73,7 @@ def bench_of(
         raise Refusal(f"{measured.name} has another bearing than its bench: {mismatch}; give a base with the machine's bearing")
     if mismatch:
         changes |= flatten({"bearing": rollers_of(measured.orders, bench, measured.name)})
-    # A shorter step is kept: see `rates`.
+    # A shorter step is kept: see `measured_rate.rates`.
     unused = [key for key in settings_by_key(settings) if key in SPEED_KEYS or (key in changes and key != "simulation.step")]
     if unused:
         raise Refusal(
@@ -85,20 +84,6 @@ def bench_of(
         return load_configuration(bench, changes)
     except Refusal as refusal:
         raise Refusal(f"the bench cannot run like {measured.name}: {str(refusal).removeprefix('settings: ')}") from None
-
-
-def rates(rate: int, step: float) -> dict[str, Any]:
-    """Return sampling rate, a step of at most ``step`` [s] that divides a sampling interval, and a rate of the preview that divides it.
-
-    Raises:
-        Refusal: the rate has no divisor for the preview.
-    """
-    divisors = [d for d in range(10, 1001) if rate % d == 0]
-    if not divisors:
-        raise Refusal(f"a sampling rate of {rate} Hz has no divisor between 10 and 1000 Hz, as the preview needs: resample the recording")
-    preview = min(divisors, key=lambda d: abs(math.log(d / USUAL_PREVIEW)))
-    steps = max(2, math.ceil(1.0 / (step * rate) - 1e-9))
-    return {"sensor.sampling_rate": rate, "simulation.step": 1.0 / (rate * steps), "publishing.preview_rate": preview}
 
 
 def rollers_of(orders: Orders, bench: Configuration, name: str) -> dict[str, Any]:

@@ -12,7 +12,7 @@ import typer
 
 from dcrb_ros.cli.first_start import announce_compilation
 from dcrb_ros.cli.options import detector_parameters, warn_of_digest
-from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal, repeated
 
 if TYPE_CHECKING:
     from dcrb_ros.diagnosis.parameters import DetectorParameters
@@ -151,8 +151,7 @@ def _names(bags: Sequence[Path]) -> list[str]:
     """Return a name for each recording: the name of its folder, or the whole path if two folders have the same name."""
     short = [bag.resolve().name for bag in bags]
     names = [name if short.count(name) == 1 else str(bag) for name, bag in zip(short, bags, strict=True)]
-    twice = next((name for name in names if names.count(name) > 1), None)
-    if twice is not None:
+    if (twice := repeated(names)) is not None:
         raise Refusal(f"{twice} is given twice: give every recording once")
     return names
 

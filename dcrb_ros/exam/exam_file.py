@@ -23,7 +23,7 @@ from dcrb_ros.exam.revolutions import speed_knots
 from dcrb_ros.exam.twins import with_twins
 from dcrb_ros.faults.ground_truth import class_of
 from dcrb_ros.schema.fields import Group, choice, quantity
-from dcrb_ros.schema.refusal import Refusal, nearest
+from dcrb_ros.schema.refusal import Refusal, nearest, repeated
 from dcrb_ros.schema.verdicts import FAULT_CLASSES, FaultClass
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import fields_by_key, flatten, layered, read_parameters, validated
@@ -146,11 +146,8 @@ def exam_of(tree: Any, source: str) -> Exam:
     if not 0 < count <= MOST_CASES:
         raise Refusal(f"{source} defines {count} scenarios: an exam must have 1 to {MOST_CASES}")
     cases = [case for entry in file.scenarios for case in _cases(file, entry, source)]
-    names: set[str] = set()
-    for case in cases:
-        if case.expectation.name in names:
-            raise Refusal(f"{source}: two scenarios are called '{case.expectation.name}': give them different names")
-        names.add(case.expectation.name)
+    if (twice := repeated(case.expectation.name for case in cases)) is not None:
+        raise Refusal(f"{source}: two scenarios are called '{twice}': give them different names")
     return Exam(file.exam, file.about, file.criteria, tuple(with_twins(cases)), file.seal, file.replica)
 
 

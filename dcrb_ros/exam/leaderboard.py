@@ -13,7 +13,7 @@ from dcrb_ros.exam.leaderboard_entry import Entry, read_entry
 from dcrb_ros.exam.marking import Marking, marking_of
 from dcrb_ros.exam.statistics import CONFIDENCE
 from dcrb_ros.schema.printable import printable
-from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal, repeated
 from dcrb_ros.text.files import checked_path
 from dcrb_ros.text.markdown import table
 
@@ -100,9 +100,7 @@ def boards(entries: Sequence[Entry]) -> list[Board]:
 
 
 def _ranked(entries: Sequence[Entry]) -> Iterator[RankedEntry]:
-    names = [entry.detector for entry in entries]
-    twice = next((name for name in names if names.count(name) > 1), None)
-    if twice is not None:
+    if (twice := repeated(entry.detector for entry in entries)) is not None:
         raise Refusal(f"two entries of the exam {entries[0].exam} are called '{twice}': give them different names with --name")
     marking = marking_of(entries[0])
     ordered = sorted(entries, key=lambda entry: (-marking.mark(entry), entry.detector))

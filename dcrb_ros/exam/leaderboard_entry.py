@@ -22,7 +22,7 @@ from dcrb_ros.recordings.manifest import model_fingerprint, software
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.parameter_field import first_problem
-from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal, repeated
 from dcrb_ros.schema.verdicts import BEARING_FAULTS, VERDICTS, FaultClass, is_alarm
 from dcrb_ros.text.files import checked_path, read_text
 from dcrb_ros.text.json import LARGEST, digest_of, parsed_json
@@ -231,9 +231,7 @@ def read_entry(path: Path) -> Entry:
 
 
 def _check(entry: Entry, path: Path) -> None:
-    names = [scenario.name for scenario in entry.scenarios]
-    if len(set(names)) < len(names):
-        twice = next(name for name in names if names.count(name) > 1)
+    if (twice := repeated(scenario.name for scenario in entry.scenarios)) is not None:
         raise Refusal(f"{path} has the scenario '{twice}' twice: make it again with dcrb score --entry")
     profiles = {profile.name for profile in PROFILES}
     for scenario in entry.scenarios:

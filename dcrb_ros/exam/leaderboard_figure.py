@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from dcrb_ros.exam.leaderboard import Board
-from dcrb_ros.schema.printable import printable
+from dcrb_ros.schema.printable import printable, shortened
 from dcrb_ros.text.writing import whole_file
 
 COLOURS = {"safety": "#b23a48", "cost": "#2a9d5c"}
@@ -37,7 +37,7 @@ def write_board_figure(board: Board, file: Path) -> None:
 
 
 def _names(board: Board) -> list[str]:
-    return [n if len(n) <= LONGEST else f"{n[: LONGEST - 1]}…" for n in (printable(ranked.entry.detector) for ranked in board.ranking)]
+    return [shortened(printable(ranked.entry.detector), LONGEST, "…") for ranked in board.ranking]
 
 
 def _scores(axes: Axes, board: Board) -> None:

@@ -28,7 +28,7 @@ from dcrb_ros.messages.received_diagnosis import decode_diagnosis
 from dcrb_ros.messages.topics.diagnosis import encode_diagnosis
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.numbers import sampling_rate
-from dcrb_ros.schema.refusal import Refusal, nearest
+from dcrb_ros.schema.refusal import Refusal, nearest, repeated
 from dcrb_ros.schema.units import ACCELERATION_UNITS
 from dcrb_ros.schema.verdicts import FAULT_CLASSES
 from dcrb_ros.stream.diagnosis import Diagnosis
@@ -119,9 +119,7 @@ def read_table(table: Path, speed: str = "lines") -> list[MeasuredRecording]:
     if not rows:
         raise Refusal(f"{table} has no rows: list the recordings with {', '.join(COLUMNS)}")
     recordings = [_row(table, number, row, SPEEDS[speed]) for number, row in rows]
-    names = [recording.name for recording in recordings]
-    twice = next((name for name in names if names.count(name) > 1), None)
-    if twice is not None:
+    if (twice := repeated(recording.name for recording in recordings)) is not None:
         raise Refusal(f"{table} lists {twice} twice: give every recording once")
     return recordings
 

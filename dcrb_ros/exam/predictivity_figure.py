@@ -8,7 +8,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from dcrb_ros.exam.predictivity_report import Comparison, pooled
-from dcrb_ros.schema.printable import printable
+from dcrb_ros.schema.printable import printable, shortened
 from dcrb_ros.text.writing import whole_file
 
 COLOURS = ("#1f6fb4", "#b23a48")
@@ -37,8 +37,7 @@ def write_predictivity_figure(comparison: Comparison, file: Path) -> None:
     for number, k in enumerate(named, 1):
         above = number % 2 == 0
         axes.annotate(str(number), (exam[k], field[k]), (4.0, 3.0 if above else -8.0), textcoords="offset points", fontsize=7)
-    names = [printable(comparison.marks.detectors[k]) for k in named]
-    short = [name if len(name) <= LONGEST else f"{name[: LONGEST - 1]}…" for name in names]
+    short = [shortened(printable(comparison.marks.detectors[k]), LONGEST, "…") for k in named]
     listed = "\n".join(f"{number:2d}  {name}" for number, name in enumerate(short, 1))
     axes.text(1.02, 1.0, listed, transform=axes.transAxes, va="top", fontsize=7, linespacing=1.25, parse_math=False)
     low = max(0.0, 10.0 * math.floor(min(float(exam.min()), float(field.min())) / 10.0) - 5.0)

@@ -31,12 +31,13 @@ from dcrb_ros.exam.replica_priors import (
     SHARE,
     WIDTH,
     drawn,
-    seed_of,
+    generator_of,
 )
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.settings.measured_rate import rates
 from dcrb_ros.simulation.healthy_level import healthy_level
 
 BENCH = "ball_bearing_6205"
@@ -46,10 +47,6 @@ LEVEL_TIME = 0.3
 """Time over which the level of a healthy machine is simulated, to which its background refers [s]."""
 FAULTS = {"outer_ring": "outer_1", "inner_ring": "inner_1", "roller": "roller_1"}
 """Defect of the bench for each verdict that a replica can have."""
-FASTEST_PREVIEW = 200
-"""Highest rate of the preview [Hz]; the bench takes a divisor of the sampling rate."""
-SLOWEST_PREVIEW = 10
-"""[Hz]"""
 RANGE = 1e4
 """Range of the sensor at a gain of 1 [m/s^2]."""
 
@@ -150,7 +147,10 @@ def _counterparts(
 ) -> Iterator[dict[str, Any]]:
     """Yield the scenarios of a recording."""
     try:
-        fixed = {**bearing_settings(geometry_of(recording.orders), bench, recording.pitch_radius), **_rate_settings(recording.rate, bench)}
+        fixed = {
+            **bearing_settings(geometry_of(recording.orders), bench, recording.pitch_radius),
+            **rates(recording.rate, bench.simulation.step),
+        }
     except Refusal as refusal:
         raise Refusal(f"{table}, {recording.name}: {refusal}") from None
     if recording.truth == "healthy":
@@ -166,7 +166,7 @@ def _counterparts(
             "name": f"{recording.name}/{number + 1}",
             "verdict": recording.truth,
             "duration": min(plan.longest, recording.seconds),
-            "seeds": [int(seed_of(plan.seed, machine, recording.name, "run").integers(1, SEEDS))],
+            "seeds": [int(generator_of(plan.seed, machine, recording.name, "run").integers(1, SEEDS))],
             "twin": False,
             "required": recording.truth != "roller",
             "tags": {
@@ -179,18 +179,6 @@ def _counterparts(
         }
 
 
-def _rate_settings(rate: int, bench: Configuration) -> Mapping[str, Any]:
-    """Return sampling rate, preview and time step; the step is the longest up to that of the bench."""
-    preview = next((preview for preview in range(FASTEST_PREVIEW, SLOWEST_PREVIEW - 1, -1) if rate % preview == 0), None)
-    if preview is None:
-        raise Refusal(
-            f"sampling_rate = {rate} Hz has no divisor from {SLOWEST_PREVIEW} to {FASTEST_PREVIEW} Hz, which the bench needs: resample it, "
-            "for example to a multiple of 100 Hz"
-        )
-    steps = max(2, math.ceil(1.0 / (bench.simulation.step * rate) - 1e-6))
-    return {"sensor.sampling_rate": rate, "simulation.step": 1.0 / (rate * steps), "publishing.preview_rate": preview}
-
-
 def _drawn_settings(
     recording: MeasuredRecording,
     machine: str,
@@ -200,8 +188,8 @@ def _drawn_settings(
 ) -> dict[str, Any]:
     """Return what is drawn for a recording of a simulated machine; ``levels`` returns its healthy level at a speed, for its parameters."""
     truth, kind = recording.truth, "balls" if bench.contact.law == BALLS else "rollers"
-    of_machine = drawn("machine", truth, kind, seed_of(plan.seed, machine), plan.left_out)
-    of_bearing = drawn("bearing", truth, kind, seed_of(plan.seed, machine, recording.bearing), plan.left_out)
+    of_machine = drawn("machine", truth, kind, generator_of(plan.seed, machine), plan.left_out)
+    of_bearing = drawn("bearing", truth, kind, generator_of(plan.seed, machine, recording.bearing), plan.left_out)
     gain, load = of_bearing.pop(GAIN), of_machine.pop(LOAD) * bench.operating.load
     gain = 1.0 if recording.gain_known else gain
     fault = {name: of_bearing.pop(name) for name in (WIDTH, DEPTH, SHARE, AZIMUTH) if name in of_bearing}

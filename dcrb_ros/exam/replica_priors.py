@@ -164,7 +164,7 @@ def prior_table() -> str:
     return table(heads, rows)
 
 
-def seed_of(*words: object) -> np.random.Generator:
+def generator_of(*words: object) -> np.random.Generator:
     """Return the random generator of some words, alike on every machine."""
     digest = hashlib.sha256("\n".join(map(str, words)).encode()).digest()
     return np.random.Generator(np.random.PCG64(int.from_bytes(digest[:16], "big")))

@@ -27,6 +27,16 @@ LONGEST_NUMBER = 100
 """Longest text that is read as a number [characters]."""
 
 
+def changed_by_topic(key: str, topic: str) -> Refusal:
+    """Return the refusal of a parameter that a command changes."""
+    return Refusal(f"parameters: {key} changes by the topic {topic}; the parameter is its value at the start")
+
+
+def not_while_running(parameter: str, remedy: str) -> Refusal:
+    """Return the refusal of a parameter that a running node does not take."""
+    return Refusal(f"parameters: {parameter} cannot be set while the node runs: {remedy}")
+
+
 class ParameterNode(Node):
     """A node whose parameters are those of a schema."""
 
@@ -111,7 +121,7 @@ class ParameterNode(Node):
                 and parameter.type_ == self.get_parameter(name).type_
             ):
                 continue
-            raise Refusal(f"parameters: {name} = {parameter.value!r} cannot be set while the node runs: leave it out, nothing is changed")
+            raise not_while_running(f"{name} = {parameter.value!r}", "leave it out, nothing is changed")
 
     def _is_settled(self, parameter: Any) -> bool:
         """Return whether a parameter is read-only and has the requested value."""

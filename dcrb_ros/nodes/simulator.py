@@ -19,6 +19,7 @@ from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.topics import DETECTED, LOAD_COMMAND, SENSOR, SIMULATED, SPEED_COMMAND, TRANSFORMS, VIBRATION, Message
 from dcrb_ros.messages.topics.transforms import encode_transforms
 from dcrb_ros.nodes.gate import Gate
+from dcrb_ros.nodes.parameters import changed_by_topic
 from dcrb_ros.nodes.programs import main
 from dcrb_ros.nodes.publisher import Publisher
 from dcrb_ros.nodes.ros import own_arguments, run_node
@@ -27,7 +28,6 @@ from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.recordings.recorder_thread import RecorderThread
 from dcrb_ros.runtime.prefetch import prefetch
 from dcrb_ros.schema.parameter_field import wrong_type
-from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.simulated_time import checked_duration
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten, parameter_fields
@@ -125,7 +125,7 @@ class SimulatorNode(SimulatingNode):
         with self.refusals.counted("parameters"):
             for key in changes:
                 if key in COMMANDED and not wrong_type(self._fields[key], changes[key]):
-                    raise Refusal(f"parameters: {key} changes by the topic {COMMANDED[key]}; the parameter is its value at the start")
+                    raise changed_by_topic(key, COMMANDED[key])
             after = altered(self._source.simulation.configuration, changes)
             for sentence in sorted({*whole_length(after)} - {*whole_length(self._source.simulation.configuration)}):
                 self.get_logger().info(sentence)

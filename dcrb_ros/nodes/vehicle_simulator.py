@@ -18,7 +18,7 @@ from dcrb_ros.messages.vehicle import box_path
 from dcrb_ros.messages.vehicle_encoder import VehicleEncoder, simulated_topics
 from dcrb_ros.nodes.bench_status import BenchStatus
 from dcrb_ros.nodes.gate import Gate
-from dcrb_ros.nodes.parameters import is_of_ros
+from dcrb_ros.nodes.parameters import changed_by_topic, is_of_ros, not_while_running
 from dcrb_ros.nodes.programs import main
 from dcrb_ros.nodes.ros import own_arguments, run_node
 from dcrb_ros.nodes.simulating import SimulatingNode, decoded_by
@@ -223,14 +223,14 @@ class VehicleSimulatorNode(SimulatingNode):
             return
         group, _, name = key.partition(".")
         if group == "vehicle" and name in VEHICLE_COMMANDS:
-            raise Refusal(f"parameters: {key} changes by the topic {VEHICLE_COMMANDS[name].name}; the parameter is its value at the start")
+            raise changed_by_topic(key, VEHICLE_COMMANDS[name].name)
         box = next((box.name for box in self._vehicle.boxes if key.startswith(f"{box.name}.")), None)
         if box is not None and key.removeprefix(f"{box}.") not in fields_by_key():
             raise Refusal(f"parameters: unknown parameter '{key}'{nearest_key(key, self._fields)}")
         if box is not None and made_by_vehicle(key.removeprefix(f"{box}.")):
             topics = ", ".join(topic.name for topic in VEHICLE_COMMANDS.values())
             raise Refusal(f"parameters: {key} follows from the vehicle: publish on {topics}")
-        raise Refusal(f"parameters: {key} cannot be set while the node runs: give it at the start")
+        raise not_while_running(key, "give it at the start")
 
     def update_parameters(self) -> None:
         """Set the node's parameters to those of the running boxes, which a reset may have changed."""

@@ -13,9 +13,9 @@ def printable_lines(text: str) -> str:
     return "\n".join(map(printable, text.split("\n")))
 
 
-def shortened(text: str, longest: int) -> str:
-    """Return a text of at most ``longest`` characters."""
-    return text if len(text) <= longest else f"{text[: longest - 4]} ..."
+def shortened(text: str, longest: int, mark: str = " ...") -> str:
+    """Return a text of at most ``longest`` characters; a longer one ends with a ``mark``."""
+    return text if len(text) <= longest else f"{text[: longest - len(mark)]}{mark}"
 
 
 def decimal(value: float, digits: int) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+from collections import Counter
 from collections.abc import Iterable
 
 from dcrb_ros.schema.printable import printable
@@ -39,6 +40,11 @@ class AlteredSamples(UserWarning):
 def nearest(word: str, known: Iterable[str], likeness: float = LEAST_LIKENESS) -> str:
     """Return ``"; did you mean 'x'?"`` for the known word closest to ``word``, or an empty string if none is like it."""
     return _question(_close(word, known, likeness))
+
+
+def repeated(names: Iterable[str]) -> str | None:
+    """Return the first of the names that occur more than once; None if there is none."""
+    return next((name for name, count in Counter(names).items() if count > 1), None)
 
 
 def nearest_key(key: str, known: Iterable[str]) -> str:

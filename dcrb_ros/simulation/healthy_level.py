@@ -11,6 +11,7 @@ import numpy as np
 from dcrb_ros.schema.numbers import duration_within
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.settings.measured_rate import preview_at
 from dcrb_ros.simulation.run import LONGEST, simulate
 
 STARTING = 0.2
@@ -67,7 +68,7 @@ def healthy_level(
         **{name: group for name, group in kept.items() if name not in REPLACED},
         "structure": kept["structure"] | {"healthy_level": 0.0, "background": 0.0, "background_lines": 0.0, "floor": 0.0},
         "sensor": {"preset": "ideal", "sampling_rate": rate},
-        "publishing": {"preview_rate": next(divisor for divisor in range(200, 9, -1) if rate % divisor == 0)},
+        "publishing": {"preview_rate": preview_at(rate)},
     }
     run = simulate(Configuration.model_validate(machine), STARTING + duration)
     settled = run.acceleration[round(STARTING * rate) :].astype(float)

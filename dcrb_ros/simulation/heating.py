@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from dcrb_ros.bearing.axle_heat import ALONE, BoxTemperatures, Surroundings, box_temperatures
+from dcrb_ros.bearing.film_observation import friction_losses
 from dcrb_ros.bearing.heat_network import Conductances, Vector
-from dcrb_ros.bearing.lubricant import held
-from dcrb_ros.bearing.lubrication import friction_losses
+from dcrb_ros.bearing.lubricant_condition import held
 from dcrb_ros.bearing.quasi_steady import QuasiSteady, air_speed, lost_in_grease, raceway_conductance, seal_heat, vehicle_speed
 from dcrb_ros.bearing.thermal_fit import Growth, OilState, expansion, oil_state, oiled, resized, rounded, work_of_growth
 from dcrb_ros.core.contacts.films import entrainment_speeds

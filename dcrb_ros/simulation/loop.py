@@ -26,6 +26,7 @@ from dcrb_ros.schema.numbers import finite_number
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.simulated_time import nanoseconds, next_tick
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.parameters import COMMANDED
 from dcrb_ros.simulation.block_queue import BlockQueue
 from dcrb_ros.simulation.drive import Drive, commanded
 from dcrb_ros.simulation.failure import check_domain
@@ -138,8 +139,9 @@ class Simulation:
         Refusal
             The speed is out of range, or too many commands are pending.
         """
-        value = commanded("command/speed", "speed", speed, "rad/s")
-        altered(self.configuration, {"operating.speed": value}, "command/speed")
+        topic = COMMANDED["operating.speed"]
+        value = commanded(topic, "speed", speed, "rad/s")
+        altered(self.configuration, {"operating.speed": value}, topic)
         self._pending.add(SpeedCommand(value))
 
     def command_load(self, x: float, y: float) -> None:
@@ -150,8 +152,9 @@ class Simulation:
         Refusal
             The force is out of range or too large for the bearing, or too many commands are pending.
         """
-        force = commanded("command/load force.x", "lateral_load", x, "N"), commanded("command/load force.y", "load", y, "N")
-        altered(self.configuration, {"operating.lateral_load": force[0], "operating.load": -force[1]}, "command/load")
+        topic = COMMANDED["operating.load"]
+        force = commanded(f"{topic} force.x", "lateral_load", x, "N"), commanded(f"{topic} force.y", "load", y, "N")
+        altered(self.configuration, {"operating.lateral_load": force[0], "operating.load": -force[1]}, topic)
         self._pending.add(LoadCommand(*force))
 
     def change(self, changes: Mapping[str, Any]) -> None:

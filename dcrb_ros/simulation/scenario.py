@@ -1,4 +1,12 @@
-"""Scenarios: changes of speed, load, faults and sensor on a timeline in simulated time."""
+"""Scenarios: changes of speed, load, faults and sensor on a timeline in simulated time.
+
+A new key under ``set`` needs ``run_time=True`` on its field, and no code here. Keys of faults, the sensor chain and the thermal network
+take effect by that; for a key of another group, `simulation.loop.Simulation._alter` has the effect.
+
+A new kind of entry, with a key beside those in `KEYS`, needs this key there, a check in `_entry`, a field of `Entry` and of
+`ScheduledChange`, and its changes in `_changes`. Its event is in `stream.events`, the text of the event in `stream.event_text`, and its
+effect in `simulation.loop.Simulation._apply_scheduled`. For vehicles, `vehicle.scenario` turns entries into changes.
+"""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal, repeated
 
 FORMAT = "dcrb vehicle 1"
 """Format of the description in JSON."""
@@ -211,6 +211,5 @@ def _check_number(where: str, value: float, kind: str) -> None:
 
 def _refuse_repeated(names: list[str], kind: str) -> None:
     """Refuse names that occur twice."""
-    twice = next((name for name in names if names.count(name) > 1), None)
-    if twice is not None:
+    if (twice := repeated(names)) is not None:
         raise Refusal(f"{SOURCE}: two {kind} are called '{twice}': give them different names")

@@ -7,7 +7,7 @@ import io
 from collections.abc import Sequence
 from pathlib import Path
 
-from dcrb_ros.schema.refusal import Refusal, nearest
+from dcrb_ros.schema.refusal import Refusal, nearest, repeated
 from dcrb_ros.text.files import read_text
 
 LARGEST_TABLE = 10_000_000
@@ -31,8 +31,7 @@ def read_rows(path: Path, needed: Sequence[str], optional: Sequence[str] = ()) -
         raise Refusal(f"{path} lacks the columns {', '.join(missing)}: it needs {', '.join(needed)}{more}")
     if unknown is not None:
         raise Refusal(f"{path} has the unknown column '{unknown}'{nearest(unknown, known)}: known are {', '.join(known)}")
-    twice = next((name for name in columns if columns.count(name) > 1), None)
-    if twice is not None:
+    if (twice := repeated(columns)) is not None:
         raise Refusal(f"{path} has the column {twice} twice: remove one")
     for line, fields in records:
         if len(fields) != len(columns):

@@ -19,8 +19,9 @@ from dcrb_ros.viewer.content import TimedWaveform
 from dcrb_ros.viewer.live_run import LONGEST_FLUSH, ReceivedMessages, as_current
 from dcrb_ros.viewer.spectrum import envelope_spectra
 from dcrb_ros.viewer.spectrum_picture import GrowingSpectra
+from dcrb_ros.viewer.vehicle_blueprint import SPECTRA, compose
 from dcrb_ros.viewer.vehicle_content import VehicleContent, content_of, joined
-from dcrb_ros.viewer.vehicle_document import SPECTRA, compose, largest_level, log_vehicle
+from dcrb_ros.viewer.vehicle_document import largest_level, log_vehicle
 
 KEPT = 3.0
 """Signal that is kept to align the next blocks [s]; a wheelbase of 2.6 m takes 1.9 s at 5 km/h."""

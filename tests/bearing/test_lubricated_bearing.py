@@ -11,8 +11,8 @@ import pytest
 from even_surfaces import EVEN
 from oil_films import inner_film, outer_film, resistance
 
+from dcrb_ros.bearing.film_observation import friction_losses
 from dcrb_ros.bearing.history import StateHistory
-from dcrb_ros.bearing.lubrication import friction_losses
 from dcrb_ros.core.laws.film import thickness_under
 from dcrb_ros.core.laws.film_thickness import asperity_share
 from dcrb_ros.core.observation import LOADED_FORCE

@@ -20,7 +20,7 @@ from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.exam_parameters import refuse_ineffective
 from dcrb_ros.schema.fields import Group, choice, quantity
 from dcrb_ros.schema.parameter_field import first_problem
-from dcrb_ros.schema.refusal import Refusal, nearest
+from dcrb_ros.schema.refusal import Refusal, nearest, repeated
 from dcrb_ros.schema.verdicts import FaultClass
 from dcrb_ros.settings.files import flatten, validated
 from dcrb_ros.settings.shipped import find_shipped
@@ -154,9 +154,7 @@ def vehicle_exam_of(tree: Any, source: str) -> VehicleExam:
             cases.append(case)
             if len(cases) > MOST_CASES:
                 raise Refusal(f"{source} defines more than {MOST_CASES} scenarios: leave out variations")
-    names = [case.name for case in cases]
-    twice = next((name for name in names if names.count(name) > 1), None)
-    if twice is not None:
+    if (twice := repeated(case.name for case in cases)) is not None:
         raise Refusal(f"{source}: two scenarios are called '{twice}': give them different names")
     if not cases:
         raise Refusal(f"{source} defines no scenario: give at least one")

@@ -1,4 +1,4 @@
-"""The lubricant of a bearing as it is: at the temperatures of its contacts, and with what has been lost of it."""
+"""The lubricant in a bearing: at the temperatures of its contacts, and after the loss of a part of it."""
 
 from __future__ import annotations
 
