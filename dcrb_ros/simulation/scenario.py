@@ -5,7 +5,8 @@ take effect by that; for a key of another group, `simulation.loop.Simulation._al
 
 A new kind of entry, with a key beside those in `KEYS`, needs this key there, a check in `_entry`, a field of `Entry` and of
 `ScheduledChange`, and its changes in `_changes`. Its event is in `stream.events`, the text of the event in `stream.event_text`, and its
-effect in `simulation.loop.Simulation._apply_scheduled`. For vehicles, `vehicle.scenario` turns entries into changes.
+effect in `simulation.loop.Simulation._apply_scheduled`. For vehicles, `vehicle.scenario` turns entries into changes. The onset in
+`exam.exam_file` and the turns in `exam.revolutions` read the changes, too.
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""Commands to a running simulator: speed and load, which `simulation.drive` applies."""
+"""Commands to a running simulator: speed and load, which `simulation.drive` applies.
+
+Their names are in `settings.parameters.COMMANDED`, their text in recordings in `stream.event_text`.
+"""
 
 from __future__ import annotations
 
