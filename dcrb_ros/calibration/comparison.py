@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from dcrb_ros.bearing.waveform import Signal, Waveform
-from dcrb_ros.calibration.healthy_recording import longest_stretch
+from dcrb_ros.calibration.healthy_recording import longest_stretch, unit_of
 from dcrb_ros.calibration.spectra import power_density, third_octaves
 from dcrb_ros.diagnosis.demodulation import NYQUIST_SHARE
 from dcrb_ros.diagnosis.features.envelope_lines import WIDE, envelope_order_spectrum
@@ -165,6 +165,8 @@ def compare(
         remarks.append("a recording has one axis: Y of the other one is compared with it")
     if not all(waveform.tracked for waveform in waveforms):
         remarks.append("a recording has no speed: envelope spectra over orders, fault lines and features are left out")
+    if "relative" in (unit_of(first), unit_of(second)):
+        remarks.append("a recording has relative units: its levels can be compared only without their mean")
     rates = {waveform.sampling_rate for waveform in waveforms}
     if len(rates) > 1:
         remarks.append(f"the sampling rates are {' and '.join(map(str, sorted(rates)))} Hz: only bands that both have are compared")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 import numpy as np
 
@@ -111,7 +111,7 @@ def checked_recording(signal: Signal, name: str, *, trust: bool = False) -> Heal
         ("y",) if single else ("x", "y"),
         turns - turns[0],
         waveform.sampling_rate,
-        _unit(signal),
+        unit_of(signal),
         _angle_measured(signal),
         _configuration(signal),
     )
@@ -121,7 +121,7 @@ def check_one_machine(recordings: Sequence[HealthyRecording]) -> None:
     """Refuse recordings that cannot be of one machine.
 
     Raises:
-        Refusal: none, or their sampling rates, units, axes or bearings differ.
+        Refusal: none, or their sampling rates, units, axes or bearings differ, or one is given twice.
     """
     if not recordings:
         raise Refusal("no recording is given: give at least one of the healthy machine")
@@ -139,6 +139,9 @@ def check_one_machine(recordings: Sequence[HealthyRecording]) -> None:
             if abs(after / before - 1.0) > SAME_ORDERS:
                 orders = f"{name.upper()} is {before:.4g} and {after:.4g} orders"
                 raise Refusal(f"{pair} are of different machines: {orders}; calibrate to each alone")
+    for one, other in combinations(recordings, 2):
+        if np.array_equal(one.acceleration, other.acceleration):
+            raise Refusal(f"{one.name} and {other.name} have the same samples, which would count twice: give every recording once")
 
 
 def longest_stretch(waveform: Waveform) -> Waveform:
@@ -177,7 +180,8 @@ def _check_health(waveform: Waveform, signal: Signal, name: str) -> None:
         )
 
 
-def _unit(signal: Signal) -> str:
+def unit_of(signal: Signal) -> str:
+    """Return the unit of the acceleration: ``m/s^2`` or ``relative``."""
     about = signal.manifest.get("units", {}) if isinstance(signal, Recording) else {}
     return "relative" if about.get("acceleration") == "relative" else "m/s^2"
 

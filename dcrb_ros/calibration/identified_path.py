@@ -181,7 +181,7 @@ def _add_axis(path: IdentifiedPath, axis: str, source: Spectrum, unsure: Sequenc
 
 
 def _bands(frequencies: Sequence[float]) -> str:
-    shown = [f"{frequency:.4g}" for frequency in frequencies]
+    shown = [f"{frequency:.0f}" for frequency in frequencies]
     return ", ".join(shown) if len(shown) < 5 else f"{shown[0]} .. {shown[-1]}"
 
 

@@ -164,7 +164,7 @@ def tones_of(machines: Sequence[HealthyRecording], path: IdentifiedPath) -> Part
         modelled = third_octaves(Spectrum(spectrum.frequency, np.concatenate([density[:1], density]), 1.0), machine.rate)[1]
         high = [frequency for frequency, over in zip(middle, level - modelled, strict=True) if over > TONE and frequency > LOWEST]
         if high:
-            bands = ", ".join(f"{frequency:.4g}" for frequency in high)
+            bands = ", ".join(f"{frequency:.0f}" for frequency in high)
             part.remarks.append(
                 f"lines that the bench does not have hold most of the power in {axis.upper()} in the third octaves at {bands} Hz"
             )

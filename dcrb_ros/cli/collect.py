@@ -36,6 +36,8 @@ def collect(
 
     if not table.is_file():
         raise Refusal(f"there is no list {table}: give a CSV file with the columns file and fault")
+    if output.is_file():
+        raise Refusal(f"-o {output} is a file: give an empty or a new folder")
     runs = (MeasuredRun(run.name, run.waveform, source=run.source, **run.fields) for run in listed_runs(table, about, rate))
     shape = Windows(length=window, overlap=overlap, kind="parquet")
     fresh = not output.exists() or (output.is_dir() and not any(output.iterdir()))

@@ -26,13 +26,17 @@ def print_scenarios(exam: AnyExam) -> None:
         _print_vehicles(exam)
         return
     rows = list(_cells(exam))
-    title = f"{exam.name}: {exam.about}"
+    title = _title(exam)
     if len(rows) <= LONGEST_TABLE:
         console().print(table(title, HEADS, rows))
     else:
         _print_columns(title, rows)
     seconds = sum(case.simulation.duration for case in exam.cases)
     print(f"{counted(len(exam.cases), 'scenario')}, {seconds:.0f} s simulated, sha256 {exam.digest}")
+
+
+def _title(exam: AnyExam) -> str:
+    return f"{exam.name}: {exam.about}" if exam.about else exam.name
 
 
 def _cells(exam: Exam) -> Iterable[tuple[str, ...]]:
@@ -57,6 +61,6 @@ def _print_vehicles(exam: VehicleExam) -> None:
         (case.name, ", ".join(f"{box} {verdict}" for box, verdict in case.damaged.items()) or "-", f"{case.duration:g}")
         for case in exam.cases
     ]
-    _print_columns(f"{exam.name}: {exam.about}", rows, heads)
+    _print_columns(_title(exam), rows, heads)
     seconds = sum(case.duration for case in exam.cases)
     print(f"{counted(len(exam.cases), 'vehicle')}, {seconds:.0f} s simulated, sha256 {exam.digest}")

@@ -154,6 +154,8 @@ def _row(table: Path, line: int, row: dict[str, str], speed: str) -> MeasuredRec
         raise Refusal(
             f"{table}, line {line}: name = '{name}' is not the name of a file in {table.parent / 'recordings'}: give it without a path"
         )
+    if not row["rig"]:
+        raise Refusal(f"{table}, line {line}: rig is empty, so that all recordings without one were of one machine: name the rig")
     gain = row.get("gain") or UNKNOWN
     if gain not in (KNOWN, UNKNOWN):
         raise Refusal(

@@ -111,7 +111,7 @@ def replica_tree(table: Path, plan: ReplicaPlan, speed: str = "lines") -> dict[s
     levels = _HealthyLevels(bench)
     scenarios = [scenario for recording in recordings for scenario in _counterparts(table, recording, recordings, bench, plan, levels)]
     tree = {
-        "exam": f"replica of {table.parent.name}",
+        "exam": f"replica of {table.resolve().parent.name}",
         "about": "Counterparts of measured recordings, made by dcrb exam replica; dcrb exam predictivity compares them",
         "base": plan.bench,
         "onset": 0.0,

@@ -22,6 +22,7 @@ from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.parameter_field import first_problem
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.settings.files import flatten
 from dcrb_ros.text.files import checked_path, read_text
 from dcrb_ros.text.yaml import read_yaml
 
@@ -128,7 +129,7 @@ def drawn_exam(template: Any, secret: str, source: str) -> dict[str, Any]:
     """Return the exam file drawn from a template.
 
     Raises:
-        Refusal: no scenario has ``draw``, or one has an invalid range or count.
+        Refusal: no scenario has ``draw``, or one has an invalid range or count, or a value that the draw would replace.
     """
     scenarios = template.get("scenarios") if isinstance(template, Mapping) else None
     if not isinstance(scenarios, list) or not any(isinstance(entry, Mapping) and "draw" in entry for entry in scenarios):
@@ -162,6 +163,11 @@ def _drawn(entry: Any, secret: str, where: str) -> list[Any]:
     for group in ("set", "fault"):
         if not isinstance(rest.get(group) or {}, Mapping):
             raise Refusal(f"{where}: {group} = {rest[group]!r} must name parameters and their values")
+        twice = next((key for key in flatten(rest.get(group) or {}) if key in (ranges.get(group) or ())), None)
+        if twice is not None:
+            raise Refusal(f"{where}: {twice} is in '{group}' and in draw.{group}, which would replace it: give one of them")
+    if "seeds" in rest:
+        raise Refusal(f"{where}: seeds = {rest['seeds']!r} would have no effect, every drawn scenario has a seed of its own: remove it")
     drawn = []
     for number in range(1, _count(entry, where) + 1):
         name = f"{entry['name']}/{number}"

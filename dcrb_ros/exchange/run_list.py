@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -20,6 +20,8 @@ TEXTS = ("name", "split", "bearing_id", "machine")
 NUMBERS = ("width", "depth", "load")
 IMPORT = ("about", "speed_rpm", "set")
 """Columns that the import of a file takes: its description, its speed, and other settings, divided by semicolons."""
+LARGEST_DEFECT = 0.05
+"""Largest width or depth of a defect, as of one that is simulated [m]."""
 SHA256 = "sha256"
 """Column with the SHA-256 of a file; a file with another one is refused."""
 COLUMNS = (*NEEDED, *TEXTS, *NUMBERS, *IMPORT, SHA256)
@@ -46,8 +48,8 @@ def listed_runs(table: Path, about: str, rate: int = 0) -> Iterator[ListedRun]:
         rate: sampling rate to which all are decimated [Hz]; 0 leaves them.
 
     Raises:
-        Refusal: a column or a value is unknown, a file cannot be imported or has another hash than stated, or a rate is not a whole
-            multiple of ``rate``.
+        Refusal: a column or a value is unknown, a defect is implausibly large or on a healthy bearing, a file cannot be imported or has
+            another hash than stated, or a rate is not a whole multiple of ``rate``.
     """
     for number, row in read_rows(table, NEEDED, COLUMNS[len(NEEDED) :]):
         line = f"{table}, line {number}"
@@ -60,8 +62,9 @@ def listed_runs(table: Path, about: str, rate: int = 0) -> Iterator[ListedRun]:
         if not file.is_file():
             raise Refusal(f"{line}: there is no file {file}")
         settings = [part.strip() for part in (row.get("set") or "").split(";") if part.strip()]
-        settings += [f"speed_rpm={row['speed_rpm']}"] if row.get("speed_rpm") else []
-        read = WaveformImport([file], find_shipped("description", description), settings)
+        if row.get("speed_rpm"):  # it is that of the file, and replaces the speed of the description
+            settings = ["channels.rpm=null", "speed=null", *settings, f"speed_rpm={row['speed_rpm']}"]
+        read = _imported(file, find_shipped("description", description), settings, line)
         sha256 = read.sha256()
         if (row.get(SHA256) or sha256).lower() != sha256:
             raise Refusal(f"{line}: {file} has the SHA-256 {sha256} instead of {row[SHA256]}: get the file again, or correct the list")
@@ -69,7 +72,8 @@ def listed_runs(table: Path, about: str, rate: int = 0) -> Iterator[ListedRun]:
             acceleration=read.acceleration, shaft_angle=read.angle, sampling_rate=read.rate, index=read.index, orders=read.orders
         )
         fields: dict[str, Any] = {"fault": row["fault"]} | {name: row[name] for name in TEXTS[1:] if row.get(name)}
-        fields |= {name: _number(row[name], f"{line}: {name}") for name in NUMBERS if row.get(name)}
+        sizes = {name: _number(row[name], f"{line}: {name}") for name in NUMBERS if row.get(name)}
+        fields |= _checked_sizes(sizes, row["fault"], line)
         source = dict(read.description.source or {})
         yield ListedRun(row.get("name") or file.stem, decimated(waveform, rate, str(file)) if rate else waveform, source, fields)
 
@@ -84,6 +88,28 @@ def _description(about: str, folder: Path, line: str) -> Path:
         return find_shipped("description", folder / about, about)
     except Refusal as refusal:
         raise Refusal(f"{line}: {refusal}") from None
+
+
+def _imported(file: Path, description: Path, settings: Sequence[str], line: str) -> WaveformImport:
+    try:
+        return WaveformImport([file], description, settings)
+    except Refusal as refusal:
+        raise Refusal(f"{line}: {refusal}") from None
+
+
+def _checked_sizes(sizes: dict[str, float], fault: str, line: str) -> dict[str, float]:
+    """Return the numbers of a row.
+
+    Raises:
+        Refusal: a healthy bearing has a defect, or a defect is larger than one that can be simulated.
+    """
+    for name in ("width", "depth"):
+        size = sizes.get(name, 0.0)
+        if size and fault == "healthy":
+            raise Refusal(f"{line}: {name} = {size:g} m, but the bearing is healthy: leave it empty, or name the fault")
+        if size > LARGEST_DEFECT:
+            raise Refusal(f"{line}: {name} = {size:g} m is larger than {LARGEST_DEFECT:g} m: give it in metres")
+    return sizes
 
 
 def _number(text: str, name: str) -> float:

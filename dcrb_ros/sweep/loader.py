@@ -182,6 +182,9 @@ def _check_design(sweep: Sweep, source: str) -> None:
     seeds = [file.seeds] if isinstance(file.seeds, int) else file.seeds
     if not seeds or min(seeds) < (1 if isinstance(file.seeds, int) else 0) or max(seeds) > 2**31 - 1:
         raise Refusal(f"{source}: seeds = {file.seeds!r} is invalid: give the number of seeds per condition, at least 1, or a list")
+    twice = next((seed for seed in seeds if seeds.count(seed) > 1), None)
+    if twice is not None:
+        raise Refusal(f"{source}: seeds has {twice} twice, which gives the same runs: give every seed once")
     if sweep.count > MOST_RUNS:
         raise Refusal(f"{source} defines {sweep.count} runs; a sweep has at most {MOST_RUNS}: give fewer points, values, seeds or cases")
 

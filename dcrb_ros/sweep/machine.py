@@ -42,11 +42,16 @@ def around_machine(tree: Mapping[str, Any], source: str, folder: Path) -> tuple[
 
 
 def flatten_axes(tree: Mapping[str, Any], prefix: str = "") -> Mapping[str, Any]:
-    """Return axes by their dotted keys; a range stays one value, and so does an empty one, which no parameter accepts."""
+    """Return axes by their dotted keys; a range stays one value, and so does an empty one, which no parameter accepts.
+
+    Raises:
+        Refusal: a key occurs twice, in its group and with a dotted name.
+    """
     flat: dict[str, Any] = {}
     for name, value in tree.items():
-        if isinstance(value, Mapping) and value and not {"low", "high"} & set(value):
-            flat.update(flatten_axes(value, f"{prefix}{name}."))
-        else:
-            flat[f"{prefix}{name}"] = value
+        group = isinstance(value, Mapping) and value and not {"low", "high"} & set(value)
+        for key, axis in (flatten_axes(value, f"{prefix}{name}.") if group else {f"{prefix}{name}": value}).items():
+            if key in flat:
+                raise Refusal(f"{key} occurs twice, in its group and with a dotted name: remove one")
+            flat[key] = axis
     return flat

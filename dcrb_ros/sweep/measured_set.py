@@ -7,6 +7,7 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -51,6 +52,8 @@ class MeasuredRun:
     """Origin of the recording: title, licence, publisher."""
 
     def __post_init__(self) -> None:
+        if self.name != Path(self.name).name or self.name in ("", "..") or not self.name.isprintable():
+            raise Refusal(f"name = {self.name!r} is not the name of a file: give the run a name without a path")
         if self.fault not in FAULT_CLASSES:
             known = ", ".join(FAULT_CLASSES)
             raise Refusal(f"{self.name}: fault = '{self.fault}' is unknown{nearest(self.fault, FAULT_CLASSES)}: give one of {known}")

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 from synthetic_bearing import ORDERS, synthetic
 
 from dcrb_ros import Refusal, Waveform, compare
 from dcrb_ros.calibration.comparison import STEPS
+from dcrb_ros.exchange.importing import WaveformImport
+from dcrb_ros.recordings.reader import Recording
 
 
 def signal(*, gain: float = 1.0, outer: float = 0.0, rate: int = 25600, seed: int = 1, speed: bool = True) -> Waveform:
@@ -48,6 +52,17 @@ def test_without_a_speed_levels_and_kurtosis_are_compared() -> None:
     assert found.features == {}
     assert found.as_dict()["axes"]["x"]["envelope_distance"] is None
     assert any("no speed" in remark for remark in found.remarks)
+
+
+def test_relative_units_are_remarked(tmp_path: Path) -> None:
+    acceleration, _ = synthetic(seconds=1.0, rate=25600)
+    np.savez(tmp_path / "raw.npz", a=acceleration[:, 1])
+    orders = {name.upper(): value for name, value in ORDERS.as_dict().items()}
+    about = {"channels": {"ax": "a"}, "sampling_rate": 25600, "unit": "relative", "speed_rpm": 1200, "orders": orders}
+    (tmp_path / "about.yaml").write_text(yaml.safe_dump(about), encoding="utf-8")
+    WaveformImport(tmp_path / "raw.npz", tmp_path / "about.yaml").write(tmp_path / "bag")
+    assert any("relative units" in remark for remark in compare(Recording(tmp_path / "bag"), signal()).remarks)
+    assert not any("relative units" in remark for remark in compare(signal(), signal(gain=2.0)).remarks)
 
 
 def test_one_axis_is_compared_with_y() -> None:

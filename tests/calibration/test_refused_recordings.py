@@ -117,6 +117,13 @@ def test_recordings_with_different_axes() -> None:
         check_one_machine(two)
 
 
+def test_a_recording_that_is_given_twice() -> None:
+    two = [checked_recording(recorded(), "one"), checked_recording(recorded(), "two")]
+    with pytest.raises(Refusal, match="one and two have the same samples, which would count twice"):
+        check_one_machine(two)
+    check_one_machine([two[0], checked_recording(recorded(seed=2), "three")])
+
+
 def test_a_base_with_another_bearing() -> None:
     other = Orders(ORDERS.ftf, ORDERS.bpfo * 1.1, ORDERS.bpfi * 1.1, ORDERS.bsf)
     with pytest.raises(Refusal, match="has another bearing than its bench: its BPFO is"):

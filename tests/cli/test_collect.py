@@ -145,6 +145,10 @@ def test_the_head_of_the_card_and_the_description_name_files_that_exist(kind: st
             "the bearing b is in the splits test and",
         ),
         ("file,fault\n", "the list is empty"),
+        ("file,fault,name\n105.npz,healthy,../../outside\n", "name = '../../outside' is not the name of a file"),
+        ("file,fault,width\n105.npz,healthy,0.001\n", "line 2: width = 0.001 m, but the bearing is healthy"),
+        ("file,fault,width\n105.npz,inner_ring,0.18\n", "line 2: width = 0.18 m is larger than 0.05 m: give it in metres"),
+        ("file,fault,speed_rpm\n105.npz,healthy,fast\n", "line 2: "),
     ],
 )
 def test_a_list_that_cannot_be_used_is_refused(files: Path, tmp_path: Path, text: str, reason: str) -> None:
@@ -153,6 +157,27 @@ def test_a_list_that_cannot_be_used_is_refused(files: Path, tmp_path: Path, text
     done = CliRunner().invoke(app, ["collect", str(table), "--about", str(files / "about.yaml"), "-o", str(tmp_path / "set")])
     assert isinstance(done.exception, Refusal)
     assert reason in str(done.exception)
+    assert not (tmp_path / "set").exists()
+    assert not list(tmp_path.rglob("outside.*"))
+
+
+def test_the_output_is_no_file(files: Path) -> None:
+    command = ["collect", str(files / "files.csv"), "--about", str(files / "about.yaml"), "-o", str(files / "files.csv")]
+    assert "is a file: give an empty or a new folder" in str(CliRunner().invoke(app, command).exception)
+
+
+@pytest.mark.parametrize("source", ["speed", "rpm"])
+def test_the_speed_of_a_row_replaces_that_of_the_description(files: Path, tmp_path: Path, source: str) -> None:
+    """As in the example of the page: the column speed_rpm beside a description that names a channel of the speed."""
+    folder = shutil.copytree(files, tmp_path / "files")
+    about = {key: value for key, value in ABOUT.items() if key != "speed_rpm"}
+    about |= {"speed": 10.0} if source == "speed" else {"channels": {**ABOUT["channels"], "rpm": "rpm"}}
+    (folder / "about.yaml").write_text(yaml.safe_dump(about), encoding="utf-8")
+    (folder / "list.csv").write_text("file,fault,speed_rpm\n105.npz,healthy,1500\n", encoding="utf-8")
+    command = ["collect", str(folder / "list.csv"), "--about", str(folder / "about.yaml"), "-o", str(tmp_path / "set")]
+    done = CliRunner().invoke(app, command)
+    assert done.exit_code == 0, done.exception
+    assert parquet.read_table(tmp_path / "set" / "labels.parquet")["speed"][0].as_py() == pytest.approx(1500.0 * np.pi / 30.0, rel=1e-5)
 
 
 def test_recordings_without_a_window_are_counted(files: Path, tmp_path: Path) -> None:

@@ -44,6 +44,11 @@ def test_srcc_is_pearsons_correlation(marks: np.ndarray) -> None:
         assert found == pytest.approx(pearsonr(first, second).statistic, abs=1e-12)
 
 
+def test_marks_that_differ_by_one_of_many_verdicts_are_not_tied() -> None:
+    first, second = column(0.5, 0.5 + 1e-4, 0.5 + 2e-4), column(3.0, 2.0, 1.0)
+    assert kendall_tau(first, second)[0] == spearman_rho(first, second)[0] == -1.0
+
+
 def test_marks_that_differ_in_their_last_bits_are_tied() -> None:
     third = 1.0 / 3.0
     almost = column(third, third + 1e-16, 0.1 + 0.2, 0.3)

@@ -617,6 +617,13 @@ def test_names_in_brackets_are_printed_literally(tmp_path: Path, capsys: pytest.
     assert "outer [/a]" in capsys.readouterr().err
 
 
+def test_a_list_without_a_description_is_headed_by_the_name_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "tiny.yaml"
+    file.write_text(yaml.safe_dump({**TINY, "exam": "undescribed"}), encoding="utf-8")
+    assert dcrb("score", str(file), "--list") == 0
+    assert capsys.readouterr().out.split("\n")[0].strip() == "undescribed"
+
+
 def test_the_command_evaluates_an_exam(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file, junit, figure = tmp_path / "tiny.yaml", tmp_path / "junit.xml", tmp_path / "figure.png"
     file.write_text(yaml.safe_dump(TINY), encoding="utf-8")

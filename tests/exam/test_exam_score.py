@@ -203,6 +203,7 @@ def test_the_rest_of_the_credit_is_for_the_end_of_the_run() -> None:
 def test_healthy_periods_cover_the_healthy_time_and_are_no_shorter_than_silence_may_last() -> None:
     found = {e.name: credit(e, answers(truth)[e.name], CRITERIA) for e in EXAM}
     assert period_of(CRITERIA) == 5.0
+    assert period_of(Criteria(silence=0.2)) == 1.0
     # The healthy time of inner is before its onset; dead has bearing alarms to avoid from its onset to its end.
     assert {name: one.periods for name, one in found.items()} == {"outer": 0, "inner": 1, "both": 0, "dead": 2, "twin": 4, "track": 6}
     assert not any(one.failed for one in found.values())

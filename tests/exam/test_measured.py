@@ -95,6 +95,7 @@ def test_a_wrong_answer_fails(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     [
         ({"truth": "outer"}, "line 2: truth = outer is not a verdict"),
         ({"unit": "V"}, "line 2: unit = V is unknown: give one of m/s"),
+        ({"rig": ""}, "line 2: rig is empty"),
         ({"speed_rpm_from_lines": "-5"}, "line 2: speed_rpm_from_lines = -5 is not a speed"),
         ({"speed_rpm_from_lines": "360000"}, "line 2: speed_rpm_from_lines = 360000 is outside 0 .. 360000 rpm, half a turn in"),
         ({"BPFO": "x"}, "line 2: BPFO = x is not a number"),

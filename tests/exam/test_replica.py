@@ -70,6 +70,15 @@ def test_a_replica_is_an_exam_and_the_same_for_the_same_seed(tmp_path: Path) -> 
     assert all(a["set"] != b["set"] for a, b in zip(first["scenarios"], other["scenarios"], strict=True))
 
 
+def test_a_replica_is_called_after_the_folder_of_its_table_wherever_the_command_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "rigs").mkdir()
+    table(tmp_path / "rigs")
+    monkeypatch.chdir(tmp_path / "rigs")
+    assert replica_tree(Path("recordings.csv"), PLAN)["exam"] == "replica of rigs"
+
+
 def test_what_belongs_to_a_machine_and_a_bearing_is_drawn_once(tmp_path: Path) -> None:
     rows = [(f"outer_{k}", "outer_ring", 1200 + 300 * k) for k in range(3)]
     tree = replica_tree(table(tmp_path, rows), ReplicaPlan(machines=3, counterparts=3, without=("background",)))

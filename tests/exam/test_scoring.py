@@ -28,6 +28,12 @@ def test_a_detection_counts_from_the_onset_to_the_limit_inclusive(time: float, d
     assert found.delay == (None if delay is None else pytest.approx(delay))
 
 
+def test_a_verdict_that_arrives_after_the_limit_is_late_whatever_its_stamp() -> None:
+    for received, delay in ((9.0, 5.0), (9.5, None)):
+        found = score_scenario(SPALL, [ReceivedDiagnosis(5.0, "outer_ring", signal_received=received)], Criteria())
+        assert found.delay == delay
+
+
 def test_an_alarm_is_false_before_the_onset_and_not_at_it() -> None:
     assert len(scored(SPALL, (3.99, "inner_ring")).false_alarms) == 1
     assert not scored(SPALL, (4.0, "inner_ring")).false_alarms

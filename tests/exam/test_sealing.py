@@ -53,9 +53,12 @@ TEMPLATE: dict[str, Any] = {
         ({"name": {"a": 1}}, "name = {'a': 1} is not a text"),
         ({"name": None}, "name = None is not a text"),
         ({"set": [1]}, r"set = \[1\] must name parameters"),
+        ({"seeds": [1, 2]}, r"seeds = \[1, 2\] would have no effect"),
+        ({"set": {"operating.speed": 90.0}}, "operating.speed is in 'set' and in draw.set"),
+        ({"fault": {"faults": {"outer_1": {"width": 0.001}}}}, "faults.outer_1.width is in 'fault' and in draw.fault"),
     ],
 )
-def test_a_drawn_scenario_has_a_name_and_groups_of_parameters(entry: dict[str, Any], sentence: str) -> None:
+def test_a_drawn_scenario_has_a_name_and_parameters_that_the_draw_leaves(entry: dict[str, Any], sentence: str) -> None:
     template = {**TEMPLATE, "scenarios": [{**TEMPLATE["scenarios"][0], **entry}]}
     with pytest.raises(Refusal, match=sentence):
         drawn_exam(template, SECRET, "t")

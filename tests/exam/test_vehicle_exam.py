@@ -217,6 +217,7 @@ def test_the_shipped_exam_covers_boxes_components_and_cross_talk() -> None:
         ({"scenarios": [{"name": "x", "set": {"vehicle.seed": []}}]}, "has an empty list"),
         ({"scenarios": []}, "defines no scenario"),
         ({"set": {"time_scale": 2.0}}, "time_scale has no effect in an exam"),
+        ({"scenarios": [{"name": ""}]}, "name"),
         ({"vehicle": "no_such"}, "no_such"),
         (
             {"scenarios": [{"name": "x", "boxes": ["axle_1.left", "axle_1.lefd"], "damaged": {"box": "roller"}}]},

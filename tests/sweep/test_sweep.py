@@ -565,6 +565,12 @@ def test_the_disk_space_is_estimated(tmp_path: Path) -> None:
         ),
         ({"seeds": 0}, "seeds = 0"),
         ({"seeds": []}, "seeds = []"),
+        ({"seeds": [3, 4, 3]}, "seeds has 3 twice"),
+        ({"vary": {"operating.load": [5e4], "operating": {"load": [6e4]}}}, "operating.load occurs twice, in its group and with a dotted"),
+        (
+            {"cases": {"outer": {"faults": {"outer_1": {"width": 0.001}}, "faults.outer_1.width": 0.002}}},
+            "faults.outer_1.width occurs twice",
+        ),
         ({"cases": {"fast": {"operating.speed": 200.0}}}, "move it to 'vary'"),
         ({"cases": {"healthy": {"faults.outer_1.width": 0.001}}, "twins": True}, "must be empty"),
         ({"split": {"train": 0.9}}, "add up to 1.3, but must add up to 1"),

@@ -39,7 +39,7 @@ MOST_CASES = 2000
 class VehicleEntry(Group):
     """A scenario of the file, or a family of scenarios."""
 
-    name: str
+    name: str = Field(min_length=1)
     points: list[str] | None = None
     """Operating points by name; all of them if omitted."""
     variants: list[str] = Field(default_factory=list)
