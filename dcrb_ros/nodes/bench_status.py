@@ -100,7 +100,7 @@ class BenchStatus:
             "recorder": recording.state,
             "recording": str(recording.path or ""),
             "simulation_interfaces": "offered" if installed(PACKAGE) else "not installed",
-            "energy_residual [J]": f"{progress.energy_residual:.4g}",
+            **({} if progress.energy_residual is None else {"energy_residual [J]": f"{progress.energy_residual:.4g}"}),
             "model": model,
             "other_publishers": ", ".join(others),
             **_lubrication(progress.lubrication),

@@ -45,8 +45,8 @@ class Progress:
         """End of the last bundle [ns]."""
         self.bundles = 0
         """Bundles since the start or the last reset."""
-        self.energy_residual = 0.0
-        """Residual of the energy balance in the last block that has one [J]."""
+        self.energy_residual: float | None = None
+        """Residual of the energy balance in the last block that has one [J]; None before it, and for a vehicle."""
         self.lubrication: LubricationState | None = None
         """Films and friction in the last states; None for a dry bearing."""
         self.thermal: ThermalState | None = None

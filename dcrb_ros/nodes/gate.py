@@ -36,9 +36,14 @@ class Gate:
         return self._closed
 
     @property
+    def resetting(self) -> bool:
+        """Whether a reset was requested that the engine's thread has not finished."""
+        return self._resetting
+
+    @property
     def stepping(self) -> bool:
         """Whether bundles remain to be sent while paused."""
-        return self._steps > 0 and not (self._closed or self._resetting)
+        return self._steps > 0 and not self._closed
 
     @property
     def stepped(self) -> int:
@@ -90,10 +95,12 @@ class Gate:
         """Send one bundle while paused; return whether it was sent within ``timeout`` of wall time [s]."""
         with self._changed:
             self.request_steps(1)
-            return self._changed.wait_for(lambda: self._steps == 0 or self._closed, timeout) and self._steps == 0
+            last = self._stepped + self._steps
+            self._changed.wait_for(lambda: self._stepped >= last or self._steps == 0 or self._closed, timeout)
+            return self._stepped >= last
 
     def request_steps(self, count: int) -> None:
-        """Send ``count`` more bundles while paused, without waiting for them; `pause` and a reset discard what remains."""
+        """Send ``count`` more bundles while paused, without waiting for them; `pause` and a later reset discard what remains."""
         with self._changed:
             self._steps += count
             self._changed.notify_all()
@@ -106,9 +113,12 @@ class Gate:
             self._changed.notify_all()
 
     def reset(self, timeout: float) -> bool:
-        """Request a reset; return whether the engine's thread finished it within ``timeout`` of wall time [s]."""
+        """Request a reset; return whether the engine's thread finished it within ``timeout`` of wall time [s].
+
+        Steps that are requested while it is pending are sent from the start.
+        """
         with self._changed:
-            self._resetting = True
+            self._resetting, self._steps = True, 0
             self._changed.notify_all()
             return self._changed.wait_for(lambda: not self._resetting or self._closed, timeout) and not self._closed
 
@@ -116,7 +126,7 @@ class Gate:
         """Send bundles again, from the start of the source; called by the engine's thread."""
         with self._changed:
             self.pacer.restart()
-            self._resetting, self._steps = False, 0
+            self._resetting = False
             self._changed.notify_all()
 
     def start_over(self) -> None:

@@ -59,7 +59,7 @@ class ReplayerNode(BenchNode):
         """Publish the sensor description; wait for subscribers to the waveform."""
         self._engine.prepare()
         waveform = self._replay.waveforms[:1]
-        self.watch_publishers(*waveform, *([CLOCK] if self._settings.clock else []))
+        self._others = self.watch_publishers(*waveform, *([CLOCK] if self._settings.clock else []))
         self.repeat(1.0, self._publish_status)
         if waveform:
             topics = waveform[0], self._replay.latched
@@ -97,7 +97,7 @@ class ReplayerNode(BenchNode):
     def _publish_status(self) -> None:
         """Publish the status of the replay on /diagnostics."""
         pacer, recording, time_ns = self._engine.gate.pacer, self._replay.recording, self._progress.time_ns
-        behind, damage = pacer.lag > MAX_LAG, recording.damage
+        behind, damage, others = pacer.lag > MAX_LAG, recording.damage, self._others.names
         values = {
             "bag": str(recording.path),
             "rate": f"{pacer.scale:g}",
@@ -107,9 +107,11 @@ class ReplayerNode(BenchNode):
             "lag [s]": f"{pacer.lag:.4f}",
             "late_bundles": str(pacer.late),
             "damage": damage[0] if damage else "none",
+            "other_publishers": ", ".join(others),
         }
-        message = "behind the recorded pace" if behind else damage[0] if damage else "replaying"
-        status = Status(self.get_fully_qualified_name(), WARN if behind or damage else OK, message, values)
+        mixed = "others publish on the same topics" if others else ""
+        message = "behind the recorded pace" if behind else mixed or (damage[0] if damage else "replaying")
+        status = Status(self.get_fully_qualified_name(), WARN if behind or mixed or damage else OK, message, values)
         self._publisher.write_messages([self.diagnostics(status, time_ns, self._replay.frame)])
 
 

@@ -121,6 +121,15 @@ class SimulatingNode(BenchNode):
     def update_parameters(self) -> None:
         """Set the node's parameters to the present configuration, which a reset or a scenario may have changed."""
 
+    def refuse_during_reset(self, what: str) -> None:
+        """Refuse a command or a change of parameters while a reset is pending; ``what`` names it in the refusal.
+
+        Raises:
+            Refusal: the simulation that would take it is about to be discarded.
+        """
+        if self.engine.gate.resetting:
+            raise Refusal(f"{what}: a reset is pending, which would discard the change: give it again once the simulation is at its start")
+
     @property
     def ended(self) -> bool:
         """Whether the duration is over and the detector has answered, or the simulation has failed or was asked to quit."""

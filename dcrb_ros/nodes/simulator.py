@@ -114,10 +114,12 @@ class SimulatorNode(SimulatingNode):
 
     def _on_speed(self, data: bytes) -> None:
         with self.refusals.suppressed(SPEED_COMMAND.name):
+            self.refuse_during_reset(SPEED_COMMAND.name)
             self._source.simulation.command_speed(decoded_by(SPEED_COMMAND.name, SPEED_COMMAND.decoded, data))
 
     def _on_load(self, data: bytes) -> None:
         with self.refusals.suppressed(LOAD_COMMAND.name):
+            self.refuse_during_reset(LOAD_COMMAND.name)
             self._source.simulation.command_load(*decoded_by(LOAD_COMMAND.name, LOAD_COMMAND.decoded, data))
 
     def on_parameters(self, changes: dict[str, Any]) -> None:
@@ -126,6 +128,8 @@ class SimulatorNode(SimulatingNode):
             for key in changes:
                 if key in COMMANDED and not wrong_type(self._fields[key], changes[key]):
                     raise changed_by_topic(key, COMMANDED[key])
+            if changes.keys() != {"time_scale"}:
+                self.refuse_during_reset("parameters")
             after = altered(self._source.simulation.configuration, changes)
             for sentence in sorted({*whole_length(after)} - {*whole_length(self._source.simulation.configuration)}):
                 self.get_logger().info(sentence)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from contextlib import closing
 from pathlib import Path
 from typing import Any
 
+from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.parameter import Parameter
 
 from dcrb_ros.messages.bundle import Bundle
@@ -32,13 +33,22 @@ from dcrb_ros.settings.files import fields_by_key, flatten, parameter_fields, va
 from dcrb_ros.simulation.scenario import read_scenario_file
 from dcrb_ros.stream.vehicle_description import SIDES
 from dcrb_ros.vehicle.description import Wheel
-from dcrb_ros.vehicle.file import DEFAULT_X, MOST_SLIDING, OF_VEHICLE, layered, made_by_vehicle, read_parameters, vehicle_of
+from dcrb_ros.vehicle.file import (
+    COMMON,
+    DEFAULT_X,
+    DRIVE,
+    GROUPS,
+    MOST_SLIDING,
+    PLACES,
+    layered,
+    made_by_vehicle,
+    read_parameters,
+    vehicle_of,
+)
 from dcrb_ros.vehicle.scenario import starting_parameters, vehicle_scenario
 from dcrb_ros.vehicle.simulation import VehicleSimulation, simulation_of
 
-OF_BOX = tuple(
-    field for field in parameter_fields() if field.run_time and field.key != "time_scale" and field.key.partition(".")[0] not in OF_VEHICLE
-)
+OF_BOX = tuple(field for field in parameter_fields() if field.run_time and field.key != "time_scale" and not made_by_vehicle(field.key))
 """Parameters of a box that can be set while the node runs."""
 OF_WHEEL = tuple(parameter_fields(Wheel, "wheel."))
 """Parameters of the wheel under a box, all of which can be set while the node runs."""
@@ -102,6 +112,7 @@ class VehicleSimulatorNode(SimulatingNode):
             vehicle_scenario(changes, self._vehicle, str(scenario))
         self._silent: set[str] = set()
         self._declare_run_time()
+        self._fix(key for key in given if key not in self._fields)
 
         def begin(gate: Gate) -> VehicleSource:
             self._source = VehicleSource(simulation, duration, gate)
@@ -134,6 +145,13 @@ class VehicleSimulatorNode(SimulatingNode):
             self._fields[f"{axle.name}.slide"], values[f"{axle.name}.slide"] = SLIDE, axle.slide
         for key, field in self._fields.items():
             self.declare_field(key, field, values[key])
+
+    def _fix(self, keys: Iterable[str]) -> None:
+        """Declare the other given parameters as read-only, so that `ros2 param load` may set them to the values that they have."""
+        for key in keys:
+            value = self.get_parameter(key).value
+            self.undeclare_parameter(key)
+            self.declare_parameter(key, value, ParameterDescriptor(name=key, read_only=True), ignore_override=True)
 
     def status_of(self) -> BenchStatus:
         """Return what composes the status of the node."""
@@ -178,6 +196,7 @@ class VehicleSimulatorNode(SimulatingNode):
 
         def take(data: bytes) -> None:
             with self.refusals.suppressed(topic.name):
+                self.refuse_during_reset(topic.name)
                 decoded_by(topic.name, give, data)
 
         self.subscribe(topic, take)
@@ -205,6 +224,8 @@ class VehicleSimulatorNode(SimulatingNode):
             scale = changes.get("time_scale")
             if scale is not None:
                 validated({"time_scale": scale}, type(self.configuration), "parameters")
+            if changes.keys() != {"time_scale"}:
+                self.refuse_during_reset("parameters")
             self._source.simulation.change({key: value for key, value in changes.items() if key != "time_scale"})
             if scale is not None:
                 self.engine.gate.rescale(scale)
@@ -225,12 +246,19 @@ class VehicleSimulatorNode(SimulatingNode):
         if group == "vehicle" and name in VEHICLE_COMMANDS:
             raise changed_by_topic(key, VEHICLE_COMMANDS[name].name)
         box = next((box.name for box in self._vehicle.boxes if key.startswith(f"{box.name}.")), None)
-        if box is not None and key.removeprefix(f"{box}.") not in fields_by_key():
+        if not self._is_known(key) if box is None else key.removeprefix(f"{box}.") not in fields_by_key():
             raise Refusal(f"parameters: unknown parameter '{key}'{nearest_key(key, self._fields)}")
         if box is not None and made_by_vehicle(key.removeprefix(f"{box}.")):
             topics = ", ".join(topic.name for topic in VEHICLE_COMMANDS.values())
             raise Refusal(f"parameters: {key} follows from the vehicle: publish on {topics}")
         raise not_while_running(key, "give it at the start")
+
+    def _is_known(self, key: str) -> bool:
+        """Return whether a parameter that belongs to no box may belong to the vehicle or to one of its wheelsets."""
+        group, _, name = key.partition(".")
+        if group in (axle.name for axle in self._vehicle.axles):
+            return name.partition(".")[0] in (*PLACES, *DRIVE)
+        return group in (*GROUPS, *COMMON)
 
     def update_parameters(self) -> None:
         """Set the node's parameters to those of the running boxes, which a reset may have changed."""

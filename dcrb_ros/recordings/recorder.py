@@ -51,8 +51,8 @@ def channel_of(topic: Topic, namespace: str) -> Channel:
     return Channel(topic.resolved(namespace), topic.type, definition, profiles, store.hash_rihs01(topic.type))
 
 
-def chosen_topics(text: str) -> frozenset[Topic]:
-    """Return the topics named in ``recording.topics`` and that of the sensor description; all topics if the text is empty.
+def chosen_topics(text: str, key: str = "recording.topics") -> frozenset[Topic]:
+    """Return the topics named in the parameter ``key`` and that of the sensor description; all topics if the text is empty.
 
     Raises:
         Refusal: a name is not a topic of the bench.
@@ -61,7 +61,7 @@ def chosen_topics(text: str) -> frozenset[Topic]:
     names = [name for name in re.split(r"[,\s]+", text) if name]
     for name in names:
         if name not in known:
-            raise Refusal(f"recording.topics: there is no topic '{name}'{nearest(name, known)} (known: {', '.join(known)})")
+            raise Refusal(f"{key}: there is no topic '{name}'{nearest(name, known)} (known: {', '.join(known)})")
     return frozenset(known[name] for name in names or known) | {SENSOR}
 
 

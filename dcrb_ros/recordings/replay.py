@@ -56,7 +56,9 @@ class Replay:
         self._offset_ns = round(parameters.offset * 1e9)
         boxes = vehicle_boxes(path)
         self.recording: Recording | VehicleRecording = VehicleRecording(path) if boxes else Recording(path)
-        chosen = sorted(chosen_topics(parameters.topics), key=lambda topic: topic.name) if parameters.topics else list(SIMULATED)
+        chosen: list[Topic] = list(SIMULATED)
+        if parameters.topics:
+            chosen = sorted(chosen_topics(parameters.topics, "topics"), key=lambda topic: topic.name)
         if isinstance(self.recording, VehicleRecording):
             below = [(topic, topic.below(box_path(name)), box) for name, box in self.recording.boxes.items() for topic in chosen]
             detected = VEHICLE_DETECTED if set(chosen) & set(DETECTED) else ()

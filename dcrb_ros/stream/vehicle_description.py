@@ -157,7 +157,7 @@ class VehicleDescription:
             raise
         except KeyError as error:
             raise Refusal(f"{SOURCE} lacks {error}: give sampling_rate, axles and boxes") from None
-        except (TypeError, ValueError, AttributeError) as error:
+        except (TypeError, ValueError, AttributeError, OverflowError) as error:
             raise Refusal(f"{SOURCE} cannot be decoded ({type(error).__name__}): give sampling_rate, axles and boxes") from None
 
 

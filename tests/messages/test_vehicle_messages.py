@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from made_up_blocks import BODIES, blocks
 
-from dcrb_ros.messages.cdr import decoded, typestore
+from dcrb_ros.messages.cdr import decoded, stamp_of, typestore
 from dcrb_ros.messages.statuses import ERROR, OK, WARN, decode_diagnostics
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, SIMULATED
 from dcrb_ros.messages.topics.transforms import TF
@@ -26,9 +27,10 @@ from dcrb_ros.messages.vehicle import (
     encode_vehicle_diagnosis,
     encode_vehicle_truth,
 )
+from dcrb_ros.messages.vehicle_encoder import VehicleEncoder
 from dcrb_ros.stream.vehicle_diagnosis import Status, VehicleDiagnosis
-from dcrb_ros.vehicle.block import VehicleTruth
-from dcrb_ros.vehicle.file import read_vehicle
+from dcrb_ros.vehicle.block import VehicleBlock, VehicleTruth
+from dcrb_ros.vehicle.file import read_vehicle, vehicle_of
 from dcrb_ros.vehicle.frame import TrackEvent
 
 ROOT = Path(__file__).parents[2]
@@ -58,6 +60,10 @@ def test_frames_lead_from_the_vehicle_to_bearings_that_are_seen_from_the_left() 
     assert turned(last, (0.0, 0.0, 1.0)) == pytest.approx([0.0, 1.0, 0.0])
     assert transforms["axle_1/left"].transform.translation.y == -transforms["axle_1/right"].transform.translation.y == 1.0
     assert transforms["axle_1"].transform.translation.x == 1.28
+    # Every axle is as high over the rails as its wheels are large.
+    above = transforms["bogie"].transform.translation.z
+    heights = [above + transforms[axle].transform.translation.z for axle in ("axle_1", "axle_2")]
+    assert heights == pytest.approx([0.46, 0.459])
 
 
 @given(st.floats(-0.01, 0.01), st.integers(1, 50))
@@ -80,6 +86,28 @@ def test_the_state_is_an_odometry() -> None:
         0.03,
     )
     assert turned(state.pose.pose.orientation, (1.0, 0.0, 0.0)) == pytest.approx([0.0, 1.0, 0.0])
+
+
+def test_a_vehicle_in_a_curve_to_the_left_turns_to_the_left() -> None:
+    vehicle = vehicle_of({"vehicle.bench": "dry", "axle_1.left": {}, "axle_1.right": {}}, "two boxes")
+    encoder = VehicleEncoder(vehicle, dict.fromkeys((box.name for box in vehicle.boxes), BODIES))
+    found: dict[str, Any] = {}
+    for number, made in enumerate(blocks(3)):
+        parts = {box.name: (0.0, 0.0, 0.0) for box in vehicle.boxes}
+        about = truth(time_ns=made.stamp_ns, place=5.0 + number, load={}, parts=parts, creep={}, events=(), commanded={"curvature": 0.01})
+        block = VehicleBlock(dict.fromkeys(parts, made), about, made.end_ns)
+        found = {message.topic.name: message for message in encoder.encode(block)}
+        assert found["/tf"].time_ns == found["vehicle/state"].time_ns == made.end_ns
+    state, (moved,) = found["vehicle/state"].content, found["/tf"].content.transforms
+    assert stamp_of(moved.header) == stamp_of(state.header) == made.end_ns
+    assert (moved.header.frame_id, moved.child_frame_id) == ("odom", "base_link")
+    for x, y, turn in (
+        (state.pose.pose.position.x, state.pose.pose.position.y, state.pose.pose.orientation),
+        (moved.transform.translation.x, moved.transform.translation.y, moved.transform.rotation),
+    ):
+        assert (x, y) == pytest.approx((2.0, 0.02), rel=1e-3)  # two metres on a radius of 100 m, from the first block on
+        assert turned(turn, (1.0, 0.0, 0.0)) == pytest.approx([math.cos(0.02), math.sin(0.02), 0.0])
+    assert state.twist.twist.angular.z == pytest.approx(30.0 * 0.01)
 
 
 def truth(**changes: Any) -> VehicleTruth:

@@ -59,6 +59,14 @@ def test_a_signal_is_answered_when_the_next_diagnosis_would_be_later_than_its_en
     assert not answers.complete(3_500_000_000)
 
 
+def test_the_interval_of_diagnoses_is_the_shortest_one() -> None:
+    answers = Answers(lambda: 1, lambda sentence: None, Clock())
+    for stamp in (0.5, 1.0, 3.0):  # the detector has missed blocks in between
+        answers.take(diagnosis(stamp))
+    assert not answers.complete(3_500_000_000)
+    assert answers.complete(3_480_000_000)
+
+
 def test_silence_and_the_absence_of_a_detector_end_the_wait() -> None:
     clock, detectors = Clock(), 1
     answers = Answers(lambda: detectors, lambda sentence: None, clock)

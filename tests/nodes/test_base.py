@@ -14,8 +14,11 @@ import yaml
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
 import rclpy
+from geometry_msgs.msg import Wrench
 from made_up_blocks import recorded
 from rclpy.parameter import Parameter, parameter_dict_from_yaml_file
+from rclpy.serialization import serialize_message
+from std_msgs.msg import Float64
 
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.messages.bundle import Bundle
@@ -26,6 +29,7 @@ from dcrb_ros.nodes.fault_detector import FaultDetectorNode
 from dcrb_ros.nodes.hot_box_detector import HotBoxDetectorNode
 from dcrb_ros.nodes.replayer import ReplayerNode
 from dcrb_ros.nodes.simulator import RUN_TIME, SimulatorNode
+from dcrb_ros.nodes.vehicle_simulator import VehicleSimulatorNode
 from dcrb_ros.recordings.replay import ReplayParameters
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
@@ -117,6 +121,86 @@ def test_a_file_of_dumped_parameters_is_loaded_without_a_refusal(ros: None, tmp_
         assert {name: node.get_parameter(name).value for name in present} == present
         node.close()
         node.destroy_node()
+
+
+VEHICLE = """
+vehicle: {bench: dry, speed_kmh: 100.0}
+axle_1: {left: {faults.outer_1.width: 0.003, background.hum_level: 1.0}, right: {}}
+"""
+
+
+@pytest.fixture
+def vehicle(ros: None, tmp_path: Path) -> Iterator[VehicleSimulatorNode]:
+    """A vehicle of two boxes, whose node has parameters of its own beside the file."""
+    path = tmp_path / "two.yaml"
+    path.write_text(VEHICLE)
+    rclpy.try_shutdown()
+    given = ("vehicle.seed:=5", "publishing.listeners:=2", "axle_1.radius:=0.45", "axle_1.right.wheel.flat:=0.01", "track.spectrum:=none")
+    rclpy.init(args=["--ros-args", *(word for text in given for word in ("-p", text))])
+    node = VehicleSimulatorNode(None, str(path))
+    node.engine.prepare()
+    yield node
+    node.close()
+    node.destroy_node()
+
+
+def test_a_vehicle_takes_each_of_its_parameters_again(vehicle: VehicleSimulatorNode) -> None:
+    names = [name for name in vehicle.list_parameters([], 0).names if not name.startswith("qos_overrides")]
+    assert {"vehicle.seed", "publishing.listeners", "axle_1.radius", "track.spectrum", "axle_1.right.wheel.flat"} < set(names)
+    reasons = {name: vehicle.set_parameters_atomically([vehicle.get_parameter(name)]).reason for name in names}
+    assert {name: reason for name, reason in reasons.items() if reason} == {}
+    assert answer(vehicle, vehicle__seed=6) == (False, "parameters: vehicle.seed cannot be set while the node runs: give it at the start")
+    assert vehicle.get_parameter("vehicle.seed").value == 5
+
+
+def test_the_background_that_a_box_has_of_its_own_can_be_set(vehicle: VehicleSimulatorNode) -> None:
+    assert vehicle.get_parameter("axle_1.left.background.hum_level").value == 1.0
+    assert answer(vehicle, axle_1__left__background__hum_level=2.0, axle_1__right__background__impact_rate=3.0) == (True, "")
+    assert vehicle.get_parameter("axle_1.left.background.hum_level").value == 2.0
+    assert vehicle._source.simulation.simulations["axle_1.left"].has_pending
+    assert answer(vehicle, axle_1__left__background__flat_level=2.0)[1].startswith(
+        "parameters: axle_1.left.background.flat_level follows from the vehicle"
+    )
+
+
+@pytest.mark.parametrize("key", ["axle_3.left.wheel.flat", "axle_2.slide", "axle_1.middle.wheel.flat", "axle_1.raduis", "trak.roughness"])
+def test_a_parameter_that_no_vehicle_has_is_called_unknown(vehicle: VehicleSimulatorNode, key: str) -> None:
+    result = vehicle.set_parameters_atomically([Parameter(key, value=0.01)])
+    assert not result.successful
+    assert result.reason.startswith(f"parameters: unknown parameter '{key}'")
+
+
+def check_pending_reset(node: SimulatorNode | VehicleSimulatorNode, key: str) -> None:
+    """Check that a node refuses to set a parameter of the simulation while a reset is pending."""
+    assert not node.engine.gate.reset(0.0)  # nobody finishes it yet
+    assert answer(node, **{key: 0.002}) == (
+        False,
+        "parameters: a reset is pending, which would discard the change: give it again once the simulation is at its start",
+    )
+    assert answer(node, **{key: 0.002, "time_scale": 0.5})[0] is False
+    assert node.engine.gate.pacer.scale == 1.0
+    assert answer(node, time_scale=0.5) == (True, "")
+    assert node.engine.gate.pacer.scale == 0.5
+    node.engine.gate.finish_reset()
+    assert answer(node, **{key: 0.002}) == (True, "")
+
+
+def test_a_vehicle_is_not_changed_while_a_reset_is_pending(vehicle: VehicleSimulatorNode) -> None:
+    check_pending_reset(vehicle, "axle_1__left__faults__outer_1__width")
+
+
+def test_a_bench_is_neither_changed_nor_commanded_while_a_reset_is_pending(ros: None) -> None:
+    node = SimulatorNode()
+    node.engine.prepare()
+    check_pending_reset(node, "faults__outer_1__width")
+    speed, load = bytes(serialize_message(Float64(data=100.0))), bytes(serialize_message(Wrench()))
+    node.engine.gate.reset(0.0)
+    for _ in range(2):  # during the reset, and after it
+        node._on_speed(speed)
+        node._on_load(load)
+        assert (node.refusals.count("command/speed"), node.refusals.count("command/load")) == (1, 1)
+        node.engine.gate.finish_reset()
+    node.destroy_node()
 
 
 def test_a_wrong_type_is_named_as_such(ros: None) -> None:

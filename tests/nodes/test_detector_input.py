@@ -15,7 +15,7 @@ from dcrb_ros.messages.plain import encode_temperature, encode_text
 from dcrb_ros.messages.points import SPECTRUM, UNTRACKED_SAMPLE, decode_vibration, encode_points, encode_vibration
 from dcrb_ros.messages.topics import SENSOR, VIBRATION
 from dcrb_ros.nodes import detector_input
-from dcrb_ros.nodes.detector_input import DetectorInput, Response
+from dcrb_ros.nodes.detector_input import AMBIENT_AGE, DetectorInput, Response
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.diagnosis import Diagnosis
 
@@ -92,9 +92,14 @@ def test_malformed_messages_are_answered() -> None:
     assert "refused" in reason(described_input().sensor(described(sampling_rate="fast")))
 
 
-@pytest.mark.parametrize("rate", [25600, 102400])
+@pytest.mark.parametrize("rate", [25600, 102400, round(1.02 * RATE), round(0.98 * RATE)])
 def test_a_rate_that_contradicts_the_description_is_answered(rate: int) -> None:
     assert f"mean {1e9 / RATE:.0f} ns" in reason(described_input().block(waveform(rate=rate)[0]))
+
+
+@pytest.mark.parametrize("rate", [round(1.005 * RATE), round(0.995 * RATE)])
+def test_a_rate_within_one_per_cent_of_the_description_is_accepted(rate: int) -> None:
+    assert described_input().block(waveform(rate=rate)[0]) == Response()
 
 
 def test_answers_become_rarer_and_give_the_count() -> None:
@@ -169,7 +174,9 @@ def test_temperatures_reach_the_detector() -> None:
 
 
 def test_a_bearing_is_not_compared_with_air_of_another_time() -> None:
-    assert "overheating" not in heated(200.0, air_at=3600.0)[-1].scores
+    for late in (3600.0, AMBIENT_AGE + 2.5):  # the readings of the bearing end at 2.38 s
+        assert "overheating" not in heated(200.0, air_at=late)[-1].scores
+    assert AMBIENT_AGE == 60.0
 
 
 def test_malformed_temperatures_are_answered() -> None:

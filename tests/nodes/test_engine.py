@@ -128,7 +128,7 @@ def test_a_failure_ends_the_engine_and_is_kept(where: str) -> None:
 
 def test_progress_starts_at_zero_and_keeps_the_last_residual_of_the_energy_balance() -> None:
     progress = Progress()
-    assert (progress.time_ns, progress.bundles, progress.energy_residual) == (0, 0, 0.0)
+    assert (progress.time_ns, progress.bundles, progress.energy_residual) == (0, 0, None)
     made = next(blocks(1))
     account = Account(*[2.0**k for k in range(len(fields(Account)))])
     for number, block in enumerate((replace(made, energy=account), made, None)):

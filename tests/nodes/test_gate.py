@@ -235,6 +235,39 @@ def test_a_reset_during_a_pause_leaves_no_step_behind() -> None:
     sender.close()
 
 
+def test_a_step_requested_while_a_reset_is_pending_is_sent_from_the_start() -> None:
+    gate, _ = gate_of(PATIENCE)
+    gate.pause(True)
+    assert not gate.step(0.0)  # before the reset, which discards it
+    assert not gate.reset(0.0)
+    assert gate.resetting
+    answers, sent = list[bool](), list[bool]()
+    stepper = threading.Thread(target=lambda: answers.append(gate.step(PATIENCE)), daemon=True)
+    stepper.start()
+    wait_for(lambda: gate.stepping)
+    assert not gate.send(0.0, 0.02, lambda: None)  # the bundle made before the reset
+    gate.finish_reset()
+    assert not gate.resetting
+    stepper.join(0.05)
+    assert stepper.is_alive()  # nothing was sent yet
+    assert gate.send(0.0, 0.02, lambda: sent.append(True))
+    stepper.join(PATIENCE)
+    assert (answers, sent, gate.stepping) == ([True], [True], False)
+
+
+def test_a_step_that_a_reset_or_a_pause_discards_is_reported() -> None:
+    for discard in (lambda gate: gate.reset(0.0), lambda gate: gate.pause(True)):
+        gate, _ = gate_of(PATIENCE)
+        gate.pause(True)
+        answers: list[bool] = []
+        stepper = threading.Thread(target=lambda g=gate, a=answers: a.append(g.step(PATIENCE)), daemon=True)  # type: ignore[misc]
+        stepper.start()
+        wait_for(lambda g=gate: g.stepping)
+        discard(gate)
+        stepper.join(PATIENCE)
+        assert answers == [False]
+
+
 def test_start_over_is_passed_to_the_pacer() -> None:
     pacer = Pacer(1e-6, time.monotonic)
     gate, sent = Gate(pacer, time.monotonic), list[int]()

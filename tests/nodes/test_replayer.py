@@ -20,7 +20,7 @@ from ros_bench import PATIENCE, domain, environment, graph_client, node
 from waiting import wait_for
 
 from dcrb_ros.messages.points import decode_vibration
-from dcrb_ros.messages.statuses import decode_diagnostics
+from dcrb_ros.messages.statuses import WARN, decode_diagnostics
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, CLOCK, DIAGNOSIS, FEATURES, GROUND_TRUTH, ROLLER_STATES, SENSOR, VIBRATION
 from dcrb_ros.nodes.publisher import message_class, qos
 from dcrb_ros.recordings.reader import Recording
@@ -145,6 +145,18 @@ def test_loop_offset_and_clock(tmp_path: Path) -> None:
     indices = [decode_vibration(data).first_index(51200) for data in client.received[VIBRATION]]
     assert min(indices) == 25 * 1024  # the first block that begins half a second in or later
     assert indices[:16] == [1024 * k for k in (*range(25, 40), 25)]
+
+
+def test_two_replays_in_one_namespace_report_each_other(tmp_path: Path) -> None:
+    number, given = domain(), parameters(bag=str(recorded(tmp_path / "bag", 40)), loop="true", wait=0.0)
+    with (
+        node("replayer", given, environment(number), tmp_path / "first"),
+        node("replayer", given, environment(number), tmp_path / "second"),
+        graph_client(number) as client,
+    ):
+        client.until(lambda: client.status["other_publishers"] == "/dcrb/replayer", "the status")
+        status = decode_diagnostics(client.received[BENCH_DIAGNOSTICS][-1])[1][0]
+        assert (status.level, status.message) == (WARN, "others publish on the same topics")
 
 
 def test_the_command_replays_and_refuses(tmp_path: Path) -> None:

@@ -351,6 +351,7 @@ def test_the_action_is_aborted_unless_paused(bench: Bench, monkeypatch: pytest.M
     monkeypatch.setattr("dcrb_ros.nodes.bench_status.installed", lambda package: True)
     status = BenchStatus(bench.engine, bench.progress, bench.recording, bench.refusals).status("/dcrb/simulator", 0)
     assert status.values["rejected_calls"] == "1"
+    assert "energy_residual [J]" not in status.values  # these blocks have no energy account
 
 
 @pytest.mark.parametrize("outcome", ["canceled", "aborted"])

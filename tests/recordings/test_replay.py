@@ -130,6 +130,12 @@ def test_only_chosen_topics_are_replayed(topics: str, expected: list[object], tm
     )
 
 
+def test_an_unknown_topic_is_refused_by_the_name_of_the_parameter(tmp_path: Path) -> None:
+    bag = recorded(tmp_path / "bag", 3)
+    with pytest.raises(Refusal, match=r"^topics: there is no topic 'diagnoses'; did you mean 'diagnosis'"):
+        Replay(ReplayParameters(bag=str(bag), topics="diagnoses"))
+
+
 @pytest.mark.parametrize(("offset", "passed"), [(0.0, 3), (0.1, 0)])
 def test_a_range_that_changes_is_replayed_with_its_block(offset: float, passed: int, tmp_path: Path) -> None:
     bag = narrowed(tmp_path / "bag", 6, at=3, limit=20.0)

@@ -60,6 +60,7 @@ def test_ignores_unknown_keys() -> None:
         (changed(axles__x=-1.28), "at one x"),
         (changed(axles__name="axle 1"), "has no name of letters"),
         (changed(axles__wheel_radius="wide"), "cannot be decoded"),
+        (changed(axles__x=10**400), "cannot be decoded"),
         (changed(axles__gear_teeth=-3), "gear_teeth"),
     ],
 )
