@@ -105,7 +105,8 @@ def _compared(name: str, component: Component, judged: Mapping[str, Judgement], 
     if faint.excess <= max(own.findings[component].excess, 0.0):
         return usual
     alone = _attributed(name, faint, judged, parameters)
-    return alone if alone.contrast >= parameters.contrast and alone.excess > usual.excess else usual
+    clear = alone.contrast >= parameters.contrast or alone.lead > 0.0
+    return alone if clear and alone.excess > usual.excess else usual
 
 
 def _attributed(name: str, finding: Finding, judged: Mapping[str, Judgement], parameters: VehicleDetectorParameters) -> Compared:
@@ -199,11 +200,15 @@ def _of_wheel(finding: Finding, own: Judgement, judged: Mapping[str, Judgement])
     band, orders = own.evidence.of_band(finding.band), _orders(finding, own)
     if band is None:
         return False
+    power = band.at(orders)
     for turn in {judgement.shaft_frequency / max(own.shaft_frequency, 1e-9) for judgement in judged.values()}:
         harmonics = np.rint(orders / max(turn, 1e-9))
-        if np.abs(orders - harmonics * turn).max() > GUARD * band.step:
+        # A line reaches as far as its main lobe, and the search takes the largest of three values.
+        near = np.abs(orders - harmonics * turn) <= (GUARD + 1) * band.step
+        if float(power[near].sum()) <= 0.5 * float(power.sum()):
             continue
-        beside = turn * np.maximum(harmonics[0] + BESIDE, 1.0)
-        if float(np.median(band.at(beside))) >= LEAST_BESIDE * float(band.at(orders[:1])[0]):
+        largest = int(np.argmax(np.where(near, power, -1.0)))
+        beside = turn * np.maximum(harmonics[largest] + BESIDE, 1.0)
+        if float(np.median(band.at(beside))) >= LEAST_BESIDE * float(power[largest]):
             return True
     return False

@@ -14,6 +14,7 @@ from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.rule import LEAST_EXCESS, Finding
 from dcrb_ros.diagnosis.rules.cage import Cage
+from dcrb_ros.diagnosis.rules.inner_ring import InnerRing
 from dcrb_ros.diagnosis.rules.outer_ring import OuterRing
 from dcrb_ros.diagnosis.rules.roller import Roller
 from dcrb_ros.diagnosis.vehicle.arrival import TurnEnvelopes
@@ -31,14 +32,14 @@ OTHERS = ("axle_1/right", "axle_2/left", "axle_2/right")
 Lines = dict[float, float]
 
 
-def judged(lines: Lines, component: Component) -> Judgement:
-    """Return what a box finds in lines of given depths at some orders over a background of 0.01."""
+def judged(lines: Lines, component: Component, frequency: float = 20.0) -> Judgement:
+    """Return what a box whose shaft turns at a frequency [Hz] finds in lines of given depths at some orders over a background of 0.01."""
     amplitude = np.full(7000, 0.01, np.float32)
     for order, depth in lines.items():
         amplitude[round(100.0 * order)] = depth
     search = SharedSearch([OrderSpectrum(np.arange(0.0, 70.0, 0.01), amplitude, 1.0)], ORDERS, 0.02)
-    evidence = Evidence([BandEvidence(WHOLE, search)], WHOLE, HIGH, 20.0, 0.5)
-    rule = {"outer_ring": OuterRing(P), "roller": Roller(P), "cage": Cage(P)}[component]
+    evidence = Evidence([BandEvidence(WHOLE, search)], WHOLE, HIGH, frequency, 0.5)
+    rule = {"outer_ring": OuterRing(P), "inner_ring": InnerRing(P), "roller": Roller(P), "cage": Cage(P)}[component]
     usual, faint = ({name: Finding(name, LEAST_EXCESS, "") for name in COMPONENTS} for _ in range(2))
     usual[component] = rule.finding(evidence) or usual[component]
     faint[component] = fainter(rule, Q.relief).finding(evidence) or faint[component]
@@ -100,3 +101,11 @@ def test_what_noise_leaves_in_another_box_is_no_rival() -> None:
     clear, alike = compared(own, noise, "outer_ring"), compared(own, own, "outer_ring")
     assert clear.contrast > 2.0 * Q.contrast
     assert alike.contrast == pytest.approx(0.0, abs=0.1)
+
+
+def test_a_flat_of_the_other_wheelset_may_be_largest_beside_its_lines() -> None:
+    """Its lines at k 1.031 orders of this wheelset reach 0.05 orders; three of them are the first of a family at BPFI."""
+    family, flat = {9.235 + side: 0.3 for side in (-1.0, 0.0, 1.0)}, {k * 1.031: 0.3 for k in (7, 8, 10, 11)}
+    for lines, own in ((family, True), (family | flat, False)):
+        boxes = {"axle_1/left": judged(lines, "inner_ring"), "axle_2/left": judged({}, "inner_ring", 1.031 * 20.0)}
+        assert (compare(boxes, Q)["axle_1/left"]["inner_ring"].excess > 0.0) is own
