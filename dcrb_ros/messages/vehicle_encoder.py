@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 
 from dcrb_ros.messages.encoder import BlockEncoder
@@ -19,7 +20,8 @@ BESIDE = (VEHICLE_DESCRIPTION, VEHICLE_STATE, VEHICLE_TRUTH, TRANSFORMS, VEHICLE
 """Topics of the vehicle that a simulation fills."""
 
 
-def box_topics(name: str) -> dict[Topic, Topic]:
+@functools.cache
+def box_topics(name: str) -> Mapping[Topic, Topic]:
     """Return the topics of a box by those of a single bench."""
     return {topic: topic.below(box_path(name)) for topic in SIMULATED}
 
@@ -35,8 +37,7 @@ class VehicleEncoder:
 
     def __init__(self, vehicle: Vehicle, bodies: Mapping[str, BodyNames]) -> None:
         """Prepare for the boxes of ``vehicle``, whose bodies have the names ``bodies``."""
-        self._encoders = {box.name: BlockEncoder(box.configuration, bodies[box.name]) for box in vehicle.boxes}
-        self._topics = {box.name: box_topics(box.name) for box in vehicle.boxes}
+        self._encoders = {box.name: BlockEncoder(box.configuration, bodies[box.name], box_topics(box.name)) for box in vehicle.boxes}
         self._description = encode_text(described(vehicle).to_json())
         self._frames = encode_frames(vehicle)
         self._pose = Pose(0.0, 0.0, 0.0)
@@ -44,12 +45,12 @@ class VehicleEncoder:
 
     def start(self, time_ns: int = 0) -> list[Message]:
         """Return the messages that precede the first block, which begins at ``time_ns``."""
-        boxes = [self._below(name, message) for name, encoder in self._encoders.items() for message in encoder.start(time_ns)]
+        boxes = [message for encoder in self._encoders.values() for message in encoder.start(time_ns)]
         return [*boxes, Message(TRANSFORMS, time_ns, self._frames), Message(VEHICLE_DESCRIPTION, time_ns, self._description)]
 
     def encode(self, block: VehicleBlock) -> list[Message]:
         """Return the messages of a block of every box and of the vehicle, sorted by time."""
-        messages = [self._below(name, message) for name, box in block.boxes.items() for message in self._encoders[name].encode(box)]
+        messages = [message for name, box in block.boxes.items() for message in self._encoders[name].encode(box)]
         truth = block.truth
         curvature = truth.commanded.get("curvature", 0.0)
         if self._place is not None:
@@ -61,6 +62,3 @@ class VehicleEncoder:
         messages.append(Message(VEHICLE_STATE, block.end_ns, encode_state(block.end_ns, self._pose, truth.speed, truth.speed * curvature)))
         messages.append(Message(VEHICLE_TRANSFORM, block.end_ns, encode_pose(block.end_ns, self._pose)))
         return sorted(messages, key=lambda message: message.time_ns)
-
-    def _below(self, name: str, message: Message) -> Message:
-        return Message(self._topics[name][message.topic], message.time_ns, message.data)

@@ -44,6 +44,10 @@ class Channel:
     """Offered QoS profiles, a YAML sequence."""
     type_hash: str
 
+    def __hash__(self) -> int:
+        """Return the hash of the name: every message looks its channel up several times."""
+        return hash(self.name)
+
     @cached_property
     def latched(self) -> bool:
         """Whether a late subscriber receives the last message."""
@@ -119,7 +123,8 @@ class McapFile:
         """Write a message; its simulated time [ns] is both log time and publish time."""
         self._writer.add_message(self._id(channel), time_ns, data, time_ns, sequence & 0xFFFFFFFF)
         self.counts[channel] += 1
-        self.span = self.span.union(Span(time_ns, time_ns))
+        if self.span.first_ns is None or not self.span.first_ns <= time_ns <= self.span.last_ns:
+            self.span = self.span.union(Span(time_ns, time_ns))
 
     def flush_due(self) -> None:
         """Write finished chunks to the file, and the unfinished one every `FLUSH_PERIOD_NS`."""

@@ -89,11 +89,11 @@ class VehicleOutcome:
     def add(self, message: Message) -> None:
         """Include a message."""
         self._end_ns = max(self._end_ns, message.time_ns)
-        if message.topic == VEHICLE_TRUTH:
-            self._commands += commands_in(message)
-        elif message.topic in self._of_boxes:
+        if message.topic in self._of_boxes:
             outcome, plain = self._of_boxes[message.topic]
             outcome.add(Message(plain, message.time_ns, message.data))
+        elif message.topic == VEHICLE_TRUTH:
+            self._commands += commands_in(message)
 
     def records(self) -> dict[str, dict[str, str]]:
         """Return the metadata records at the end of a file."""

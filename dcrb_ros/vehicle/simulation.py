@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -31,16 +32,16 @@ from dcrb_ros.vehicle.scenario import PREFIX, VehicleScenario, vehicle_scenario
 
 MEASURED = ("acceleration", "clean", "clipped", "range", "preview", "preview_ns")
 """What a block has from its accelerometer, whose cable may be swapped with that of another box."""
-SENSED = 2
-"""Frames that are sensed together, in a fifth less time than one by one [-]."""
 
 
-class _Stepping(NamedTuple):
-    """A frame that the bearings are stepping."""
+class _Planned(NamedTuple):
+    """A frame that the bearings are to step."""
 
     plan: Plan
-    futures: Mapping[str, Future[tuple[Floats, Floats]]]
-    """Acceleration and angle of each box."""
+    wind: float
+    """[N]"""
+    brake: float
+    """[m/s^2]"""
 
 
 class _Stepped(NamedTuple):
@@ -49,15 +50,6 @@ class _Stepped(NamedTuple):
     plan: Plan
     ring: Floats
     """Acceleration of the outer rings, shape (boxes, `FRAME`, 2) [m/s^2]."""
-    angles: Mapping[str, Floats]
-    """Angle of the shaft in each box that has not failed [rad]."""
-
-
-class _Mixed(NamedTuple):
-    """A frame with the motion of all boxes."""
-
-    motion: Floats
-    """Acceleration of the boxes, shape (boxes, `FRAME`, 2) [m/s^2]."""
     angles: Mapping[str, Floats]
     """Angle of the shaft in each box that has not failed [rad]."""
 
@@ -87,9 +79,9 @@ class VehicleSimulation:
     """Simulates the bearings of a vehicle and yields a block of each, with equal stamps.
 
     Every frame of `FRAME` steps has three phases. First the vehicle's model gives loads and speeds. Then each bearing is stepped, on its
-    thread. Last, the motion of every box is mixed in a fixed order and sensed, while the bearings step the next frame; behind the last
-    frame of a block, their threads sense the boxes side by side. The samples depend on the vehicle and on the simulated times of commands
-    only, not on threads or on the size of blocks.
+    thread. Last, the motion of every box is mixed in a fixed order and sensed. Each phase takes all frames of a block in turn, which takes
+    less time than phases that alternate; the first frame is stepped while the others are planned. The samples depend on the vehicle and on
+    the simulated times of commands only, not on threads or on the size of blocks.
 
     Examples
     --------
@@ -194,27 +186,16 @@ class VehicleSimulation:
                 yield self._block(pool, size if last is None else min(size, last - self._samples))
 
     def _block(self, pool: ThreadPoolExecutor, size: int) -> VehicleBlock:
-        began, events, parts = self.time_ns, list[TrackEvent](), list[Floats]()
+        began, events = self.time_ns, list[TrackEvent]()
         commands = self._requests.apply()
         for simulation in self._running.values():
             simulation.prepare(size)
-        end = max(simulation.steps_of(size) for simulation in self._running.values())
-        # While one frame is mixed and sensed, the bearings step the next one of the block.
-        stepping = self._begin_frame(pool) if self._steps < end else None
-        mixed: list[_Mixed] = []
-        while stepping is not None:
-            stepped = self._collected(stepping)
-            stepping = self._begin_frame(pool) if self._steps < end else None
-            self._plan = stepped.plan
-            events += stepped.plan.events
-            motion, levels = self._model.mix(stepped.ring, stepped.plan)
-            parts.append(levels)
-            mixed.append(_Mixed(motion, stepped.angles))
-            if len(mixed) == SENSED or stepping is None:
-                self._sense(mixed, map if stepping is not None else pool.map)
-                mixed = []
-        if parts:  # a short block may lie within the last frame
-            self._parts = np.sqrt(np.mean(np.square(parts), axis=0))
+        frames = self._step(pool, max(simulation.steps_of(size) for simulation in self._running.values()))
+        if frames:  # a short block may lie within the last frame
+            motions, parts = zip(*(self._model.mix(frame.ring, frame.plan) for frame in frames), strict=True)
+            self._sense(pool, frames, motions)
+            self._plan, self._parts = frames[-1].plan, np.sqrt(np.mean(np.square(parts), axis=0))
+            events += itertools.chain.from_iterable(frame.plan.events for frame in frames)
         present, level = self._plan, self._parts
         boxes = self._connected({name: simulation.cut(size) for name, simulation in self._running.items()})
         self._samples += size
@@ -266,18 +247,32 @@ class VehicleSimulation:
             raise ModelFailure(f"the models of all boxes failed: {'; '.join(self._silent.values())}")
         return running
 
-    def _begin_frame(self, pool: ThreadPoolExecutor) -> _Stepping:
-        """Let the bearings step the planned frame, and plan the next one meanwhile."""
-        plan = self._upcoming
-        around = self._heat.surroundings(plan.speed, self._requests.commanded["wind"], self._requests.commanded["brake"], self.simulations)
-        for name, surroundings in around.items():
+    def _step(self, pool: ThreadPoolExecutor, end: int) -> list[_Stepped]:
+        """Let the bearings step frames until they reach step ``end``, and return these frames."""
+        count = len(range(self._steps, end, FRAME))
+        ahead, stepped = deque([self._commanded(self._upcoming)]), list[_Stepped]()
+        for n in range(count):
+            frame = ahead.popleft()
+            futures = self._begin_frame(pool, frame)
+            while n + len(ahead) < count:  # the bearings step the first frame meanwhile
+                ahead.append(self._commanded(self._plan_next()))
+            stepped.append(self._collected(frame.plan, futures))
+        self._upcoming = ahead.popleft().plan
+        return stepped
+
+    def _commanded(self, plan: Plan) -> _Planned:
+        """Return a frame with the commands that are in effect at present."""
+        return _Planned(plan, self._requests.commanded["wind"], self._requests.commanded["brake"])
+
+    def _begin_frame(self, pool: ThreadPoolExecutor, frame: _Planned) -> dict[str, Future[tuple[Floats, Floats]]]:
+        """Let the bearings step a frame; return acceleration and angle of each box."""
+        plan = frame.plan
+        for name, surroundings in self._heat.surroundings(plan.speed, frame.wind, frame.brake, self.simulations).items():
             self.simulations[name].surround(surroundings)
         for box, drive, load in zip(self.vehicle.boxes, self._drives, plan.load, strict=True):
             drive.speed, drive.load = float(plan.shaft_speed[box.axle]), load
         self._steps += FRAME
-        futures = {name: pool.submit(simulation.step_to, self._steps) for name, simulation in self._running.items()}
-        self._upcoming = self._plan_next()
-        return _Stepping(plan, futures)
+        return {name: pool.submit(simulation.step_to, self._steps) for name, simulation in self._running.items()}
 
     def _plan_next(self) -> Plan:
         """Return the plan of the next frame; the scenario's settings of that frame act from its end on."""
@@ -287,36 +282,34 @@ class VehicleSimulation:
         self._planned += 1
         return self._model.plan()
 
-    def _collected(self, stepping: _Stepping) -> _Stepped:
-        """Wait until all bearings have stepped their frame, and return their motion.
+    def _collected(self, plan: Plan, futures: Mapping[str, Future[tuple[Floats, Floats]]]) -> _Stepped:
+        """Wait until all bearings have stepped a frame, and return their motion.
 
         Raises:
             ModelFailure: the model of a box failed, and ``vehicle.on_failure`` is stop.
         """
         ring, angles = np.zeros((len(self.vehicle.boxes), FRAME, 2)), {}
         for j, name in enumerate(self._names):
-            if name not in stepping.futures:
+            if name not in futures:
                 continue
             try:
-                ring[j], angles[name] = stepping.futures[name].result()
+                ring[j], angles[name] = futures[name].result()
             except ModelFailure as failure:
                 if self.vehicle.journey.on_failure == "stop":
                     raise ModelFailure(f"{name}: {failure}") from None
                 self._silent[name] = f"{name}: {failure}"
-        return _Stepped(stepping.plan, ring, angles)
+        return _Stepped(plan, ring, angles)
 
-    def _sense(
-        self, frames: Sequence[_Mixed], over: Callable[[Callable[[int, str], None], Iterable[int], Iterable[str]], Iterator[None]]
-    ) -> None:
-        """Measure some consecutive frames in every box that has not failed in them: ``over`` the boxes, in turn or on the free threads."""
+    def _sense(self, pool: ThreadPoolExecutor, frames: Sequence[_Stepped], motions: Sequence[Floats]) -> None:
+        """Measure the ``motions`` in consecutive frames, each of shape (boxes, `FRAME`, 2), in every box that has not failed in them."""
 
         def sense(j: int, name: str) -> None:
-            present = [frame for frame in frames if name in frame.angles]
+            present = [(motion[j], frame.angles[name]) for frame, motion in zip(frames, motions, strict=True) if name in frame.angles]
             if present:
-                motion, angle = ([frame.motion[j] for frame in present], [frame.angles[name] for frame in present])
+                motion, angle = zip(*present, strict=True)
                 self.simulations[name].sense(np.concatenate(motion), np.concatenate(angle))
 
-        deque(over(sense, range(len(self._names)), self._names), maxlen=0)
+        deque(pool.map(sense, range(len(self._names)), self._names), maxlen=0)
 
     @property
     def _names(self) -> list[str]:
