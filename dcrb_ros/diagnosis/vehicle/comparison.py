@@ -46,6 +46,8 @@ LEAST_MODULATION = 1e-3
 """Modulation at which a line is no larger than the noise of the spectrum [-]."""
 BESIDE = np.array([-2.0, -1.0, 1.0, 2.0])
 """Harmonics of a wheel's rotation that are compared with the one on which a line lies [-]."""
+NEARLY_ALL = 0.9
+"""Share of the power of lines at the harmonics of a wheel's rotation from which they may be these harmonics [-]."""
 LEAST_BESIDE = 0.1
 """Power of those harmonics over that of the line from which it is one of them [-]."""
 HUMP = np.linspace(-0.25, 0.25, 9)
@@ -205,7 +207,7 @@ def _of_wheel(finding: Finding, own: Judgement, judged: Mapping[str, Judgement])
         harmonics = np.rint(orders / max(turn, 1e-9))
         # A line reaches as far as its main lobe, and the search takes the largest of three values.
         near = np.abs(orders - harmonics * turn) <= (GUARD + 1) * band.step
-        if float(power[near].sum()) <= 0.5 * float(power.sum()):
+        if float(power[near].sum()) <= NEARLY_ALL * float(power.sum()):
             continue
         largest = int(np.argmax(np.where(near, power, -1.0)))
         beside = turn * np.maximum(harmonics[largest] + BESIDE, 1.0)
