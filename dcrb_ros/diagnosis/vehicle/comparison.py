@@ -211,6 +211,8 @@ def _of_wheel(finding: Finding, own: Judgement, judged: Mapping[str, Judgement])
             continue
         largest = int(np.argmax(np.where(near, power, -1.0)))
         beside = turn * np.maximum(harmonics[largest] + BESIDE, 1.0)
-        if float(np.median(band.at(beside))) >= LEAST_BESIDE * float(power[largest]):
+        # The search leaves out what is near whole orders of its own wheelset, where a flat of another one has lines, too.
+        around = np.maximum(band.largest(beside) - band.noise(beside), 0.0)
+        if float(np.median(around)) >= LEAST_BESIDE * float(power[largest]):
             return True
     return False

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 
 import numpy as np
@@ -32,12 +33,12 @@ OTHERS = ("axle_1/right", "axle_2/left", "axle_2/right")
 Lines = dict[float, float]
 
 
-def judged(lines: Lines, component: Component, frequency: float = 20.0) -> Judgement:
+def judged(lines: Lines, component: Component, frequency: float = 20.0, orders: Orders = ORDERS) -> Judgement:
     """Return what a box whose shaft turns at a frequency [Hz] finds in lines of given depths at some orders over a background of 0.01."""
     amplitude = np.full(7000, 0.01, np.float32)
     for order, depth in lines.items():
         amplitude[round(100.0 * order)] = depth
-    search = SharedSearch([OrderSpectrum(np.arange(0.0, 70.0, 0.01), amplitude, 1.0)], ORDERS, 0.02)
+    search = SharedSearch([OrderSpectrum(np.arange(0.0, 70.0, 0.01), amplitude, 1.0)], orders, 0.02)
     evidence = Evidence([BandEvidence(WHOLE, search)], WHOLE, HIGH, frequency, 0.5)
     rule = {"outer_ring": OuterRing(P), "inner_ring": InnerRing(P), "roller": Roller(P), "cage": Cage(P)}[component]
     usual, faint = ({name: Finding(name, LEAST_EXCESS, "") for name in COMPONENTS} for _ in range(2))
@@ -103,9 +104,14 @@ def test_what_noise_leaves_in_another_box_is_no_rival() -> None:
     assert alike.contrast == pytest.approx(0.0, abs=0.1)
 
 
-def test_a_flat_of_the_other_wheelset_may_be_largest_beside_its_lines() -> None:
-    """Its lines at k 1.031 orders of this wheelset reach 0.05 orders; three of them are the first of a family at BPFI."""
-    family, flat = {9.235 + side: 0.3 for side in (-1.0, 0.0, 1.0)}, {k * 1.031: 0.3 for k in (7, 8, 10, 11)}
+@pytest.mark.parametrize(("turn", "found", "bpfi"), [(1.031, 9.235, 9.28), (1.002, 9.06, 9.07)])
+def test_a_flat_of_the_other_wheelset_may_be_largest_beside_its_lines(turn: float, found: float, bpfi: float) -> None:
+    """Its lines at k ``turn`` orders of this wheelset reach 0.05 orders; three of them are the first of a family at BPFI.
+
+    At 1.002 the others lie where the search leaves out the whole orders of this wheelset.
+    """
+    family, flat = {found + side: 0.3 for side in (-1.0, 0.0, 1.0)}, {k * turn: 0.3 for k in (7, 8, 10, 11)}
+    orders = dataclasses.replace(ORDERS, bpfi=bpfi)
     for lines, own in ((family, True), (family | flat, False)):
-        boxes = {"axle_1/left": judged(lines, "inner_ring"), "axle_2/left": judged({}, "inner_ring", 1.031 * 20.0)}
+        boxes = {"axle_1/left": judged(lines, "inner_ring", orders=orders), "axle_2/left": judged({}, "inner_ring", turn * 20.0, orders)}
         assert (compare(boxes, Q)["axle_1/left"]["inner_ring"].excess > 0.0) is own
