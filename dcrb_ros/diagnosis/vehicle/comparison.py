@@ -107,7 +107,8 @@ def _compared(name: str, component: Component, judged: Mapping[str, Judgement], 
     if faint.excess <= max(own.findings[component].excess, 0.0):
         return usual
     alone = _attributed(name, faint, judged, parameters)
-    clear = alone.contrast >= parameters.contrast or alone.lead > 0.0
+    # Without another box, nothing shows how deep the lines of a healthy bearing are.
+    clear = alone.rival and (alone.contrast >= parameters.contrast or alone.lead > 0.0)
     return alone if clear and alone.excess > usual.excess else usual
 
 

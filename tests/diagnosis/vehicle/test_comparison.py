@@ -83,6 +83,11 @@ def test_faint_lines_that_no_other_box_has_are_relieved(depth: float, relieved: 
     assert (found.excess > 0.0) is relieved
 
 
+def test_faint_lines_are_not_relieved_without_another_box() -> None:
+    alone = {"axle_1/left": judged({k * 6.72: 0.05 for k in range(1, 7)}, "outer_ring")}
+    assert compare(alone, Q)["axle_1/left"]["outer_ring"].excess < 0.0
+
+
 def test_lines_that_another_criterion_refuses_are_not_relieved() -> None:
     """Deep lines with twice as deep ones at 2 BPFO: the rhythm of rollers that excite twice per pass."""
     found = compared({k * 6.72: 0.6 if k == 2 else 0.17 for k in range(1, 7)}, {}, "outer_ring")
