@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import copy
+from collections import Counter
 from typing import Any, TypeVar
 
 import typer
 from typer.core import TyperCommand, TyperGroup
+
+from dcrb_ros.schema.refusal import Refusal
 
 Part = TypeVar("Part")
 
@@ -23,13 +26,32 @@ def _literal(part: Part) -> Part:
 
 
 class LiteralCommand(TyperCommand):
-    """A command whose help text is printed literally."""
+    """A command whose help text is printed literally, and which refuses an option of one value that is given twice."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Parse the arguments; of an option that is given twice, click would take the last value without a word.
+
+        Raises:
+            Refusal: an option of one value is given more than once.
+        """
+        if not ctx.resilient_parsing:
+            given = Counter(self.make_parser(ctx).parse_args(args=list(args))[2])
+            twice = next((option for option, count in given.items() if count > 1 and _has_one_value(option)), None)
+            if twice is not None:
+                raise Refusal(f"{max(twice.opts, key=len)} is given more than once, but has one value: give it once")
+        return TyperCommand.parse_args(self, ctx, args)
 
     def format_help(self, ctx: Any, formatter: Any) -> None:
         TyperCommand.format_help(_literal(self), ctx, formatter)
 
     def shell_complete(self, ctx: Any, incomplete: str) -> Any:
         return TyperCommand.shell_complete(_literal(self), ctx, incomplete)
+
+
+def _has_one_value(parameter: Any) -> bool:
+    """Return whether a parameter is an option whose later value replaces an earlier one; a flag that cannot be unset has no value."""
+    option = parameter.param_type_name == "option" and not parameter.multiple and not parameter.count
+    return option and (not parameter.is_flag or bool(parameter.secondary_opts))
 
 
 class LiteralGroup(TyperGroup):

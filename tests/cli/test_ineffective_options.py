@@ -76,6 +76,8 @@ LIST, RECORDED, VEHICLE = ("score", "smoke", "--list"), ("score", "bag"), ("dete
         *((LIST, option, f"{option[0]} does not apply to --list") for option in (("--entry", "new.json"), ("--workers", "1"))),
         *((RECORDED, option, "the diagnoses in the recordings are scored") for option in (("--name", "x"), ("--workers", "1"))),
         (("score", "run"), ("--reference",), "is the recording of a vehicle, which cannot be scored"),
+        (("score", "smoke", "--only", "a"), ("--only", "b"), "--only is given more than once"),
+        (("simulate", "-o", "new1"), ("--output", "new2"), "--output is given more than once"),
         (DRY, ("-o", "new"), "--output does not apply to --dry-run"),
         (DRY, ("--scheduler", "tcp://127.0.0.1:1"), "--scheduler does not apply to --dry-run"),
         (DRY, ("--memory", "2GB"), "--memory does not apply to --dry-run"),
