@@ -139,9 +139,9 @@ def check_one_machine(recordings: Sequence[HealthyRecording]) -> None:
             if abs(after / before - 1.0) > SAME_ORDERS:
                 orders = f"{name.upper()} is {before:.4g} and {after:.4g} orders"
                 raise Refusal(f"{pair} are of different machines: {orders}; calibrate to each alone")
-    for one, other in combinations(recordings, 2):
-        if np.array_equal(one.acceleration, other.acceleration):
-            raise Refusal(f"{one.name} and {other.name} have the same samples, which would count twice: give every recording once")
+    for first, second in combinations(recordings, 2):
+        if np.array_equal(first.acceleration, second.acceleration):
+            raise Refusal(f"{first.name} and {second.name} have the same samples, which would count twice: give every recording once")
 
 
 def longest_stretch(waveform: Waveform) -> Waveform:

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import difflib
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Hashable, Iterable
+from typing import TypeVar
 
 from dcrb_ros.schema.printable import printable
+
+Item = TypeVar("Item", bound=Hashable)
 
 MAX_COMPARED = 100
 """Longest word for which a suggestion is searched [characters]; the time grows with the square of the length."""
@@ -42,9 +45,9 @@ def nearest(word: str, known: Iterable[str], likeness: float = LEAST_LIKENESS) -
     return _question(_close(word, known, likeness))
 
 
-def repeated(names: Iterable[str]) -> str | None:
-    """Return the first of the names that occur more than once; None if there is none."""
-    return next((name for name, count in Counter(names).items() if count > 1), None)
+def repeated(items: Iterable[Item]) -> Item | None:
+    """Return the first of the items, such as names, that occur more than once; None if there is none."""
+    return next((item for item, count in Counter(items).items() if count > 1), None)
 
 
 def nearest_key(key: str, known: Iterable[str]) -> str:

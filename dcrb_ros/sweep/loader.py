@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from dcrb_ros.schema.parameter_field import ParameterField
-from dcrb_ros.schema.refusal import Refusal, nearest
+from dcrb_ros.schema.refusal import Refusal, nearest, repeated
 from dcrb_ros.settings.files import fields_by_key, flatten, load_configuration, overlaid, unknown_parameter
 from dcrb_ros.settings.shipped import find_configuration, find_shipped
 from dcrb_ros.settings.vehicle_speed import SPEED, SPEED_KMH
@@ -182,8 +182,7 @@ def _check_design(sweep: Sweep, source: str) -> None:
     seeds = [file.seeds] if isinstance(file.seeds, int) else file.seeds
     if not seeds or min(seeds) < (1 if isinstance(file.seeds, int) else 0) or max(seeds) > 2**31 - 1:
         raise Refusal(f"{source}: seeds = {file.seeds!r} is invalid: give the number of seeds per condition, at least 1, or a list")
-    twice = next((seed for seed in seeds if seeds.count(seed) > 1), None)
-    if twice is not None:
+    if (twice := repeated(seeds)) is not None:
         raise Refusal(f"{source}: seeds has {twice} twice, which gives the same runs: give every seed once")
     if sweep.count > MOST_RUNS:
         raise Refusal(f"{source} defines {sweep.count} runs; a sweep has at most {MOST_RUNS}: give fewer points, values, seeds or cases")

@@ -32,7 +32,7 @@ from dcrb_ros.stream.vehicle_diagnosis import UNDECIDED, Status, VehicleDiagnosi
 Samples: TypeAlias = tuple[int, npt.NDArray[Any], npt.NDArray[Any] | None]
 """Index of the first sample, accelerations and angles."""
 
-ALIKE: tuple[Component, ...] = ("roller", "cage")
+RELATED: tuple[Component, ...] = ("roller", "cage")
 """Components whose faint lines are taken for one another: the cage modulates those of a damaged roller."""
 DEFAULTS = DetectorParameters()
 VEHICLE_DEFAULTS = VehicleDetectorParameters()
@@ -104,7 +104,7 @@ class VehicleDetector:
 
         def hystereses() -> dict[str, Hysteresis]:
             persist = hops if p.confirm > 1 else 1
-            return {name: Hysteresis(p.confirm, p.release, p.release_margin, persist, related=ALIKE) for name in self._boxes}
+            return {name: Hysteresis(p.confirm, p.release, p.release_margin, persist, related=RELATED) for name in self._boxes}
 
         self._decided, self._undecided = hystereses(), hystereses()
         self._hop = max(1, round(p.hop * description.sampling_rate))

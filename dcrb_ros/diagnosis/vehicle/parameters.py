@@ -19,7 +19,7 @@ class VehicleDetectorParameters(Group):
     relief: float = quantity(
         8.0,
         "dB",
-        "By how much fainter than in a box by itself the lines of a bearing may be if no other box has them",
+        "By how much fainter than in a box by itself the lines of a bearing may be if no other box has them, or only later",
         0.0,
         10.0,
     )
