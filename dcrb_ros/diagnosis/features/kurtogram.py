@@ -1,19 +1,23 @@
 """The fast kurtogram: the most impulsive band among those of a 1/3-binary tree, by the spectral kurtosis of its complex envelope.
 
-Antoni 2007, "Fast computation of the kurtogram for the detection of transient faults". Each level divides the frequencies up to half the
+Antoni 2007, "Fast computation of the kurtogram for the detection of transient faults". Each level divides the frequencies up to 0.45 of the
 sampling rate into 2, 3, 4, 6, 8, 12 ... bands of equal width. The complex envelope of a band is the inverse Fourier transform of its part
 of the spectrum, which gives one value for each line.
+
+The Fourier transform repeats a window, so its two ends meet in a jump. Above an anti-alias filter, where a recording has little power, this
+jump is the strongest impact of the window. The ends of the envelopes therefore do not count, and the bands end below the filter.
 """
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 from scipy import fft
 
-from dcrb_ros.diagnosis.demodulation import tukey
+from dcrb_ros.diagnosis.demodulation import NYQUIST_SHARE, tukey
 from dcrb_ros.diagnosis.features.family import FeatureFamily, Windows
 from dcrb_ros.schema.arrays import Floats
 
@@ -24,6 +28,8 @@ FEWEST = 256
 """Least number of values of an envelope: that of noise then has a kurtosis of 0 +- 0.13."""
 TAPER = 0.25
 """Share of a band's width taken by its two edges [-]; abrupt ones would ring and hide impacts."""
+ENDS = 0.05
+"""Share of a window at each of its ends that does not count [-]."""
 
 
 class ImpulsiveBand(NamedTuple):
@@ -40,21 +46,23 @@ class ImpulsiveBand(NamedTuple):
 def impulsive_band(acceleration: npt.ArrayLike, rate: float) -> ImpulsiveBand:
     """Return the band with the largest spectral kurtosis of each window of shape (windows, samples), sampled at ``rate`` [Hz]."""
     signal = np.atleast_2d(np.asarray(acceleration, np.float64))
-    lines = fft.rfft(signal.astype(np.float32), axis=1)[:, 1:]
-    windows, count = lines.shape
+    windows, samples = signal.shape
+    count = int(NYQUIST_SHARE * samples)
+    lines = fft.rfft(signal.astype(np.float32), axis=1)[:, 1 : count + 1]
     best, low, high = np.full(windows, -np.inf), np.zeros(windows), np.zeros(windows)
     for divisions in DIVISIONS:
         width = count // divisions
         if width < FEWEST:
             break
         parts = lines[:, : divisions * width].reshape(windows, divisions, width) * tukey(width, TAPER).astype(np.float32)
-        squared = _squared(fft.ifft(parts, axis=2, overwrite_x=True))
+        ends = math.ceil(ENDS * width)
+        squared = _squared(fft.ifft(parts, axis=2, overwrite_x=True)[:, :, ends:-ends])
         mean = np.maximum(squared.mean(axis=2), np.finfo(np.float64).tiny)
         kurtosis = (squared**2).mean(axis=2) / mean**2 - 2.0
         number = kurtosis.argmax(axis=1)
         largest = kurtosis[np.arange(windows), number]
         better = largest > best
-        step = 0.5 * rate * width / count
+        step = rate * width / samples
         best, low = np.where(better, largest, best), np.where(better, number * step, low)
         high = np.where(better, (number + 1) * step, high)
     return ImpulsiveBand(best, low, high)

@@ -7,6 +7,7 @@ import numpy.typing as npt
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.signal import firwin
 
 from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.features.band_levels import BAND_LEVELS, middles
@@ -80,6 +81,18 @@ def test_impacts_are_found_in_the_band_of_their_resonance() -> None:
     assert found["kurtogram_kurtosis"] > 2.0
     assert abs(found["kurtogram_frequency"] - 5000.0) < 1500.0
     assert impulsive_band(noise(), RATE).kurtosis[0] < 0.6
+
+
+def test_the_ends_of_a_window_are_no_impact_above_the_anti_alias_filter() -> None:
+    """The repeated window jumps between its ends. A recording with an empty band below half its rate shows nothing else there."""
+    taps = firwin(401, 0.43 * RATE, fs=RATE, window=("kaiser", 10.0))
+    drift = 2.0 * np.sin(2.0 * np.pi * 0.37 * TIME)  # no whole number of periods
+    healthy = np.convolve(noise(samples=len(TIME) + 400), taps, "valid") + drift
+    damaged = healthy + 5.0 * impacts(SPEED * TIME, ORDERS.bpfo)
+    band = impulsive_band(np.stack([healthy, damaged]), RATE)
+    assert band.kurtosis[0] < 0.6
+    assert band.low[1] < 5000.0 < band.high[1] <= 0.45 * RATE
+    assert band.kurtosis[1] > 2.0
 
 
 @pytest.mark.parametrize("fault", range(4))
