@@ -220,8 +220,24 @@ def test_the_shipped_exam_covers_boxes_components_and_cross_talk() -> None:
         ({"scenarios": [{"name": ""}]}, "name"),
         ({"vehicle": "no_such"}, "no_such"),
         (
-            {"scenarios": [{"name": "x", "boxes": ["axle_1.left", "axle_1.lefd"], "damaged": {"box": "roller"}}]},
+            {"scenarios": [{"name": "x", "boxes": ["axle_1.left", "axle_1.lefd"], "damaged": {"box": "sensor"}}]},
             "names the box 'axle_1.lefd'; did you mean 'axle_1.left'",
+        ),
+        (
+            {
+                "scenarios": [
+                    {
+                        "name": "x",
+                        "set": {"axle_1.left.bench": ["roller_defect", "inner_ring_defect"]},
+                        "damaged": {"axle_1.left": "roller"},
+                    }
+                ]
+            },
+            "damaged gives axle_1.left the verdict roller, which contradicts its faults, which make inner_ring correct: change damaged",
+        ),
+        (
+            {"scenarios": [{"name": "x", "set": {"axle_2.right.faults.outer_1.width": 0.002}}]},
+            "damaged gives axle_2.right the verdict healthy, which contradicts its faults, which make outer_ring correct",
         ),
     ],
 )

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import itertools
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,10 +19,11 @@ from pydantic import Field, ValidationError
 from dcrb_ros.exam.case import canonical
 from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.exam_parameters import refuse_ineffective
+from dcrb_ros.faults.ground_truth import class_of
 from dcrb_ros.schema.fields import Group, choice, quantity
 from dcrb_ros.schema.parameter_field import first_problem
 from dcrb_ros.schema.refusal import Refusal, nearest, repeated
-from dcrb_ros.schema.verdicts import FaultClass
+from dcrb_ros.schema.verdicts import FaultClass, contradicts
 from dcrb_ros.settings.files import flatten, validated
 from dcrb_ros.settings.shipped import find_shipped
 from dcrb_ros.text.yaml import read_yaml
@@ -32,6 +34,8 @@ PLACEHOLDER = "box"
 """In the keys of a scenario, the box in question."""
 DRAWN = ("vehicle.seed", "track.seed", "paths.seed")
 """Seeds of a vehicle that an exam draws."""
+FAULTY = re.compile(r"\.(bench|faults|sensor)\b")
+"""Keys of a box on which its correct verdict depends."""
 MOST_CASES = 2000
 """Vehicles of an exam at most [-]."""
 
@@ -172,7 +176,7 @@ def _cases(file: VehicleExamFile, entry: VehicleEntry, base: Mapping[str, Any], 
     if empty is not None:
         raise Refusal(f"{where}: {empty} has an empty list: give at least one value")
     varied = {key: value for key, value in changes.items() if isinstance(value, list)}
-    checked: dict[tuple[str, str], list[str]] = {}
+    checked: set[object] = set()
     for point, variant, box, values in itertools.product(
         (entry.points if entry.points is not None else [*file.points]) or [""],
         entry.variants or [""],
@@ -190,13 +194,30 @@ def _cases(file: VehicleExamFile, entry: VehicleEntry, base: Mapping[str, Any], 
         damaged = {_placed(key, box, where): verdict for key, verdict in entry.damaged.items() if verdict != "healthy"}
         tags = {**({"point": point} if point else {}), **({"variant": variant} if variant else {}), "kind": entry.name, **entry.tags}
         case = VehicleCase(name, parameters, file.duration, damaged, entry.required, tags)
-        names = checked.get((point, variant), [])  # the other values are checked when the vehicle is simulated
-        if not names or not set(damaged) <= set(names):
-            names = checked[point, variant] = [box_of.name for box_of in case.vehicle().boxes]
-            stranger = next((name for name in damaged if name not in names), None)
-            if stranger is not None:
-                raise Refusal(f"{where}: damaged names the box '{stranger}'{nearest(stranger, names)} (known: {', '.join(names)})")
+        # The other values are checked when the vehicle is simulated.
+        about: set[object] = {
+            (point, variant),
+            canonical([damaged, [[key, str(value)] for key, value in own.items() if FAULTY.search(key)]]),
+        }
+        if not about <= checked:
+            checked |= about
+            _check_verdicts(case, where)
         yield case
+
+
+def _check_verdicts(case: VehicleCase, where: str) -> None:
+    """Refuse an invalid vehicle, verdicts on boxes that it lacks, and verdicts that the faults of its boxes contradict."""
+    boxes = {box.name: box for box in case.vehicle().boxes}
+    stranger = next((name for name in case.damaged if name not in boxes), None)
+    if stranger is not None:
+        raise Refusal(f"{where}: damaged names the box '{stranger}'{nearest(stranger, boxes)} (known: {', '.join(boxes)})")
+    for box in boxes.values():
+        verdict, correct = case.damaged.get(box.name, "healthy"), class_of(box.configuration.described_faults())
+        if contradicts(verdict, [correct]):
+            raise Refusal(
+                f"{where}: damaged gives {box.name} the verdict {verdict}, which contradicts its faults, which make {correct} correct: "
+                f"change damaged, or the faults of {box.name}"
+            )
 
 
 def _placed(key: str, box: str, where: str) -> str:
