@@ -278,6 +278,10 @@ def _case(
     configuration = validated(layered(base, overlay), Configuration, where)
     duration = entry.duration or file.duration
     faulty = entry.verdict != "healthy"
+    if not faulty and entry.onset is not None:
+        raise Refusal(f"{where}: onset = {entry.onset:g} s has no effect on a healthy bearing, to which nothing happens: leave it out")
+    if not faulty and not entry.required:
+        raise Refusal(f"{where}: required = false has no effect on a healthy bearing, where nothing is to be detected: leave it out")
     fault_time = file.onset if entry.onset is None else entry.onset
     entries: list[Any] = []
     if entry.scenario:

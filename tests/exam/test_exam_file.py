@@ -204,7 +204,12 @@ def test_a_hidden_bearing_fault_needs_a_sensor_verdict() -> None:
 
 
 def test_a_healthy_case_has_no_onset() -> None:
-    assert first({**WELL, "onset": 0.05}).expectation.onset == 0.0
+    assert first(WELL).expectation.onset == 0.0
+
+
+def test_what_has_no_effect_on_a_healthy_bearing_is_refused() -> None:
+    assert "'well': onset = 0 s has no effect on a healthy bearing" in refused({**WELL, "onset": 0.0})
+    assert "'well': required = false has no effect on a healthy bearing" in refused({**WELL, "required": False})
 
 
 INNER = {"faults.inner_1.width": 0.002}
