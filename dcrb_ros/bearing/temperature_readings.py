@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
@@ -49,8 +50,9 @@ class TemperatureReadings:
         return f"<TemperatureReadings: {len(self)} from {self.time[0]:.4g} to {self.time[-1]:.4g} s, at the end {self.to_words(-1)}>"
 
     def to_words(self, number: int) -> str:
-        """Return a reading of all sensors as text."""
-        return ", ".join(f"{field.name} {getattr(self, field.name)[number]:.4g} deg C" for field in fields(self) if field.name != "time")
+        """Return a reading of all sensors as text, "unknown" of a sensor that has none."""
+        values = {field.name: float(getattr(self, field.name)[number]) for field in fields(self) if field.name != "time"}
+        return ", ".join(f"{sensor} unknown" if math.isnan(value) else f"{sensor} {value:.4g} deg C" for sensor, value in values.items())
 
     def between(self, start: float, stop: float) -> TemperatureReadings:
         """Return the readings with ``start <= time < stop`` [s]; there may be none.

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import shlex
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -135,8 +137,19 @@ def table(
         write_board_figure(board, folder / figure)
     write_whole(folder / "leaderboard.md", markdown(boards, figures))
     write_whole(folder / "leaderboard.html", page(boards, figures))
+    _remove_other_figures(folder, figures)
     for name in ("leaderboard.md", "leaderboard.html", *figures):
         print(folder / name)
+
+
+def _remove_other_figures(folder: Path, figures: Sequence[str]) -> None:
+    """Remove the figures of a longer table that was written to the folder before."""
+    for file in folder.glob("leaderboard-*.png"):
+        if re.fullmatch(r"leaderboard-[1-9]\d*\.png", file.name) and file.name not in figures and file.is_file():
+            try:
+                file.unlink()
+            except OSError as error:
+                raise Refusal(f"{file} is of an earlier table and cannot be removed: {error.strerror}; remove it") from None
 
 
 @app.command()

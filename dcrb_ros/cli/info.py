@@ -184,11 +184,9 @@ def _digest_line(digests: SampleDigests) -> str:
 
 def _streams(recording: Recording) -> list[str]:
     """Return lines on the readings of temperature and the pulses of the tacho, where there are any."""
-    from dcrb_ros.recordings.arrays import reading_in_words
-
     lines, readings, tacho = [], recording.temperatures(), recording.tacho()
     if len(readings):
-        first, last = (reading_in_words(readings, number) for number in (0, -1))
+        first, last = (readings.to_words(number) for number in (0, -1))
         lines.append(f"{len(readings)} readings of temperature, at {readings.time[0]:.3f} s {first}, at {readings.time[-1]:.3f} s {last}")
     if len(tacho):
         lines.append(f"{len(tacho)} pulses of a tacho, {tacho.pulses_per_turn or 'an unknown number'} per turn")

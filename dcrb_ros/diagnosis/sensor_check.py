@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from dcrb_ros.diagnosis.demodulation import QUARTERS, Band, band_tree
+from dcrb_ros.diagnosis.demodulation import NYQUIST_SHARE, QUARTERS, Band, band_tree
 from dcrb_ros.diagnosis.evidence import LevelEvidence, LevelHistory, SampleEvidence
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.registry import LEVEL_RULES, SAMPLE_RULES
@@ -18,6 +18,7 @@ class SensorCheck:
     def __init__(self, parameters: DetectorParameters, rate: int, hop: int, bands: Sequence[Band]) -> None:
         """Prepare for hops of so many samples at a ``rate`` [Hz], whose levels are those of ``bands``, the last one below the others."""
         p = parameters
+        self._parameters = p
         self._rate, self._hop, self._hops = rate, hop, p.window / p.hop
         # Levels are compared in the quarters of the band and in the band below it.
         quarters = band_tree(p.band_low, p.band_high, (QUARTERS,))
@@ -41,6 +42,15 @@ class SensorCheck:
     def flaw(self) -> str:
         """The flaw of samples that are in the window, or nothing."""
         return self._flaw if self._remaining else ""
+
+    @property
+    def remark(self) -> str:
+        """Which faults of the sensor cannot be detected because the quarters of the band are not compared, or nothing."""
+        p, highest = self._parameters, NYQUIST_SHARE * self._rate
+        if len(self.bands) > 1:
+            return ""
+        why = f"band_high = {p.band_high:g} Hz is above {highest:g} Hz, {NYQUIST_SHARE:g} of the sampling rate"
+        return f"no gain drift and no loss of high frequencies is detected: {why if p.band_high > highest else f'band = {p.band}'}"
 
     def restart(self) -> None:
         """Begin anew with the signal."""

@@ -24,7 +24,7 @@ from dcrb_ros.exam.twins import with_twins
 from dcrb_ros.faults.ground_truth import class_of
 from dcrb_ros.schema.fields import Group, choice, quantity
 from dcrb_ros.schema.refusal import Refusal, nearest, repeated
-from dcrb_ros.schema.verdicts import FAULT_CLASSES, FaultClass
+from dcrb_ros.schema.verdicts import FAULT_CLASSES, FaultClass, contradicts
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import fields_by_key, flatten, layered, read_parameters, validated
 from dcrb_ros.settings.shipped import find_configuration, find_shipped
@@ -278,6 +278,10 @@ def _case(
     configuration = validated(layered(base, overlay), Configuration, where)
     duration = entry.duration or file.duration
     faulty = entry.verdict != "healthy"
+    if not faulty and entry.onset is not None:
+        raise Refusal(f"{where}: onset = {entry.onset:g} s has no effect on a healthy bearing, to which nothing happens: leave it out")
+    if not faulty and not entry.required:
+        raise Refusal(f"{where}: required = false has no effect on a healthy bearing, where nothing is to be detected: leave it out")
     fault_time = file.onset if entry.onset is None else entry.onset
     entries: list[Any] = []
     if entry.scenario:
@@ -291,9 +295,10 @@ def _case(
     late = next((one["at"] for one in entry.timeline if one["at"] >= duration), None)
     if late is not None:
         raise Refusal(f"{where}: an entry at {late:g} s is not before its end at {duration:g} s: increase the duration or remove it")
-    onset = 0.0
+    classes, onset = _classes(configuration, events, where), 0.0
     if faulty:
-        onset = fault_time if fault or entry.onset is not None else _onset(configuration, events, entry.verdict, where)
+        onset = fault_time if fault or entry.onset is not None else _onset(classes, entry.verdict, where)
+    _refuse_contradiction(classes, entry.verdict, onset, where)
     limit = file.criteria.delay.of(entry.verdict) if faulty else 0.0
     # The last verdict of a replica counts, whenever it is given.
     if faulty and file.replica is None and duration < onset + limit - 1e-9:
@@ -333,13 +338,34 @@ def _grade(entry: ScenarioEntry, given: Mapping[str, Any], where: str) -> dict[s
     return {"graded_by": key, "grade": float(value)}
 
 
-def _onset(configuration: Configuration, events: Sequence[ScheduledChange], verdict: str, where: str) -> float:
-    """Return the time from which a verdict is correct [s], if the entry gives neither fault nor onset: at the start or by the timeline."""
-    present = configuration
-    if class_of(present.described_faults()) == verdict:
-        return 0.0
+def _classes(configuration: Configuration, events: Sequence[ScheduledChange], where: str) -> list[tuple[float, FaultClass]]:
+    """Return the verdicts that the faults make correct, and the time from which each does [s]."""
+    present, classes = configuration, [(0.0, class_of(configuration.described_faults()))]
+    pending: dict[str, Any] = {}
     for event in events:
-        present = altered(present, event.changes, where)
-        if class_of(present.described_faults()) == verdict:
-            return event.step / present.step_rate
-    raise Refusal(f"{where}: nothing in it makes {verdict} correct: give 'fault', a timeline with a fault, or 'onset'")
+        pending |= event.changes
+        # Intermediate steps of a gradual change neither bring faults nor take them away.
+        if event.event is not None and any(key.startswith(("faults.", "sensor.")) for key in pending):
+            present, pending = altered(present, pending, where), {}
+            classes.append((event.step / present.step_rate, class_of(present.described_faults())))
+    return classes
+
+
+def _onset(classes: Sequence[tuple[float, FaultClass]], verdict: str, where: str) -> float:
+    """Return the time from which a verdict is correct [s], if the entry gives neither fault nor onset: at the start or by the timeline."""
+    onset = next((time for time, present in classes if present == verdict), None)
+    if onset is None:
+        raise Refusal(f"{where}: nothing in it makes {verdict} correct: give 'fault', a timeline with a fault, or 'onset'")
+    return onset
+
+
+def _refuse_contradiction(classes: Sequence[tuple[float, FaultClass]], verdict: FaultClass, onset: float, where: str) -> None:
+    """Refuse a verdict that the faults contradict from the onset on."""
+    at_onset = [present for time, present in classes if time < onset][-1:]
+    correct = dict.fromkeys([*at_onset, *(present for time, present in classes if time >= onset)])
+    if contradicts(verdict, correct):
+        found = " and then ".join(present for present in correct if present != "healthy") or "healthy"
+        raise Refusal(
+            f"{where}: verdict = {verdict} contradicts its faults, which make {found} correct: change the verdict, or the faults in base, "
+            "set, fault, scenario and timeline"
+        )

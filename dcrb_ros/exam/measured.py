@@ -31,6 +31,7 @@ from dcrb_ros.schema.numbers import sampling_rate
 from dcrb_ros.schema.refusal import Refusal, nearest, repeated
 from dcrb_ros.schema.units import ACCELERATION_UNITS
 from dcrb_ros.schema.verdicts import FAULT_CLASSES
+from dcrb_ros.settings.files import fields_by_key
 from dcrb_ros.stream.diagnosis import Diagnosis
 from dcrb_ros.text.tables import read_rows
 
@@ -164,7 +165,7 @@ def _row(table: Path, line: int, row: dict[str, str], speed: str) -> MeasuredRec
         )
     machine = row.get("machine") or _machine(row["rig"], rate)
     bearing = row.get("bearing") or f"{row['truth']} {name.rpartition('_')[0] or name}"
-    pitch = _stated(row, "pitch_diameter_mm", "mm", f"{table}, line {line}")
+    pitch = _stated(row, "pitch_diameter_mm", "mm", f"{table}, line {line}", _range("bearing.pitch_radius", 2e3))
     return MeasuredRecording(
         name=name,
         rig=row["rig"],
@@ -178,13 +179,21 @@ def _row(table: Path, line: int, row: dict[str, str], speed: str) -> MeasuredRec
         file=table.parent / "recordings" / f"{name}.npz",
         bearing=f"{machine} {bearing}",
         seconds=_stated(row, "seconds", "s", f"{table}, line {line}") or math.inf,
-        load=_stated(row, "load", "N", f"{table}, line {line}"),
+        load=_stated(row, "load", "N", f"{table}, line {line}", _range("operating.load")),
         pitch_radius=None if pitch is None else 5e-4 * pitch,
     )
 
 
-def _stated(row: dict[str, str], column: str, unit: str, where: str) -> float | None:
-    """Return the number in an optional column; None if it is empty."""
+def _range(key: str, factor: float = 1.0) -> tuple[float, float]:
+    """Return the range above 0 of a parameter, in another unit by a ``factor``."""
+    field = fields_by_key()[key]
+    assert field.low is not None
+    assert field.high is not None
+    return max(0.0, factor * field.low), factor * field.high
+
+
+def _stated(row: dict[str, str], column: str, unit: str, where: str, limits: tuple[float, float] = (0.0, math.inf)) -> float | None:
+    """Return the number in an optional column, above 0 and within ``limits``; None if it is empty."""
     text = row.get(column)
     if not text:
         return None
@@ -194,6 +203,9 @@ def _stated(row: dict[str, str], column: str, unit: str, where: str) -> float | 
         value = math.nan
     if not (math.isfinite(value) and value > 0.0):
         raise Refusal(f"{where}: {column} = {text} is not a number above 0: give it in {unit}, or leave it empty")
+    low, high = limits
+    if not low <= value <= high:
+        raise Refusal(f"{where}: {column} = {text} is outside {low:g} .. {high:g} {unit}: give it in {unit}, or leave it empty")
     return value
 
 

@@ -22,7 +22,7 @@ from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.plots.envelope_spectrum import plot_envelope_spectrum
 from dcrb_ros.plots.style import FAULT_LINES, labelled, legend_above
 from dcrb_ros.plots.waveform import plot_waveform
-from dcrb_ros.recordings.arrays import joined_waveform, reading_in_words
+from dcrb_ros.recordings.arrays import joined_waveform
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.verification import unsigned
 from dcrb_ros.runtime.version import __version__
@@ -294,7 +294,7 @@ def _conditions(entry: DiagnosedRecording, content: Content) -> list[tuple[str, 
         conditions.append(("imported", printable(json.dumps(manifest["imported"], sort_keys=True))))
     readings = recording.temperatures()
     if len(readings):
-        conditions.append(("temperatures", f"at the start {reading_in_words(readings, 0)}, at the end {reading_in_words(readings, -1)}"))
+        conditions.append(("temperatures", f"at the start {readings.to_words(0)}, at the end {readings.to_words(-1)}"))
     conditions.append(("sha256 of the samples", read.sha256))
     if reason := digests.mismatch or unsigned(recording):
         conditions.append(("digest", printable(reason)))

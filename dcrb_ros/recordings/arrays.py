@@ -159,12 +159,6 @@ def temperatures_of(messages: Messages) -> TemperatureReadings:
     return TemperatureReadings(time=np.array([time_ns * 1e-9 for time_ns in times], np.float64), **sensors)
 
 
-def reading_in_words(readings: TemperatureReadings, number: int) -> str:
-    """Return a reading of all sensors as text, "unknown" of a sensor that has none."""
-    values = {sensor: float(getattr(readings, sensor)[number]) for sensor in READINGS}
-    return ", ".join(f"{sensor} unknown" if math.isnan(value) else f"{sensor} {value:.4g} deg C" for sensor, value in values.items())
-
-
 def tacho_of(messages: Messages, pulses_per_turn: int) -> TachoPulses:
     """Return the pulses of the tacho; empty where none were recorded."""
     blocks = [decode_pulses(message.data) for message in messages((TACHO,))]

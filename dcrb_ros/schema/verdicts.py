@@ -90,3 +90,16 @@ def fault_class(faults: Iterable[FaultClass]) -> FaultClass:
     if "sensor" in present:
         return "sensor"
     return "compound" if len(present) > 1 else next(iter(present), "healthy")
+
+
+def contradicts(verdict: FaultClass, correct: Iterable[FaultClass]) -> bool:
+    """Return whether faults of some classes contradict a verdict that an exam expects.
+
+    A sound bearing may be in trouble or have a sensor that misreads, and an exam may give a trouble another name.
+    """
+    faults = set(correct) - {"healthy"}
+    if verdict == "healthy":
+        return bool(faults)
+    if verdict in TROUBLES:
+        return bool(faults) and faults.isdisjoint(TROUBLES)
+    return verdict not in faults and (bool(faults) or verdict in COMPONENTS)

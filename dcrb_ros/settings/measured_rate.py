@@ -11,13 +11,18 @@ USUAL_PREVIEW = 200
 """Rate of the preview where it divides the sampling rate [Hz]."""
 
 
+def preview_rates(rate: int) -> list[int]:
+    """Return the rates of a preview that divide a sampling rate [Hz]; there may be none."""
+    return [d for d in range(10, 1001) if rate % d == 0]
+
+
 def preview_at(rate: int) -> int:
     """Return the divisor of a sampling rate that is closest to the usual rate of the preview [Hz].
 
     Raises:
         Refusal: the rate has no divisor for the preview.
     """
-    divisors = [d for d in range(10, 1001) if rate % d == 0]
+    divisors = preview_rates(rate)
     if not divisors:
         raise Refusal(
             f"sampling_rate = {rate} Hz has no divisor from 10 to 1000 Hz, which the preview needs: resample the recording, for example "

@@ -11,13 +11,17 @@ import numpy as np
 from dcrb_ros.schema.numbers import duration_within
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
-from dcrb_ros.settings.measured_rate import preview_at
+from dcrb_ros.settings.measured_rate import preview_at, preview_rates, rates
 from dcrb_ros.simulation.run import LONGEST, simulate
 
 STARTING = 0.2
 """Time that a run takes to settle [s]."""
 FASTEST_SAMPLING = 60000
 """Highest sampling rate at which the level is measured [Hz]: its pass band just exceeds the 20 kHz of the definition."""
+SLOWEST_SAMPLING = 48000
+"""Lowest sampling rate at which the level is measured [Hz]: its pass band ends at 19.2 kHz."""
+USUAL_SAMPLING = 51200
+"""Sampling rate at which the level is measured if no rate between these two divides the rate of the steps [Hz]."""
 REPLACED = ("faults", "background", "sensor", "publishing", "recording", "tacho")
 """Groups that a machine has no part in."""
 
@@ -63,9 +67,10 @@ def healthy_level(
     duration = duration_within("duration =", duration, LONGEST - 1.0, "one second is enough")
     given = load_configuration(configuration, settings)
     kept = given.model_dump()
-    rate = _sampling_rate(given.step_rate)
+    rate, step = _sampling(given)
     machine = {
         **{name: group for name, group in kept.items() if name not in REPLACED},
+        "simulation": kept["simulation"] | {"step": step},
         "structure": kept["structure"] | {"healthy_level": 0.0, "background": 0.0, "background_lines": 0.0, "floor": 0.0},
         "sensor": {"preset": "ideal", "sampling_rate": rate},
         "publishing": {"preview_rate": preview_at(rate)},
@@ -75,8 +80,10 @@ def healthy_level(
     return float(np.sqrt(np.mean(settled**2)))
 
 
-def _sampling_rate(step_rate: int) -> int:
-    """Return the highest rate of whole steps up to 60 kHz [Hz]."""
-    return next(
-        step_rate // factor for factor in range(2, step_rate) if step_rate % factor == 0 and step_rate // factor <= FASTEST_SAMPLING
-    )
+def _sampling(given: Configuration) -> tuple[int, float]:
+    """Return a sampling rate [Hz] and a step [s]: the highest rate up to 60 kHz of whole steps, or a usual one with a shorter step."""
+    steps = given.step_rate
+    rate = next((steps // factor for factor in range(2, steps) if steps % factor == 0 and steps // factor <= FASTEST_SAMPLING), 0)
+    if rate >= SLOWEST_SAMPLING and preview_rates(rate):
+        return rate, given.simulation.step
+    return USUAL_SAMPLING, rates(USUAL_SAMPLING, given.simulation.step)["simulation.step"]

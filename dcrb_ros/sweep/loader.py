@@ -162,6 +162,7 @@ def _consistent(sweep: Sweep, fields: Mapping[str, ParameterField], source: str)
         _twins(sweep, source)
     if sweep.file.branch_at:
         _branching(sweep, fields, source)
+    _check_scenarios(sweep, source)
     _check_output(sweep, source)
 
 
@@ -214,6 +215,21 @@ def _check_windows(sweep: Sweep, source: str) -> None:
             f"{source}: windows.length = {file.windows.length} samples is longer than a run of {file.duration:g} s, "
             f"{round(file.duration * sweep.rate)} samples at {sweep.rate} Hz: shorten the windows or lengthen the runs"
         )
+
+
+def _check_scenarios(sweep: Sweep, source: str) -> None:
+    """Refuse scenarios that change nothing before the end of a run; an invalid one is refused with its runs."""
+    end = sweep.file.settle + sweep.file.duration
+    for name, tree in sweep.scenarios.items():
+        timeline = tree.get("timeline") if isinstance(tree, Mapping) and not tree.get("start") else None
+        entries = timeline if isinstance(timeline, list) else []
+        times = [entry.get("at") if isinstance(entry, Mapping) else None for entry in entries]
+        late = [at for at in times if isinstance(at, (int, float)) and at >= end]
+        if times and len(late) == len(times):
+            raise Refusal(
+                f"{source}: the scenario '{name}' changes nothing before the end of a run at {end:g} s, its first entry is at "
+                f"{min(late):g} s: increase duration or settle, or remove the scenario"
+            )
 
 
 def _twins(sweep: Sweep, source: str) -> None:

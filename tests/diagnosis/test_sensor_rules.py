@@ -29,6 +29,24 @@ def judged(change: Callable[[Samples], Samples], *, seconds: float = 4.0, sensor
     return diagnoses(FaultDetector(ORDERS, RATE, sensor_range=sensor_range), (acceleration, angle))
 
 
+@pytest.mark.parametrize(
+    ("rate", "given", "why"),
+    [
+        (RATE, {}, ""),
+        (44_445, {}, ""),
+        (25_600, {}, "band_high = 20000 Hz is above 11520 Hz, 0.45 of the sampling rate"),
+        (25_600, {"band_high": 11_520.0}, ""),
+        (RATE, {"band": "fixed"}, "band = fixed"),
+    ],
+)
+def test_a_diagnosis_says_which_faults_of_the_sensor_cannot_be_detected(rate: int, given: dict[str, Any], why: str) -> None:
+    detector = FaultDetector(ORDERS, rate, DetectorParameters(**given))
+    noisy = np.random.default_rng(3).normal(0.0, 1.0, (3 * rate, 2)).astype(np.float32)
+    last = diagnoses(detector, (noisy, np.mod(125.0 / rate * np.arange(len(noisy)), 2.0 * np.pi)))[-1]
+    said = [remark for remark in last.remarks if "gain drift" in remark]
+    assert said == ([f"no gain drift and no loss of high frequencies is detected: {why}"] if why else [])
+
+
 def noise(samples: Samples, level: float) -> Samples:
     return np.random.default_rng(7).normal(0.0, level, samples.shape).astype(np.float32)
 

@@ -272,7 +272,7 @@ TIMED = {"name": "outer", "verdict": "outer_ring", "timeline": [{"at": 0.05, "se
         ({"timeline": [{"at": 0.02, "set": {"faults.inner_1.width": 0.002}}, *TIMED["timeline"]], "verdict": "compound"}, 0.05),
         ({"timeline": [], "set": {"faults.outer_1.width": 0.002}}, 0.0),
         ({"timeline": [{"at": 0.06, "set": {"sensor.fault": "dead"}}], "verdict": "sensor"}, 0.06),
-        ({"verdict": "healthy", "timeline": [], "onset": 0.05}, 0.0),
+        ({"verdict": "healthy", "timeline": []}, 0.0),
     ],
 )
 def test_the_onset_follows_from_the_timeline_unless_it_is_given(changes: dict[str, Any], onset: float) -> None:

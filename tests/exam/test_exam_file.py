@@ -204,4 +204,49 @@ def test_a_hidden_bearing_fault_needs_a_sensor_verdict() -> None:
 
 
 def test_a_healthy_case_has_no_onset() -> None:
-    assert first({**WELL, "onset": 0.05}).expectation.onset == 0.0
+    assert first(WELL).expectation.onset == 0.0
+
+
+def test_what_has_no_effect_on_a_healthy_bearing_is_refused() -> None:
+    assert "'well': onset = 0 s has no effect on a healthy bearing" in refused({**WELL, "onset": 0.0})
+    assert "'well': required = false has no effect on a healthy bearing" in refused({**WELL, "required": False})
+
+
+INNER = {"faults.inner_1.width": 0.002}
+
+
+@pytest.mark.parametrize(
+    ("changes", "correct"),
+    [
+        ({"verdict": "outer_ring", "fault": INNER}, "inner_ring"),
+        ({"verdict": "outer_ring", "fault": {**SPALL["fault"], **INNER}}, "compound"),
+        ({"verdict": "outer_ring", "set": INNER, "onset": 0.1}, "inner_ring"),
+        ({"verdict": "outer_ring", "set": INNER, "fault": SPALL["fault"]}, "inner_ring and then compound"),
+        ({"verdict": "outer_ring", "fault": {"operating.load": 9e4}}, "healthy"),
+        ({"verdict": "overheating", "fault": INNER}, "inner_ring"),
+        ({"verdict": "sensor", "fault": INNER}, "inner_ring"),
+        ({"verdict": "inner_ring", "fault": {**INNER, "sensor.fault": "dead"}}, "sensor"),
+        ({"verdict": "healthy", "set": INNER}, "inner_ring"),
+        ({"verdict": "healthy", "fault": {"sensor.fault": "dead"}}, "sensor"),
+        ({"verdict": "healthy", "base": "outer_ring_defect"}, "outer_ring"),
+        ({"verdict": "healthy", "timeline": [{"at": 0.05, "set": INNER}]}, "inner_ring"),
+    ],
+)
+def test_a_verdict_that_contradicts_the_faults_is_refused(changes: dict[str, Any], correct: str) -> None:
+    sentence = refused({"name": "wrong", "duration": 25.0, **changes})
+    assert f"'wrong': verdict = {changes['verdict']} contradicts its faults, which make {correct} correct: change the verdict" in sentence
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"verdict": "compound", "set": INNER, "fault": SPALL["fault"]},
+        {"verdict": "sensor", "fault": {**INNER, "sensor.fault": "dead"}},
+        {"verdict": "inner_ring", "base": "inner_ring_defect"},
+        {"verdict": "inner_ring", "timeline": [{"at": 0.05, "over": 0.1, "set": INNER}], "onset": 0.02},
+        {"verdict": "overheating", "fault": {"operating.load": 9e4}},
+        {"verdict": "sensor", "set": {"sensor.range": 5.0}, "onset": 0.1},
+    ],
+)
+def test_a_verdict_that_the_faults_allow_is_accepted(changes: dict[str, Any]) -> None:
+    assert first({"name": "right", "duration": 25.0, **changes}).expectation.verdict == changes["verdict"]

@@ -310,6 +310,19 @@ def test_the_command_writes_the_leaderboard(tmp_path: Path, capsys: pytest.Captu
     assert "has no .json file" in capsys.readouterr().err
 
 
+def test_figures_of_a_longer_table_are_removed_and_other_files_kept(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    for name in ("leaderboard-2.png", "leaderboard-10.png", "leaderboard-old.png", "leaderboard-02.png", "leaderboard-3.png.txt"):
+        (out / name).write_bytes(b"x")
+    (out / "leaderboard-4.png").mkdir()
+    for number, skill in ((1, 0.3), (2, 0.9)):
+        write_entry(detector(number, skill), tmp_path / f"{number}.json")
+    assert dcrb("exam", "table", str(tmp_path), "--output", str(out)) == 0
+    kept = {"leaderboard-old.png", "leaderboard-02.png", "leaderboard-3.png.txt", "leaderboard-4.png"}
+    assert {file.name for file in out.iterdir()} == {"leaderboard.md", "leaderboard.html", "leaderboard-1.png"} | kept
+
+
 @pytest.mark.parametrize("size", [1000, 20_000])
 def test_a_full_disk_leaves_no_leaderboard(size: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for number, skill in ((1, 0.3), (2, 0.9)):

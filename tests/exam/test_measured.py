@@ -105,6 +105,10 @@ def test_a_wrong_answer_fails(tmp_path: Path, capsys: pytest.CaptureFixture[str]
         ({"name": "../recordings"}, "line 2: name = '../recordings' is not the name of a file"),
         ({"name": ""}, "line 2: name = '' is not the name of a file"),
         ({"seconds": "-1"}, "line 2: seconds = -1 is not a number above 0: give it in s, or leave it empty"),
+        ({"pitch_diameter_mm": "39000"}, r"line 2: pitch_diameter_mm = 39000 is outside 5 .. 4400 mm: give it in mm, or leave it empty"),
+        ({"pitch_diameter_mm": "1e100"}, "line 2: pitch_diameter_mm = 1e100 is outside"),
+        ({"pitch_diameter_mm": "0.039"}, "line 2: pitch_diameter_mm = 0.039 is outside"),
+        ({"load": "1e9"}, r"line 2: load = 1e9 is outside 0 .. 1e\+07 N: give it in N"),
         ({"machin": "m"}, "has the unknown column 'machin'; did you mean 'machine'"),
     ],
 )

@@ -220,8 +220,33 @@ def test_the_shipped_exam_covers_boxes_components_and_cross_talk() -> None:
         ({"scenarios": [{"name": ""}]}, "name"),
         ({"vehicle": "no_such"}, "no_such"),
         (
-            {"scenarios": [{"name": "x", "boxes": ["axle_1.left", "axle_1.lefd"], "damaged": {"box": "roller"}}]},
+            {"scenarios": [{"name": "x", "boxes": ["axle_1.left", "axle_1.lefd"], "damaged": {"box": "sensor"}}]},
             "names the box 'axle_1.lefd'; did you mean 'axle_1.left'",
+        ),
+        (
+            {
+                "scenarios": [
+                    {
+                        "name": "x",
+                        "set": {"axle_1.left.bench": ["roller_defect", "inner_ring_defect"]},
+                        "damaged": {"axle_1.left": "roller"},
+                    }
+                ]
+            },
+            "damaged gives axle_1.left the verdict roller, which contradicts its faults, which make inner_ring correct: change damaged",
+        ),
+        ({"scenarios": [{"name": "x", "boxes": ["axle_1.left"]}]}, "'x': boxes has no effect without a key of 'box'"),
+        ({"scenarios": [{"name": "x", "required": False}]}, "'x': required = false has no effect on healthy boxes"),
+        ({"scenarios": [{"name": "x", "set": {"vehicle.cant": [0.0, 0.1]}}]}, "'x': vehicle.cant has no effect on straight track: give"),
+        ({"set": {"vehicle.cant": 0.1}}, "exam.yaml, set: vehicle.cant has no effect"),
+        ({"points": {"p": {"vehicle": {"cant": 0.1}}}}, "exam.yaml, points, p: vehicle.cant has no effect"),
+        (
+            {"variants": {"v": {"vehicle.cant": 0.1}}, "scenarios": [{"name": "x", "variants": ["v"]}]},
+            "exam.yaml, variants, v: vehicle.cant has no effect",
+        ),
+        (
+            {"scenarios": [{"name": "x", "set": {"axle_2.right.faults.outer_1.width": 0.002}}]},
+            "damaged gives axle_2.right the verdict healthy, which contradicts its faults, which make outer_ring correct",
         ),
     ],
 )
@@ -230,6 +255,12 @@ def test_an_invalid_file_is_refused_in_one_sentence(change: dict[str, object], s
     file.write_text(yaml.safe_dump({"exam": "x", "vehicle": "healthy_bogie", "scenarios": [{"name": "x"}], **change}), encoding="utf-8")
     with pytest.raises(Refusal, match=sentence):
         read_vehicle_exam(file)
+
+
+def test_a_cant_may_be_given_where_some_scenarios_have_a_curve() -> None:
+    scenarios = [{"name": "straight"}, {"name": "curve", "set": {"vehicle.curvature": [0.0, 0.001]}}]
+    tree = {"exam": "x", "vehicle": "healthy_bogie", "set": {"vehicle.cant": 0.1}, "scenarios": scenarios}
+    assert [case.parameters["vehicle.cant"] for case in vehicle_exam_of(tree, "the test").cases] == [0.1] * 3
 
 
 def test_speed_and_seed_of_a_vehicle_may_be_the_default_ones(tmp_path: Path) -> None:
@@ -242,7 +273,8 @@ def test_speed_and_seed_of_a_vehicle_may_be_the_default_ones(tmp_path: Path) -> 
 
 
 def test_every_vehicle_draws_its_seeds_unless_the_exam_gives_them() -> None:
-    scenarios = [{"name": "drawn", "boxes": ["axle_1.left", "axle_2.left"]}, {"name": "given", "set": {"track.seed": 5}}]
+    flat = {"box.wheel.flat": 0.02}
+    scenarios = [{"name": "drawn", "boxes": ["axle_1.left", "axle_2.left"], "set": flat}, {"name": "given", "set": {"track.seed": 5}}]
     tree = {"exam": "x", "vehicle": "healthy_bogie", "set": {"paths.seed": 4}, "scenarios": scenarios}
     drawn = vehicle_exam_of({**tree, "seed": 8}, "the test")
     first, second, given = drawn.cases

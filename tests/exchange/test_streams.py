@@ -15,7 +15,6 @@ import dcrb_ros
 from dcrb_ros.exchange.export import array_name, export
 from dcrb_ros.exchange.importing import WaveformImport
 from dcrb_ros.messages.topics import AMBIENT_TEMPERATURE, BOX_TEMPERATURE, FEATURES, OUTER_RING_TEMPERATURE, TACHO, VIBRATION
-from dcrb_ros.recordings.arrays import reading_in_words
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.schema.refusal import Refusal
@@ -111,7 +110,8 @@ def test_fewer_readings_than_samples_are_spread_over_the_file(tmp_path: Path) ->
     assert found.box.tolist() == [40.0, 41.0, 42.0, 43.0, 44.0]
     assert np.isnan(found.outer_ring).all()
     assert np.isnan(found.ambient).all()
-    assert reading_in_words(found, 0) == "outer_ring unknown, box 40 deg C, ambient unknown"
+    assert found.to_words(0) == "outer_ring unknown, box 40 deg C, ambient unknown"
+    assert repr(found).endswith("at the end outer_ring unknown, box 44 deg C, ambient unknown>")
 
 
 def test_a_reading_at_every_sample_is_thinned(tmp_path: Path) -> None:

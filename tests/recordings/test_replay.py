@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from made_up_blocks import BODIES, blocks, narrowed, recorded
 from pydantic import ValidationError
+from same_process import dcrb
 
 from dcrb_ros.messages.description import decode_range, sensor_text
 from dcrb_ros.messages.encoder import BlockEncoder
@@ -104,6 +105,14 @@ def test_an_offset_beyond_the_end_is_refused(tmp_path: Path) -> None:
     replay = replay_of(tmp_path / "bag", at(50, 70, 90), offset=2.5)
     with pytest.raises(Refusal, match=r"has no message later than 2\.5 s after its start: lower the offset"):
         list(replay.bundles())
+
+
+def test_the_command_refuses_such_an_offset_before_it_starts_ros(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("dcrb_ros.nodes.programs.run", lambda *_, **__: pytest.fail("a node was started"))
+    assert dcrb("replay", str(recorded(tmp_path / "bag", 5)), "--offset", "9") == 2
+    assert "has no message later than 9 s after its start: lower the offset" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("topics", ["", "diagnosis"])

@@ -378,3 +378,24 @@ def test_the_steps_of_all_gradual_changes_are_limited(excess: int, monkeypatch: 
             scheduled_changes({"timeline": growths}, Configuration(), "scenario.yaml")
     else:
         assert len(scheduled_changes({"timeline": growths}, Configuration(), "scenario.yaml")) == 30 + 2
+
+
+def test_a_later_entry_replaces_a_live_command_or_change() -> None:
+    """As stated on the page of scenario files."""
+    tree = yaml.safe_load("""
+timeline:
+  - {at: 0.05, set: {operating.speed: 110.0}}
+  - {at: 0.03, over: 0.12, set: {faults.outer_1.width: 0.003}}
+""")
+    configuration = Configuration.model_validate({"publishing": {"truth_rate": 100}, "operating": {"speed_ramp": 1000.0}})
+    simulation = Simulation(configuration, scheduled_changes(tree, configuration, "scenario.yaml"))
+    truth = {}
+    for block in simulation.blocks(0.2):
+        truth |= {round(truth.time_ns * 1e-7): (truth.speed, truth.faults.get("outer_1", {}).get("width", 0.0)) for truth in block.truths}
+        if block.index == 0:
+            simulation.command_speed(130.0)
+        elif block.index == 4 * 1024:
+            simulation.change({"faults.outer_1.width": 0.0005})
+    speed, width = ({hundredths: values[k] for hundredths, values in truth.items()} for k in range(2))
+    assert (speed[4], speed[8], speed[19]) == pytest.approx((130.0, 110.0, 110.0))
+    assert (width[9], width[12], width[16]) == pytest.approx((0.0015, 0.0005, 0.003))

@@ -47,6 +47,7 @@ def test_axes_have_units_and_texts_with_commas_are_told_apart() -> None:
     found = card_of(
         {
             "vary": {"operating.speed": many, "operating.load": {"low": 1e4, "high": 1e5, "scale": "log", "count": 2}},
+            "duration": 3.0,
             "cases": {"cage": {"faults.broken_bars": bars}, "grows": {"scenario": "growing_spall"}},
         }
     )

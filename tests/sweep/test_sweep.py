@@ -555,6 +555,10 @@ def test_the_disk_space_is_estimated(tmp_path: Path) -> None:
         ({"vary": {"simulation.seed": [1]}}, "simulation.seed cannot be set here: use 'seeds'"),
         ({"vary": {"scenario": ["growing_spal"]}}, "did you mean 'growing_spall'?"),
         ({"vary": {"scenario": ["growing_spall"]}, "twins": True}, "contains faults"),
+        (
+            {"cases": {"grows": {"scenario": "growing_spall"}}, "settle": 1.5, "duration": 0.5},
+            "the scenario 'growing_spall' changes nothing before the end of a run at 2 s, its first entry is at 2 s: increase duration",
+        ),
         ({"design": "latin_hypercube"}, "needs 'points'"),
         ({"design": "sobol"}, "design = 'sobol'"),
         ({"points": 10}, "the values of a grid determine its points"),

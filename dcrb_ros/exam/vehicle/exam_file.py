@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import itertools
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,10 +19,11 @@ from pydantic import Field, ValidationError
 from dcrb_ros.exam.case import canonical
 from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.exam_parameters import refuse_ineffective
+from dcrb_ros.faults.ground_truth import class_of
 from dcrb_ros.schema.fields import Group, choice, quantity
 from dcrb_ros.schema.parameter_field import first_problem
 from dcrb_ros.schema.refusal import Refusal, nearest, repeated
-from dcrb_ros.schema.verdicts import FaultClass
+from dcrb_ros.schema.verdicts import FaultClass, contradicts
 from dcrb_ros.settings.files import flatten, validated
 from dcrb_ros.settings.shipped import find_shipped
 from dcrb_ros.text.yaml import read_yaml
@@ -32,6 +34,9 @@ PLACEHOLDER = "box"
 """In the keys of a scenario, the box in question."""
 DRAWN = ("vehicle.seed", "track.seed", "paths.seed")
 """Seeds of a vehicle that an exam draws."""
+CANT, CURVATURE = "vehicle.cant", "vehicle.curvature"
+FAULTY = re.compile(r"\.(bench|faults|sensor)\b")
+"""Keys of a box on which its correct verdict depends."""
 MOST_CASES = 2000
 """Vehicles of an exam at most [-]."""
 
@@ -149,8 +154,9 @@ def vehicle_exam_of(tree: Any, source: str) -> VehicleExam:
         raise Refusal(f"{source}: {problem.key or 'the file'}: {problem.reason}") from None
     base = read_parameters(file.vehicle)
     cases: list[VehicleCase] = []
+    curved: dict[str, bool] = {}
     for entry in file.scenarios:
-        for case in _cases(file, entry, base, source):
+        for case in _cases(file, entry, base, source, curved):
             cases.append(case)
             if len(cases) > MOST_CASES:
                 raise Refusal(f"{source} defines more than {MOST_CASES} scenarios: leave out variations")
@@ -158,10 +164,16 @@ def vehicle_exam_of(tree: Any, source: str) -> VehicleExam:
         raise Refusal(f"{source}: two scenarios are called '{twice}': give them different names")
     if not cases:
         raise Refusal(f"{source} defines no scenario: give at least one")
+    straight = next((place for place, has_curve in curved.items() if not has_curve), None)
+    if straight is not None:
+        raise Refusal(f"{straight}: {CANT} has no effect on straight track: give {CURVATURE} with it, or leave it out")
     return VehicleExam(file.exam, file.about, file.criteria, tuple(cases), file.seal)
 
 
-def _cases(file: VehicleExamFile, entry: VehicleEntry, base: Mapping[str, Any], source: str) -> Iterator[VehicleCase]:
+def _cases(
+    file: VehicleExamFile, entry: VehicleEntry, base: Mapping[str, Any], source: str, curved: dict[str, bool]
+) -> Iterator[VehicleCase]:
+    """Yield the cases of an entry; ``curved`` takes up, by the place that gives a cant, whether a case with this cant has a curve."""
     where = f"{source}, scenario '{entry.name}'"
     for kind, given, known in (("operating point", entry.points or [], file.points), ("variant", entry.variants, file.variants)):
         unknown = next((name for name in given if name not in known), None)
@@ -171,8 +183,14 @@ def _cases(file: VehicleExamFile, entry: VehicleEntry, base: Mapping[str, Any], 
     empty = next((key for key, value in changes.items() if value == []), None)
     if empty is not None:
         raise Refusal(f"{where}: {empty} has an empty list: give at least one value")
+    if entry.boxes and not any(key.partition(".")[0] == PLACEHOLDER for key in (*changes, *entry.damaged)):
+        raise Refusal(
+            f"{where}: boxes has no effect without a key of 'box', such as box.bench: give one in set or damaged, or leave it out"
+        )
+    if not entry.required and all(verdict == "healthy" for verdict in entry.damaged.values()):
+        raise Refusal(f"{where}: required = false has no effect on healthy boxes, where nothing is to be detected: leave it out")
     varied = {key: value for key, value in changes.items() if isinstance(value, list)}
-    checked: dict[tuple[str, str], list[str]] = {}
+    checked: set[object] = set()
     for point, variant, box, values in itertools.product(
         (entry.points if entry.points is not None else [*file.points]) or [""],
         entry.variants or [""],
@@ -187,16 +205,36 @@ def _cases(file: VehicleExamFile, entry: VehicleEntry, base: Mapping[str, Any], 
         layers = (base, drawn, flatten(file.set), flatten(file.points.get(point, {})), flatten(file.variants.get(variant, {})), own)
         refuse_ineffective((key for layer in layers[1:] for key in layer), where)
         parameters = {key: value for layer in layers for key, value in layer.items()}
+        places = (f"{source}, set", f"{source}, points, {point}", f"{source}, variants, {variant}", where)
+        for place in (place for place, layer in zip(places, layers[2:], strict=True) if layer.get(CANT)):
+            curved[place] = curved.get(place, False) or parameters.get(CURVATURE, 0.0) != 0.0
         damaged = {_placed(key, box, where): verdict for key, verdict in entry.damaged.items() if verdict != "healthy"}
         tags = {**({"point": point} if point else {}), **({"variant": variant} if variant else {}), "kind": entry.name, **entry.tags}
         case = VehicleCase(name, parameters, file.duration, damaged, entry.required, tags)
-        names = checked.get((point, variant), [])  # the other values are checked when the vehicle is simulated
-        if not names or not set(damaged) <= set(names):
-            names = checked[point, variant] = [box_of.name for box_of in case.vehicle().boxes]
-            stranger = next((name for name in damaged if name not in names), None)
-            if stranger is not None:
-                raise Refusal(f"{where}: damaged names the box '{stranger}'{nearest(stranger, names)} (known: {', '.join(names)})")
+        # The other values are checked when the vehicle is simulated.
+        about: set[object] = {
+            (point, variant),
+            canonical([damaged, [[key, str(value)] for key, value in own.items() if FAULTY.search(key)]]),
+        }
+        if not about <= checked:
+            checked |= about
+            _check_verdicts(case, where)
         yield case
+
+
+def _check_verdicts(case: VehicleCase, where: str) -> None:
+    """Refuse an invalid vehicle, verdicts on boxes that it lacks, and verdicts that the faults of its boxes contradict."""
+    boxes = {box.name: box for box in case.vehicle().boxes}
+    stranger = next((name for name in case.damaged if name not in boxes), None)
+    if stranger is not None:
+        raise Refusal(f"{where}: damaged names the box '{stranger}'{nearest(stranger, boxes)} (known: {', '.join(boxes)})")
+    for box in boxes.values():
+        verdict, correct = case.damaged.get(box.name, "healthy"), class_of(box.configuration.described_faults())
+        if contradicts(verdict, [correct]):
+            raise Refusal(
+                f"{where}: damaged gives {box.name} the verdict {verdict}, which contradicts its faults, which make {correct} correct: "
+                f"change damaged, or the faults of {box.name}"
+            )
 
 
 def _placed(key: str, box: str, where: str) -> str:
