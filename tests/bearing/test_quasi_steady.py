@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 from dcrb_ros.bearing.heat_network import contact_conductance
 from dcrb_ros.bearing.load_distribution import roller_forces
 from dcrb_ros.bearing.quasi_steady import QuasiSteady, raceway_conductance
-from dcrb_ros.bearing.thermal_fit import expansion
+from dcrb_ros.bearing.thermal_fit import Growth, expansion, work_of_growth
 from dcrb_ros.core.laws.site import inner_site
 from dcrb_ros.diagnosis.wayside import RING_SHARE, WaysideParameters
 from dcrb_ros.settings.configuration import Configuration
@@ -117,6 +118,13 @@ def test_rings_of_one_temperature_keep_the_clearance_and_a_hot_inner_ring_takes_
     assert expansion(c, network, hot).clearance == pytest.approx(-56e-6, rel=0.01)
     held = bench(thermal__seat_restraint=1.0)
     assert expansion(held, network, [70.0] * 7).clearance == pytest.approx(-11.9e-6 * 50.0 * (0.07886 + 0.03), rel=1e-6)
+
+
+def test_growth_works_against_the_forces_that_it_presses_together() -> None:
+    """Of 15 kN at the inner raceway and 20 kN at the outer one: a larger outer raceway gives way, all else presses."""
+    state: Any = SimpleNamespace(inner_force=np.array([[10e3, 5e3]]), outer_force=np.array([[20e3, 0.0]]))
+    work = [work_of_growth(state, Growth(*parts)) for parts in ((1e-6, 0.0, 0.0), (0.0, 1e-6, 0.0), (0.0, 0.0, 1e-6))]
+    assert work == pytest.approx([15e-3, -20e-3, 35e-3], rel=1e-12)  # inner and outer raceway, rollers [J]
 
 
 def test_a_bearing_that_loses_its_lubricant_first_cools_and_then_runs_hot() -> None:
