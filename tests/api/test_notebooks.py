@@ -12,8 +12,6 @@ from types import SimpleNamespace
 import nbformat
 import pytest
 
-plugins = pytest.importorskip("mkdocs.exceptions", reason="the site needs the extra docs")
-
 ROOT = Path(__file__).parents[2]
 NOTEBOOKS = sorted((ROOT / "docs" / "tutorials").glob("*.ipynb"))
 LARGEST = 200_000
@@ -39,6 +37,7 @@ def built(page: str, output: str) -> str:
 
 
 def test_the_site_refuses_a_notebook_without_a_figure_or_with_warnings() -> None:
+    plugins = pytest.importorskip("mkdocs.exceptions", reason="the site needs the extra docs")
     figure = '<style>div[data-mime-type="application/vnd.jupyter.stderr"]{}</style><img src="data:image/png;base64,iVBORw0K">'
     assert built("first.ipynb", figure) == figure
     assert built("page.md", "text") == "text"

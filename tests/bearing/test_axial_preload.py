@@ -10,10 +10,10 @@ from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.files import load_configuration
 
 
-def loads(share: float) -> Floats:
-    """Return the forces of the balls of the resting bench over the largest one, from the load line on [-]."""
+def loads(share: float, bench: str = "ball_bearing_6205") -> Floats:
+    """Return the forces of the rolling elements of row 1 of a resting bench over the largest one, from the load line on [-]."""
     even = ("waviness", "roundness", "roller_spread", "run_out", "short_waves")
-    configuration = load_configuration("ball_bearing_6205", [f"impacts.axial_share={share}", *(f"surfaces.{name}=0.0" for name in even)])
+    configuration = load_configuration(bench, [f"impacts.axial_share={share}", *(f"surfaces.{name}=0.0" for name in even)])
     payload = build_payload(configuration)
     forces = initial_state(configuration, payload).outer_force[0]
     return np.asarray(np.sort(forces / forces.max())[::-1])
@@ -26,3 +26,10 @@ def test_an_axial_preload_loads_balls_beside_the_load_line() -> None:
     assert some[3:5].mean() == pytest.approx(0.40, abs=0.06)
     assert much[3:5].mean() == pytest.approx(0.67, abs=0.06)
     assert np.all(much > some - 1e-9)
+
+
+@pytest.mark.parametrize(("share", "forces"), [(0.3, (0.787, 0.300)), (0.6, (0.881, 0.600))])
+def test_rollers_of_two_rows_share_the_load(share: float, forces: tuple[float, float]) -> None:
+    """Of 16 rollers, two lie 45 and two 90 degrees from the load line, where (d_0 + d_r cos psi)^(10/9) has these shares."""
+    found = loads(share, "healthy")
+    assert (found[3:5].mean(), found[7:9].mean()) == pytest.approx(forces, abs=0.1)

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dcrb_ros.bearing.heat_network import Conductances, contact_conductance, heat_network, surface_exchange
+from dcrb_ros.bearing.heat_network import Conductances, contact_conductance, heat_network, idle_conductance, surface_exchange
 from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.settings.thermal import Thermal
 
@@ -41,6 +41,18 @@ def test_the_resistance_from_the_box_is_that_of_the_inverted_matrix() -> None:
     inverse = np.linalg.inv(np.array(at_speed().matrix))
     assert above[-1] / 100.0 == pytest.approx(inverse[-1, -1], rel=1e-12)
     assert above[-1] / 100.0 == pytest.approx(0.02069, rel=1e-3)  # [K/W]
+
+
+def test_rings_conduct_from_row_to_row_through_their_section() -> None:
+    # 7.316 kg and 13.49 kg of steel over 160 mm of width: sections of 58.25 and 107.4 cm^2, with 45 W/(m K) over the 80 mm between rows.
+    matrix = at_speed().matrix
+    assert matrix[0][1] == matrix[1][0] == pytest.approx(-45.0 * 58.25e-4 / 0.08, rel=1e-3)
+    assert matrix[4][5] == matrix[5][4] == pytest.approx(-45.0 * 107.4e-4 / 0.08, rel=1e-3)
+
+
+def test_half_of_the_heat_of_a_contact_goes_to_each_body() -> None:
+    # Of 100 W at the inner raceway, 60 W at the outer one and 10 W of cage and seals in row 1, and 7 W of sun.
+    assert NETWORK.heat([(100.0, 60.0, 10.0), (0.0, 0.0, 0.0)], 7.0) == [50.0, 0.0, 85.0, 0.0, 35.0, 0.0, 7.0]
 
 
 @pytest.mark.parametrize("node", [0, 6])
@@ -115,6 +127,10 @@ def test_a_loaded_contact_conducts_with_the_root_of_its_speed() -> None:
     assert contact_conductance(2.4e-4, 0.048, 5.75) == pytest.approx(21.3, rel=0.01)  # [W/K]
     assert contact_conductance(2.4e-4, 0.048, 23.0) == pytest.approx(2.0 * contact_conductance(2.4e-4, 0.048, 5.75), rel=1e-12)
     assert contact_conductance(2.4e-4, 0.048, 0.0) > 0.0
+
+
+def test_an_idle_contact_conducts_through_its_film() -> None:
+    assert idle_conductance(0.048) == pytest.approx(0.448, rel=1e-12)  # 0.14 W/(m K), 48 mm x 0.2 mm of oil of 3 um [W/K]
 
 
 def test_wind_cools_the_box() -> None:

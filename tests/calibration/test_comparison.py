@@ -40,6 +40,14 @@ def test_a_defect_is_far_in_envelope_and_kurtosis() -> None:
     assert found[1] > 5.0 * found[0]
 
 
+def test_distances_are_the_same_in_either_direction() -> None:
+    healthy, faulty = signal(), signal(outer=60.0)
+    for there, back in zip(compare(healthy, faulty).axes, compare(faulty, healthy).axes, strict=True):
+        for name in ("level_distance", "shape_distance", "envelope_distance", "kurtosis_distance"):
+            assert getattr(there, name) == pytest.approx(getattr(back, name), rel=1e-9), name
+        assert 0.5 < there.envelope_distance <= 1.0  # hardly a line in common
+
+
 def test_other_rates_are_compared_in_the_bands_of_both() -> None:
     found = compare(signal(), signal(rate=12800))
     assert found.axes[0].frequency[-1] < 6400.0

@@ -91,4 +91,15 @@ def test_many_readings_within_half_an_hour_are_one_observation() -> None:
 
 def test_heat_from_outside_makes_a_larger_error_at_rest() -> None:
     assert steady(0.0).deviation == pytest.approx(math.hypot(2.0 * LAG_AT_REST / LAG, OFFSET_DEVIATION), rel=1e-3)
-    assert steady(15.0).deviation < steady(5.0).deviation + 5.0
+    # At a third of the speed the air cools by (1/3)^0.8, and heat from outside counts 1.733 times; the rise is (1/3)^0.7 of 25 K.
+    assert steady(5.0).deviation == pytest.approx(math.hypot(2.0 * 1.733, 0.1 * 25.0 * 0.4635, OFFSET_DEVIATION, 0.4635 * 9.0), rel=1e-3)
+    assert steady(15.0).deviation == pytest.approx(math.hypot(2.0, 0.1 * 25.0, OFFSET_DEVIATION, 9.0), rel=1e-3)
+
+
+def test_an_unknown_beginning_makes_a_larger_error() -> None:
+    model = HeatModel(25.0, 9.0, 2.0, 0.1)
+    model.follow(15.0, math.nan, 0.0, 25.0)
+    # A deviation of 0.2 of the box's share of 0.7 of 25 K is 3.5 K, which dies away as the box follows.
+    assert model.deviation == pytest.approx(math.hypot(2.0, 2.5, OFFSET_DEVIATION, 9.0, 3.5))
+    model.follow(15.0, math.nan, LAG, 0.0)
+    assert model.deviation == pytest.approx(math.hypot(2.0, 2.5, OFFSET_DEVIATION, 9.0, 3.5 / math.e))

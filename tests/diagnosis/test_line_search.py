@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -140,6 +142,17 @@ def test_spectra_that_are_searched_together_have_the_families_of_each_alone() ->
     places = np.array([3.62, 7.24, 5.0, 1e3])
     for number, one in enumerate(spectra):
         assert together.at(places, number).tolist() == LineSearch(one).at(places).tolist()
+
+
+@pytest.mark.parametrize("sidebands", [(0.0,), (-1.0, 0.0, 1.0)])
+def test_families_with_and_without_sidebands_are_compared_by_line(sidebands: tuple[float, ...]) -> None:
+    """Lines of 0.3 each: together they have 0.3 times the root of their number."""
+    orders = np.arange(0.0, 40.0, 0.01)
+    amplitude = np.full(len(orders), 1e-3, np.float32)
+    amplitude[[round(100.0 * (5.4 + side)) for side in sidebands]] = 0.3
+    found = LineSearch(OrderSpectrum(orders, amplitude, 1.0)).best(Comb(5.4, (1,), sidebands), 0.004)
+    assert found.depth == pytest.approx(0.3 * math.sqrt(len(sidebands)), rel=1e-3)
+    assert found.depth_per_line == pytest.approx(0.3, rel=1e-3)
 
 
 def test_a_spectrum_without_signal_has_no_lines() -> None:

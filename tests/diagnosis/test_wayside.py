@@ -28,6 +28,11 @@ def test_a_box_is_read_once_for_each_spacing() -> None:
     assert len(passages(HEALTHY, WaysideParameters(spacing=30.0), 36, acceleration=100.0)) == len(found)
 
 
+def test_the_first_detector_has_a_place_of_its_own() -> None:
+    found = passages(HEALTHY, WaysideParameters(first=5.0, spacing=30.0), 1200)
+    assert [one.distance for one in found] == pytest.approx([5.0, 35.0, 65.0], abs=0.06)
+
+
 def test_a_reading_is_the_box_with_a_part_of_the_ring_and_the_error_of_emissivity() -> None:
     (one, *_) = passages(HEALTHY, WaysideParameters(noise=0.0), 1200)
     assert one.reading == pytest.approx(35.0 + 0.15 * 7.0)

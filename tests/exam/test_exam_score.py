@@ -198,6 +198,11 @@ def test_the_rest_of_the_credit_is_for_the_end_of_the_run() -> None:
     found = credit(EXAM[0], own, CRITERIA).detection
     assert found["cost"] == 0.0
     assert found["research"] == pytest.approx(1.0 - 2.0 ** -((20.0 * (final - onset) - GRACE) / 100.0))
+    # The last quarter of the 12 s after the onset, docs/explanation/exam.md: half of it is worth half of what is left.
+    own = [ReceivedDiagnosis(t, "outer_ring" if onset <= t < 18.5 else "healthy") for t in times(EXAM[0])]
+    found = credit(EXAM[0], own, CRITERIA).detection
+    assert found["cost"] == pytest.approx(0.5)
+    assert found["research"] == pytest.approx(1.0 - 0.5 * 2.0 ** -((20.0 * (17.0 - onset) - GRACE) / 100.0))
 
 
 def test_healthy_periods_cover_the_healthy_time_and_are_no_shorter_than_silence_may_last() -> None:

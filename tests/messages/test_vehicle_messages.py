@@ -142,11 +142,7 @@ def test_the_truth_names_boxes_levels_and_events() -> None:
 @given(st.lists(st.tuples(st.text(min_size=1), st.one_of(st.floats(allow_nan=False, allow_infinity=False), st.text())), max_size=5))
 def test_commands_are_read_back_from_the_truth(commands: list[tuple[str, float | str]]) -> None:
     plain = [(name.replace("\0", ""), value.replace("\0", "") if isinstance(value, str) else value) for name, value in commands]
-    try:
-        encoded = encode_vehicle_truth(truth(commands=tuple(plain)))
-    except UnicodeEncodeError:  # surrogates are no text of a message
-        return
-    assert decode_vehicle_commands(encoded) == plain
+    assert decode_vehicle_commands(encode_vehicle_truth(truth(commands=tuple(plain)))) == plain
 
 
 def test_verdicts_have_levels_by_what_they_mean() -> None:

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.stats import binom
+from scipy.stats import binom, multivariate_normal
 
-from dcrb_ros.prognosis.life_update import CORRELATION, NUGGET, update_remaining_life
+from dcrb_ros.prognosis.life_update import CORRELATION, LEAST_DEVIATION, NUGGET, _likelihood, update_remaining_life
 from dcrb_ros.schema.refusal import Refusal
 
 SHARES = np.linspace(0.0, 1.0, 21)
@@ -36,6 +36,26 @@ def test_one_inspection_leaves_the_distribution_of_the_other_lives() -> None:
     assert estimate.median == pytest.approx(np.exp(logs.mean()), rel=0.05)
     # Student's t with 3 degrees of freedom: 2.353 at 95 %.
     assert estimate.high == pytest.approx(np.exp(logs.mean() + 2.353 * logs.std(ddof=1) * np.sqrt(1.25)), rel=0.01)
+
+
+def test_inspections_are_as_likely_as_their_joint_distribution_says() -> None:
+    """A normal distribution of all, whose covariance follows from u_k = rho u_(k-1) + noise of the variance 1 - rho^2 + NUGGET."""
+    courses = np.array([np.log(life(1000.0, 0.3 * k * SHARES)[1]) for k in (-1.0, 0.0, 2.0)])
+    time, grid = np.array([0.0, 200.0, 250.0, 600.0]), np.array([700.0, 1000.0, 1500.0])
+    level = np.log([1.2, 1.4, 1.3, 3.0])
+    expected = []
+    for hours in grid:
+        share = time / hours
+        mean = np.interp(share, SHARES, courses.mean(axis=0))
+        covariance = np.eye(4)
+        for k in range(1, 4):
+            rho = np.exp(-(share[k] - share[k - 1]) / CORRELATION)
+            covariance[k, :k] = covariance[:k, k] = rho * covariance[k - 1, :k]
+            covariance[k, k] = rho**2 * covariance[k - 1, k - 1] + 1.0 - rho**2 + NUGGET
+        # The deviation of this bearing from the mean of three others.
+        spread = np.interp(share, SHARES, np.sqrt(4.0 / 3.0 * courses.var(axis=0, ddof=1) + LEAST_DEVIATION**2))
+        expected.append(multivariate_normal(mean, spread[:, None] * covariance * spread).logpdf(level))
+    assert np.diff(_likelihood(time, level, grid, courses)) == pytest.approx(np.diff(expected), rel=1e-9)
 
 
 def test_a_bearing_that_outlives_all_others_still_has_a_life() -> None:

@@ -224,7 +224,9 @@ def test_a_step_that_does_not_divide_the_sampling_interval_is_refused_with_one_t
 @pytest.mark.parametrize(("rate", "step"), [(20000, 1.9e-5), (51200, SHORTEST_STEP), (204800, 2e-5), (1000, 1.95e-5)])
 def test_every_step_that_is_proposed_for_a_sampling_rate_is_within_the_range_of_the_step(rate: int, step: float) -> None:
     (words,) = whole_steps(step, rate)
-    for proposed in re.findall(r"\d[\d.]*e-\d+", words.partition("take ")[2]):
+    steps = re.findall(r"\d[\d.]*e-\d+", words.partition("take ")[2])
+    assert steps
+    for proposed in steps:
         SimulationParameters(step=float(proposed))
         assert not list(whole_steps(float(proposed), rate))
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import dcrb_ros
-from dcrb_ros.bearing.quasi_steady import lost_in_grease
+from dcrb_ros.bearing.quasi_steady import QuasiSteady, lost_in_grease
 from dcrb_ros.bearing.thermal_fit import oil_state
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import load_configuration
@@ -249,6 +249,26 @@ def test_a_speed_that_changes_during_a_time_lapse_keeps_its_time_and_the_truth_h
     speeds = {round(truth.time_ns * 1e-9, 1): truth.speed for truth in truths}
     assert speeds[0.1] == pytest.approx(100.664, rel=0.01)  # 50 ms of a ramp of 500 rad/s^2, not of one a hundred times as fast
     assert speeds[0.3] == pytest.approx(75.664, rel=0.01)
+
+
+def test_grease_above_its_limit_burns_at_its_rate() -> None:
+    """By 1 % per kelvin and hour: a tick of 0.02 s lasts for 0.01 h at this time lapse."""
+    run = simulation(thermal__acceleration=1800.0, thermal__grease_limit=80.0)
+    heating = run._heating
+    burnt = []
+    for temperature in (70.0, 90.0, 110.0):
+        heating.temperatures, before = [temperature] * len(heating.temperatures), heating._lost
+        heating._lose(run.configuration)
+        burnt.append(heating._lost - before)
+    assert burnt == pytest.approx([0.0, 0.01 * 0.01 * 10.0, 0.01 * 0.01 * 30.0], rel=1e-6)
+
+
+def test_raceways_have_the_shares_of_the_heat_that_their_contacts_make() -> None:
+    run = advanced(simulation(), 1.5)
+    steady = QuasiSteady(run.configuration)
+    for found, expected in zip(run._heating._heat, steady.power(steady.running(), run._heating.temperatures), strict=True):
+        assert expected[0] < 0.8 * expected[1]  # the outer raceway, which the rollers touch everywhere, makes more
+        assert found[0] / found[1] == pytest.approx(expected[0] / expected[1], rel=0.15)
 
 
 def test_a_bearing_that_burns_off_ends_the_run_with_the_reason() -> None:

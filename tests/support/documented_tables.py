@@ -12,7 +12,9 @@ def rows_of(page: str, heading: str) -> list[list[str]]:
     text = (PAGES / page).read_text(encoding="utf-8")
     section = text.split(f"\n## {heading}\n", 1)[1].split("\n## ", 1)[0]
     lines = [line for line in section.splitlines() if line.startswith("|")]
-    return [[cell.strip().strip("`") for cell in line.strip("|").split("|")] for line in lines[2:]]
+    rows = [[cell.strip().strip("`") for cell in line.strip("|").split("|")] for line in lines[2:]]
+    assert rows, f"{page} has no table under {heading}"
+    return rows
 
 
 def half_unit(cell: str) -> float:

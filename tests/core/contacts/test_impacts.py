@@ -122,7 +122,9 @@ def test_a_mark_on_a_ball_is_hit_as_often_as_an_axis_of_any_direction_says() -> 
     for ring in (0, 1):
         hits = np.array([mark_strength(of, ring, 0, time) > 0.0 for time in times])
         assert hits.mean() == pytest.approx(math.sin(of.latitudes[ring, 0]), rel=0.1)
-        assert 0.0 < of.mark_strengths[ring, 0] <= 1.0
+        # A strength d/(2 a) gives the semimajor axis a; the mark is 0.5 mm wide and the ball has a radius of 3.97 mm.
+        assert 0.0 < of.mark_strengths[ring, 0] < 1.0
+        assert 3.97e-3 * of.latitudes[ring, 0] == pytest.approx(0.25e-3 * (1.0 + 1.0 / of.mark_strengths[ring, 0]), rel=1e-3)
     latitudes = np.array([latitude_of(of, int(of.marked[0]), time) for time in times])
     assert np.sin(latitudes).mean() == pytest.approx(0.0, abs=0.06)
     assert np.sin(latitudes).std() == pytest.approx(1.0 / math.sqrt(3.0), rel=0.05)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from dcrb_ros.bearing.equilibrium import normal_forces
 from dcrb_ros.bearing.payload import build_payload
-from dcrb_ros.core.laws.johnson import johnson_force, johnson_penetration
+from dcrb_ros.core.laws.johnson import johnson_force, johnson_penetration, johnson_stiffness
 from dcrb_ros.core.laws.loss import loss_coefficient
 from dcrb_ros.core.laws.site import NoMemory
 from dcrb_ros.settings.configuration import Configuration
@@ -35,7 +35,9 @@ def test_force_inverts_equation_4(depth: float) -> None:
 @given(penetrations)
 def test_stiffness_is_the_slope_of_the_force(depth: float) -> None:
     low, high = johnson_force(LAW, NONE, 0.9999 * depth, SITE)[0], johnson_force(LAW, NONE, 1.0001 * depth, SITE)[0]
-    assert johnson_force(LAW, NONE, depth, SITE)[1] == pytest.approx((high - low) / (2e-4 * depth), rel=1e-5)
+    force, stiffness = johnson_force(LAW, NONE, depth, SITE)
+    assert stiffness == pytest.approx((high - low) / (2e-4 * depth), rel=1e-5)
+    assert johnson_stiffness(LAW, force, SITE) == pytest.approx(stiffness, rel=1e-9)
 
 
 @given(penetrations)

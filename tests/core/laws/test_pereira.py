@@ -33,6 +33,21 @@ def test_mean_force_is_that_of_the_potential(first: float, last: float) -> None:
     assert slope >= -1e-6 * COEFFICIENT ** (1.0 / EXPONENT)
 
 
+@pytest.mark.parametrize("first", [-1e-6, 0.0, 1e-6, 4e-6])
+@pytest.mark.parametrize("last", [5e-7, 2e-6, 5e-6])
+def test_the_slope_of_the_mean_force_is_that_over_the_end_of_the_way(first: float, last: float) -> None:
+    before, after = (mean_force(first, share * last, COEFFICIENT, EXPONENT)[0] for share in (0.9999, 1.0001))
+    assert mean_force(first, last, COEFFICIENT, EXPONENT)[1] == pytest.approx((after - before) / (2e-4 * last), rel=1e-4)
+
+
+@pytest.mark.parametrize("depth", [1e-7, 2e-6, 5e-6])
+def test_a_contact_that_stands_still_has_half_the_slope_of_its_force(depth: float) -> None:
+    """The mean over the way moves half as far as its end."""
+    force, slope = mean_force(depth, depth, COEFFICIENT, EXPONENT)
+    assert force == pytest.approx(COEFFICIENT * depth**EXPONENT, rel=1e-9)
+    assert slope == pytest.approx(0.5 * pereira_stiffness(force, COEFFICIENT, EXPONENT), rel=1e-9)
+
+
 @given(clearance=st.floats(5e-6, 2e-3), depth=st.floats(1e-8, 1e-4))
 def test_coefficients_are_those_of_the_reference(clearance: float, depth: float) -> None:
     # Eq. 22 of Fan et al. 2025, in mm, MPa and N; the reference implementation shares no code.

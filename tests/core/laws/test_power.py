@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dcrb_ros.bearing.payload import build_payload
-from dcrb_ros.core.laws.power import power_force, power_forces, power_penetration, power_stiffness
+from dcrb_ros.core.laws.power import power_energy, power_force, power_forces, power_penetration, power_stiffness
 from dcrb_ros.core.laws.site import NoMemory
 from dcrb_ros.settings.configuration import Configuration
 
@@ -28,3 +28,5 @@ def test_force_stiffness_and_penetration_agree(depth: float) -> None:
     assert power_stiffness(LAW, force, SITE) == pytest.approx(stiffness)
     before, after = (power_force(LAW, NoMemory(), share * depth, SITE)[0] for share in (0.999, 1.001))
     assert stiffness == pytest.approx((after - before) / (0.002 * depth), rel=1e-5)
+    released, stored = (power_energy(LAW, NoMemory(), share * depth, force) for share, force in ((0.999, before), (1.001, after)))
+    assert (stored - released) / (0.002 * depth) == pytest.approx(force, rel=1e-5)

@@ -191,6 +191,14 @@ def test_lines_of_the_cage_that_end_with_the_load_zone_are_those_of_a_roller(hal
     assert (finding.component, finding.excess > 0.0) == (component, True)
 
 
+@pytest.mark.parametrize(("share", "component"), [(0.27, "roller"), (0.33, "cage")])
+def test_lines_beyond_the_load_zone_must_have_three_tenths_of_those_within(share: float, component: str) -> None:
+    lines = {0.42 * k: 0.6 if k <= 5 else 0.6 * share for k in range(1, 14)}
+    finding = Cage(P).finding(evidence((WHOLE, lines)))
+    assert finding is not None
+    assert (finding.component, finding.excess > 0.0) == (component, True)
+
+
 def test_the_level_at_ftf_remains_that_of_ftf_if_the_lines_are_those_of_a_roller() -> None:
     combination = Combination([Roller(P), Cage(P)], 1.0)
     findings = combination.findings(evidence((WHOLE, weighted_by_the_load_zone(60.0))))

@@ -32,6 +32,14 @@ def test_bands_of_opposite_phase_agree_with_no_delay() -> None:
     assert lead(own, other, ORDERS, FREQUENCY) == 0.0
 
 
+def test_half_of_the_lines_must_agree_with_a_delay() -> None:
+    """With one of three bands in opposite phase a third of the lines is left; a silent band has no lines."""
+    own, late = envelopes(0.0, 1), envelopes(0.9e-3, 2).values
+    for third, expected in ((2.0 * late[1].mean() - late[1], 0.0), (np.ones_like(late[1]), 0.9e-3)):
+        other = own._replace(values=np.array([late[0], third, late[2]], np.float32))
+        assert lead(own, other, ORDERS, FREQUENCY) == pytest.approx(expected, abs=1e-4)
+
+
 def test_windows_of_another_length_are_not_compared() -> None:
     own = envelopes(0.0, 1)
     assert lead(own, TurnEnvelopes(own.values[:, :-5], BINS), ORDERS, FREQUENCY) == 0.0

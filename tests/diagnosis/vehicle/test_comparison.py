@@ -20,7 +20,7 @@ from dcrb_ros.diagnosis.rules.outer_ring import OuterRing
 from dcrb_ros.diagnosis.rules.roller import Roller
 from dcrb_ros.diagnosis.vehicle.arrival import TurnEnvelopes
 from dcrb_ros.diagnosis.vehicle.box_detector import fainter
-from dcrb_ros.diagnosis.vehicle.comparison import Compared, Judgement, compare
+from dcrb_ros.diagnosis.vehicle.comparison import Compared, Judgement, compare, contrast
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
 from dcrb_ros.schema.verdicts import COMPONENTS, Component
 
@@ -107,6 +107,17 @@ def test_what_noise_leaves_in_another_box_is_no_rival() -> None:
     clear, alike = compared(own, noise, "outer_ring"), compared(own, own, "outer_ring")
     assert clear.contrast > 2.0 * Q.contrast
     assert alike.contrast == pytest.approx(0.0, abs=0.1)
+
+
+def test_the_contrast_is_the_mean_of_that_of_the_lines_and_that_of_the_modulations() -> None:
+    """Depths of 0.4 and 0.1 at equal power: 6.0 dB, and 6.7 dB of d / (2 - d)."""
+    strong, weak = (judged({6.72: depth}, "outer_ring") for depth in (0.4, 0.1))
+    order = np.array([6.72])
+    assert contrast(order, strong, weak, 0.0) == pytest.approx(6.4, abs=0.2)
+    assert contrast(order, weak, strong, 0.0) == pytest.approx(-contrast(order, strong, weak, 0.0), rel=1e-9)
+    # A depth above 1, which no modulation has, is compared by the lines alone: 4.8 dB for 1.5 and 0.5.
+    beating, half = (judged({6.72: depth}, "outer_ring") for depth in (1.5, 0.5))
+    assert contrast(order, beating, half, 0.0) == pytest.approx(4.8, abs=0.1)
 
 
 @pytest.mark.parametrize(("turn", "found", "bpfi"), [(1.031, 9.235, 9.28), (1.002, 9.06, 9.07)])

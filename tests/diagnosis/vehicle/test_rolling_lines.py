@@ -9,6 +9,8 @@ import pytest
 from synthetic_bearing import TURN
 from synthetic_bogie import BOXES, LAG, Boxes, bogie, diagnosed
 
+from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum
+from dcrb_ros.diagnosis.vehicle.rolling_lines import prominent
 from dcrb_ros.stream.vehicle_diagnosis import VehicleDiagnosis
 
 QUIET: Boxes = bogie()
@@ -31,6 +33,16 @@ def last(signals: Boxes) -> VehicleDiagnosis:
 
 def unusual(diagnosis: VehicleDiagnosis) -> dict[str, str]:
     return {name: status.verdict for name, status in diagnosis.statuses.items() if status.verdict != "healthy"}
+
+
+@pytest.mark.parametrize("order", [36.12, 36.125, 36.135])
+def test_a_line_lies_between_the_values_of_a_spectrum(order: float) -> None:
+    """A line whose level is a parabola, 60 dB above the rest."""
+    orders = np.arange(0.0, 60.0, 0.02)
+    amplitude = 1e-3 + np.exp(-(((orders - order) / 0.03) ** 2))
+    (line,) = prominent(OrderSpectrum(orders, amplitude.astype(np.float32), 1.0), (20.0, 50.0), 20.0)
+    assert line.order == pytest.approx(order, abs=2e-4)
+    assert line.prominence == pytest.approx(60.0, abs=1.0)
 
 
 @pytest.mark.parametrize("side", ["left", "right"])
