@@ -104,7 +104,7 @@ def main() -> int:
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--leaderboard", type=Path, help="folder with entries, and with those on MEASURED in its subfolder measured/")
     parser.add_argument("--replica", type=Path, default=ROOT / "examples" / "detectors" / "exam.yaml", help="exam of these entries")
-    parser.add_argument("--only", nargs="+", choices=list(VARIANTS), default=list(VARIANTS))
+    parser.add_argument("--only", nargs="+", choices=list(VARIANTS), help="default: all, and with --leaderboard the last")
     given = parser.parse_args()
     if not (given.measured / "recordings.csv").is_file():
         print(
@@ -113,7 +113,7 @@ def main() -> int:
         )
         return 0
     comparisons = {}
-    for name in given.only:
+    for name in given.only or list(VARIANTS)[-1 if given.leaderboard else 0 :]:
         by_entries = given.leaderboard is not None and not VARIANTS[name]
         comparisons[name] = compared_by_entries(given) if by_entries else compared(given, VARIANTS[name])
         print(f"{name}\n{markdown(comparisons[name])}", flush=True)
@@ -122,7 +122,7 @@ def main() -> int:
         models = sorted({entry.model for entry in read_entries(given.leaderboard)})
         source = f"from the entries of the [leaderboard](../leaderboard/leaderboard.md), model `{', '.join(models)}`"
     write_whole(given.output, page(comparisons, source))
-    write_predictivity_figure(comparisons[given.only[-1]], given.figure)
+    write_predictivity_figure(comparisons[list(comparisons)[-1]], given.figure)
     return 0
 
 
