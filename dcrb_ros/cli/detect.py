@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from dcrb_ros.cli.detect_vehicle import diagnosed_vehicle, print_vehicle, vehicle_as_object
+from dcrb_ros.cli.detect_vehicle import INCOMPLETE, diagnosed_vehicle, print_vehicle, vehicle_as_object
 from dcrb_ros.cli.options import DetectorFile, Force, JsonOutput, detector_parameters, warn_of_digest
 from dcrb_ros.cli.output_file import check_force, check_free, check_output, replacing
 from dcrb_ros.schema.refusal import Refusal
@@ -67,13 +67,13 @@ def detect(
     vehicles = [bag for bag in bags if vehicle_boxes(bag)]
     if vehicles:
         _check_vehicles(bags, vehicles, healthy=healthy, baseline=baseline, save=save_baseline, report=report)
-        compared = [(bag, diagnosed_vehicle(bag, parameters)) for bag in bags]
+        compared = [diagnosed_vehicle(bag, parameters) for bag in bags]
         if as_json:
-            objects = [{"recording": str(bag), **vehicle_as_object(vehicle)} for bag, vehicle in compared]
+            objects = [{"recording": str(bag), **vehicle_as_object(*vehicle)} for bag, vehicle in zip(bags, compared, strict=True)]
             print(json.dumps(objects[0] if len(objects) == 1 else objects, indent=2))
         else:
-            for bag, vehicle in compared:
-                print_vehicle(bag, vehicle)
+            for bag, vehicle in zip(bags, compared, strict=True):
+                print_vehicle(bag, *vehicle)
         return
     known = _learned(healthy, baseline, save_baseline, parameters, force=force)
     diagnosed = []
@@ -167,7 +167,7 @@ def _print_table(bag: Path, recording: Recording, result: DetectionResult, param
     for sentence in (f"{last.verdict}, confidence {last.confidence:.2f}, {when}: {last.reason}", *last.remarks):
         shown.print(sentence, soft_wrap=True)
     if not recording.complete:
-        shown.print("the recording is truncated or damaged; the verdict is based on its readable part")
+        shown.print(INCOMPLETE)
 
 
 def _learned(

@@ -9,13 +9,18 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from dcrb_ros.diagnosis.parameters import DetectorParameters
     from dcrb_ros.diagnosis.vehicle.detection import VehicleDetectionResult
+    from dcrb_ros.recordings.vehicle import VehicleRecording
 
 COLUMNS = ("part", "verdict", "confidence", "evidence")
 CAPTION = "Alone: what the fault detector of each box names by itself, without the others."
 
 
-def diagnosed_vehicle(bag: Path, parameters: DetectorParameters) -> VehicleDetectionResult:
-    """Return the diagnoses of the recording of a vehicle.
+INCOMPLETE = "the recording is truncated or damaged; the verdict is based on its readable part"
+"""Note on a recording that is not whole."""
+
+
+def diagnosed_vehicle(bag: Path, parameters: DetectorParameters) -> tuple[VehicleRecording, VehicleDetectionResult]:
+    """Return the recording of a vehicle and its diagnoses.
 
     Raises:
         Refusal: it cannot be read, or is too short.
@@ -26,10 +31,10 @@ def diagnosed_vehicle(bag: Path, parameters: DetectorParameters) -> VehicleDetec
 
     recording = VehicleRecording(bag)
     warn_of_digests(bag)
-    return detect_vehicle(recording, box_parameters=parameters)
+    return recording, detect_vehicle(recording, box_parameters=parameters)
 
 
-def vehicle_as_object(result: VehicleDetectionResult) -> dict[str, Any]:
+def vehicle_as_object(recording: VehicleRecording, result: VehicleDetectionResult) -> dict[str, Any]:
     """Return the diagnosis of a vehicle for JSON."""
     last = result.last
     return {
@@ -38,21 +43,23 @@ def vehicle_as_object(result: VehicleDetectionResult) -> dict[str, Any]:
         "statuses": {name: asdict(status) for name, status in result.statuses.items()},
         "indicators": dict(last.indicators),
         "alone": {name: {"verdict": d.verdict, "confidence": d.confidence, "reason": d.reason} for name, d in last.boxes.items()},
+        "complete": not recording.damage,
         "history": [{"time": d.time, "verdicts": {name: s.verdict for name, s in d.statuses.items()}} for d in result.history],
     }
 
 
-def print_vehicle(bag: Path, result: VehicleDetectionResult) -> None:
+def print_vehicle(bag: Path, recording: VehicleRecording, result: VehicleDetectionResult) -> None:
     """Print the diagnosis of a vehicle as a table, and what each box names by itself."""
     from rich.table import Table
 
     from dcrb_ros.runtime.terminal import console
 
-    damaged = ", ".join(f"{box} {verdict}" for box, verdict in result.damaged.items())
-    table = Table(*COLUMNS, title=f"{bag}: {damaged or 'no bearing damaged'}", caption=CAPTION)
+    table = Table(*COLUMNS, title=f"{bag}: {result.summary}", caption=CAPTION)
     for name, status in result.statuses.items():
         table.add_row(name, status.verdict, f"{status.confidence:.2f}" if status.confidence else "-", status.reason)
     shown = console()
     shown.print(table)
     alone = ", ".join(f"{name} {diagnosis.verdict}" for name, diagnosis in result.last.boxes.items())
     shown.print(f"alone: {alone}", soft_wrap=True)
+    if recording.damage:
+        shown.print(INCOMPLETE)

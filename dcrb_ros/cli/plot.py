@@ -70,6 +70,8 @@ def plot(
     with replacing("-o", output, force=force, source=bag):
         over_orders = write_overview(waveform, output, title=title_of(recording.path), order=order, readings=readings)
     warn_of_digest(recording, str(bag))
+    if not recording.complete:
+        typer.echo(f"dcrb: {bag} is truncated or damaged; its readable part was drawn", err=True)
     if order and not over_orders:
         typer.echo("the spectrum is over frequency, because the shaft does not turn far enough in one direction for orders", err=True)
     print(f"{output}: {waveform.duration:.2f} s of {bag} from {waveform.time[0]:.2f} s on")

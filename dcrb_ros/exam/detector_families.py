@@ -16,6 +16,7 @@ from typing import Any
 
 from dcrb_ros.exam.plugin import VARIANTS, load_module
 from dcrb_ros.runtime.version import __version__
+from dcrb_ros.schema.parameter_field import more
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.writing import write_whole
 
@@ -77,6 +78,8 @@ def families_of(folder: Path, kept: Path | None = None) -> tuple[list[Member], l
             broken.append(BrokenFamily(file.stem, str(refusal)))
             continue
         members += _members(file.stem, f"{file}:{about['class']}", about, digest) if about["class"] else []
+    if not members and broken:
+        raise Refusal(f"{folder} has no detector that can be used: {broken[0].reason}{more(len(broken))}")
     if not members:
         raise Refusal(f"{folder} has no detector: give files with one class that has update(index, acceleration, shaft_angle)")
     return members, broken
@@ -130,7 +133,7 @@ def _about(file: str) -> dict[str, Any]:
     except (subprocess.TimeoutExpired, json.JSONDecodeError):
         about = {}
     if "class" not in about:
-        raise NoFamily(about.get("refusal") or f"{file} cannot be imported")
+        raise NoFamily(about.get("refusal", "").removeprefix("--python ") or f"{file} cannot be imported")
     return about
 
 

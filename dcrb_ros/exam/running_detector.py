@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol, TypeVar
 
@@ -13,7 +13,7 @@ from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.schema.verdicts import VERDICTS
 from dcrb_ros.stream.diagnosis import Diagnosis
 from dcrb_ros.stream.vehicle_description import VehicleDescription
-from dcrb_ros.stream.vehicle_diagnosis import QUIET_VERDICTS, VEHICLE_VERDICTS, VehicleDiagnosis, kind_of
+from dcrb_ros.stream.vehicle_diagnosis import BOX_PARTS, QUIET_VERDICTS, VEHICLE_VERDICTS, VehicleDiagnosis, kind_of
 
 Result = TypeVar("Result")
 
@@ -141,6 +141,7 @@ class RunningVehicleDetector:
         self._detector: Any = _called("its class", "", lambda: factory(description))
         if not callable(getattr(self._detector, "add", None)):
             raise Refusal(f"the detector {self._detector!r} has no method add(blocks) for the blocks of all boxes: give it one")
+        self._description = description
 
     def take(self, blocks: Mapping[str, BoxSamples]) -> dict[str, tuple[str, float]] | None:
         """Give it a block of every box; return verdict and score by status, or None.
@@ -155,18 +156,19 @@ class RunningVehicleDetector:
             for name, block in blocks.items():
                 for reading in block.temperatures:
                     _called("take_temperature", where, lambda: self._detector.take_temperature(name, *reading))  # noqa: B023
-        return checked_statuses(output)
+        return checked_statuses(output, self._description)
 
 
-def checked_statuses(output: Any) -> dict[str, tuple[str, float]] | None:
+def checked_statuses(output: Any, description: VehicleDescription) -> dict[str, tuple[str, float]] | None:
     """Return verdict and score [dB] by status from the output of a detector of a vehicle.
 
     Raises:
-        Refusal: it is neither a `VehicleDiagnosis` nor a mapping from statuses to verdicts nor None.
+        Refusal: it is neither a `VehicleDiagnosis` nor a mapping from statuses to verdicts nor None, or names a box that the vehicle lacks.
     """
     if output is None:
         return None
     if isinstance(output, VehicleDiagnosis):
+        _check_boxes(output.statuses, description)
         return {name: (status.verdict, status.score) for name, status in output.statuses.items()}
     if not isinstance(output, Mapping):
         raise Refusal(f"add returned {output!r}: return a VehicleDiagnosis, or a mapping such as {{'axle_1/left/bearing': 'outer_ring'}}")
@@ -179,4 +181,18 @@ def checked_statuses(output: Any) -> dict[str, tuple[str, float]] | None:
         if verdict not in known:
             raise Refusal(f"add returned {verdict!r} for {name}: return one of {', '.join(known)}{nearest(str(verdict), known)}")
         statuses[str(name)] = str(verdict), 0.0
+    _check_boxes(statuses, description)
     return statuses
+
+
+def _check_boxes(names: Iterable[str], description: VehicleDescription) -> None:
+    """Refuse a status on a part of a box that the vehicle does not have; it would count for no box.
+
+    Raises:
+        Refusal: there is one.
+    """
+    boxes = [box.name for box in description.boxes]
+    for name in names:
+        box, _, part = name.rpartition("/")
+        if part in BOX_PARTS and box not in boxes:
+            raise Refusal(f"add returned the status {name!r}: there is no box {box!r}{nearest(box, boxes)} (known: {', '.join(boxes)})")

@@ -123,7 +123,12 @@ def _read_csv(path: Path) -> ExternalFile:
             raise Refusal(f"{path} contains no numbers: give a file with one column per channel")
         if (delimiter != "," and "," in begin) or (not headed and TWO_INTEGERS.fullmatch(begin.strip())):
             raise Refusal(f"{path} may have decimal commas ({begin.strip()[:40]!r}): write decimal points, and the names in the first line")
-        table = np.loadtxt(itertools.chain([begin], lines), delimiter=delimiter, ndmin=2, comments=None)
+        try:
+            table = np.loadtxt(itertools.chain([begin], lines), delimiter=delimiter, ndmin=2, comments=None)
+        except ValueError as error:
+            reason, advice, _ = str(error).partition("; use `usecols`")  # a parameter of numpy
+            remedy = "; a file that was cut off lacks columns in its last line: copy it again, or delete the line" if advice else ""
+            raise Refusal(f"{path} cannot be read as CSV: {reason}{remedy}") from None
 
     def column(name: str | int) -> Array:
         if isinstance(name, str) and headed:

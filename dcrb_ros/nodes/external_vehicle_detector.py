@@ -32,7 +32,7 @@ class VehicleAnswers(Answers, VehicleOutcome):
     def _taken(self, data: bytes) -> float:
         time_ns, statuses = decode_diagnostics(data)
         time = checked_time(time_ns)
-        checked_statuses({status.name: status.values.get("verdict") for status in statuses})
+        checked_statuses({status.name: status.values.get("verdict") for status in statuses}, self.description)
         found = {status.name: (status.values["verdict"], score_of(status.values["verdict"], status.values)) for status in statuses}
         self.add(self.description, time, found, self._signal_received(time))
         return time

@@ -70,10 +70,14 @@ class VehicleObserver(Observer):
         """Return the verdicts that report something in words, and the number of the others; none without a verdict."""
         if all(status.message == "waiting" for status in self.statuses):
             return []
-        quiet = Counter(status.message for status in self.statuses if status not in self.findings)
-        counted = ", ".join(f"{count} {message}" for message, count in quiet.items())
         findings = [f"verdict: {status.name} {status.message} {self.evidence(status)}" for status in self.findings]
-        return [*findings, *([f"parts without a finding: {counted}"] if counted else [])]
+        return [*findings, *([f"parts without a finding: {self.others}"] if self.others else [])]
+
+    @property
+    def others(self) -> str:
+        """The number of parts of each verdict that reports nothing, such as ``10 healthy, 4 waiting``."""
+        quiet = Counter(status.message for status in self.statuses if status not in self.findings)
+        return ", ".join(f"{count} {message}" for message, count in quiet.items())
 
     def line(self) -> str:
         """Return the status line."""
@@ -84,9 +88,10 @@ class VehicleObserver(Observer):
             parts.append(self.bench.message)
         parts.append("rms " + " ".join(f"{self._rms.get(box, 0.0):.0f}" for box in self._boxes) + " m/s^2")
         if self.statuses:
-            waiting = all(status.message == "waiting" for status in self.statuses)
+            messages = {status.message for status in self.statuses}
             found = ", ".join(f"{status.name} {status.message}" for status in self.findings)
-            parts.append("->  " + (found or ("waiting" if waiting else "all healthy")))
+            alike = {"healthy": "all healthy", "waiting": "waiting"}[messages.pop()] if len(messages) == 1 and not found else ""
+            parts.append("->  " + (found or alike or self.others))
         return "  |  ".join(parts)
 
 

@@ -103,10 +103,10 @@ class ComparedSamples:
         return self._digest.hexdigest()
 
     def add(self, block: Block) -> None:
-        """Include a simulated block."""
-        skipped = max(0, self.recorded.first_index - block.index)
-        if skipped < len(block.shaft_angle) and not block.lost:
-            self._digest.update(packed(block.acceleration[skipped:], block.shaft_angle[skipped:]))
+        """Include what the recording has of a simulated block; another box of a vehicle may have been recorded for longer."""
+        recorded = slice(max(0, self.recorded.first_index - block.index), max(0, self.recorded.end - block.index))
+        if len(block.shaft_angle[recorded]) and not block.lost:
+            self._digest.update(packed(block.acceleration[recorded], block.shaft_angle[recorded]))
 
     @property
     def mismatch(self) -> str:

@@ -12,6 +12,8 @@ UNDECIDED = "undecided"
 """Verdict where the signals allow several causes."""
 QUIET_VERDICTS = ("healthy", UNDECIDED, "waiting")
 """Verdicts that any status may have and that report nothing."""
+BOX_PARTS = ("bearing", "wheel", "sensor")
+"""Parts of a box that have a status each."""
 VEHICLE_VERDICTS: dict[str, tuple[str, ...]] = {
     "bearing": (*COMPONENTS, "lubrication", "overheating", "compound"),
     "wheel": ("flat", "polygon", "unbalance"),

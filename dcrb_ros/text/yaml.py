@@ -115,7 +115,7 @@ def _mapping(loader: _Loader, node: yaml.MappingNode) -> dict[Any, Any]:
         if not isinstance(key, Hashable):
             _refuse("a key is a list or a mapping; it must be a word", key_node)
         if key in seen:
-            _refuse(f"the key '{key}' occurs twice", node)
+            _refuse(f"the key '{key}' occurs twice", key_node)
         seen.add(key)
     return {key: loader.construct_object(value, deep=True) for key, (_, value) in zip(keys, node.value, strict=True)}
 

@@ -12,10 +12,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.schema.fields import Group, choice, length, quantity
+from dcrb_ros.schema.parameter_field import Contradictions
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.vehicle_description import AxleDescription, BoxDescription, VehicleDescription
@@ -25,6 +26,8 @@ GRAVITY = 9.81
 SIDES = ("left", "right")
 WHEEL_DISTANCE, JOURNAL_DISTANCE = 1.5, 2.0
 """Distance of the contacts and of the boxes of a wheelset [m]."""
+SHORTEST_RAIL = 1.0
+"""Shortest distance of the joints of a rail [m]; the time of a run grows with their number."""
 
 
 class Journey(Group):
@@ -87,6 +90,14 @@ class Track(Group):
     crossings: str = choice("", "Places of single kinks, from the start of the run, and their rail, such as '350 left, 900 right' [m]")
     corrugation: str = choice("", "Wavelength and amplitude of a corrugated rail, such as '0.05 10e-6 left' [m]")
     seed: int = quantity(7, "-", "Seed of irregularity and roughness", 0, 2**31 - 1)
+
+    @model_validator(mode="after")
+    def _has_rails_between_joints(self) -> Track:
+        if 0.0 < self.joint_spacing < SHORTEST_RAIL:
+            raise Contradictions(
+                [f"joint_spacing = {self.joint_spacing:g} m is outside {SHORTEST_RAIL:g} .. 1000 m: give 0 for welded rails"]
+            )
+        return self
 
 
 class Paths(Group):

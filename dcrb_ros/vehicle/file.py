@@ -83,7 +83,9 @@ def read_parameters(source: str | Path, settings: Sequence[str] | Mapping[str, A
     while isinstance(tree, Mapping) and len(tree) == 1 and (next(iter(tree)) in ("/**", KEY)):
         tree = next(iter(tree.values()))
     if not isinstance(tree, Mapping):
-        raise Refusal(f"{source} is not a vehicle: give groups such as 'vehicle: {{speed_kmh: 100.0}}' and 'axle_1: {{left: {{}}}}'")
+        raise Refusal(
+            f"{source} is not a vehicle: give groups such as 'vehicle: {{speed_kmh: 100.0}}' and 'axle_1: {{left: {{}}, right: {{}}}}'"
+        )
     return layered(tree, settings)
 
 

@@ -9,6 +9,7 @@ import rerun as rr
 
 from dcrb_ros.messages.statuses import ERROR, OK, WARN, Status
 from dcrb_ros.stream.vehicle_description import BoxDescription, VehicleDescription
+from dcrb_ros.stream.vehicle_diagnosis import BOX_PARTS
 from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.columns import time_column
 from dcrb_ros.viewer.content import Series, Times
@@ -26,8 +27,6 @@ SHOWN = 0.15
 MARK = 0.12
 """Radius of the mark of an event [m]."""
 WAITING, HEALTHY, DOUBTFUL = palette.MUTED, (110, 214, 130, 255), (255, 196, 87, 255)
-PARTS = ("bearing", "wheel", "sensor")
-"""Parts of a box with a verdict."""
 
 
 def centre(description: VehicleDescription, box: BoxDescription) -> tuple[float, float]:
@@ -98,7 +97,7 @@ def log_verdicts(description: VehicleDescription, verdicts: Sequence[Verdicts], 
 
 def worst(statuses: Mapping[str, Status], box: str) -> Status | None:
     """Return the most serious verdict on a box; None before the first."""
-    own = [statuses[f"{box}/{part}"] for part in PARTS if f"{box}/{part}" in statuses]
+    own = [statuses[f"{box}/{part}"] for part in BOX_PARTS if f"{box}/{part}" in statuses]
     return max(own, key=lambda status: status.level) if own else None
 
 
@@ -111,7 +110,7 @@ def colour_of(status: Status | None) -> palette.Colour:
 
 def text_of(statuses: Mapping[str, Status], box: str) -> str:
     """Return the name of a box with its verdicts."""
-    own = {part: statuses[f"{box}/{part}"].message for part in PARTS if f"{box}/{part}" in statuses}
+    own = {part: statuses[f"{box}/{part}"].message for part in BOX_PARTS if f"{box}/{part}" in statuses}
     found = [f"{part} {verdict}" if verdict != part else part for part, verdict in own.items() if verdict not in ("healthy", "waiting")]
     said = ", ".join(found).replace("_", " ") or ("waiting" if "waiting" in own.values() or not own else "healthy")
     return f"{box}: {said}"

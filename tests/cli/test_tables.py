@@ -2,22 +2,50 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from same_process import dcrb
 
+from dcrb_ros.cli.detect_vehicle import print_vehicle, vehicle_as_object
+from dcrb_ros.diagnosis.vehicle.detection import VehicleDetectionResult
 from dcrb_ros.exam import evaluation
 from dcrb_ros.exam.evaluation import Outcome
 from dcrb_ros.schema.printable import decimal
+from dcrb_ros.stream.vehicle_diagnosis import Status, VehicleDiagnosis
 
 BAGS = Path(__file__).parents[2] / "bags"
+
+
+def truncated(bag: str, folder: Path) -> Path:
+    """Return a shipped recording that was cut off after 0.7 of its file."""
+    cut = folder / bag
+    shutil.copytree(BAGS / bag, cut)
+    (file,) = cut.glob("*.mcap")
+    file.write_bytes(file.read_bytes()[: int(0.7 * file.stat().st_size)])
+    return cut
 
 
 def output(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
     """Return what a command prints to the standard output."""
     assert dcrb(*arguments) == 0
     return capsys.readouterr().out
+
+
+def test_a_picture_of_a_truncated_recording_is_announced_as_such(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert dcrb("plot", str(truncated("healthy", tmp_path)), "-o", str(tmp_path / "cut.png")) == 0
+    assert "is truncated or damaged; its readable part was drawn" in capsys.readouterr().err
+
+
+def test_the_verdicts_on_a_truncated_vehicle_are_announced_as_such(capsys: pytest.CaptureFixture[str]) -> None:
+    result = VehicleDetectionResult((VehicleDiagnosis(0, 1.0, {"axle_1/left/bearing": Status("waiting", "no signal")}, {}),))
+    for damage, announced in (([], False), (["the end is missing"], True)):
+        recording = SimpleNamespace(damage=damage)
+        print_vehicle(Path("run"), recording, result)  # type: ignore[arg-type]
+        assert ("the recording is truncated or damaged" in capsys.readouterr().out) is announced
+        assert vehicle_as_object(recording, result)["complete"] is not announced  # type: ignore[arg-type]
 
 
 def test_the_diagnosis_has_units_and_names_every_fault(capsys: pytest.CaptureFixture[str]) -> None:

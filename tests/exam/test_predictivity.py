@@ -155,7 +155,10 @@ def test_families_are_files_with_a_complete_detector(tmp_path: Path) -> None:
     with pytest.raises(Refusal, match="there is no folder"):
         families_of(tmp_path / "none")
     (tmp_path / "empty").mkdir()
-    with pytest.raises(Refusal, match="has no detector"):
+    with pytest.raises(Refusal, match="has no detector: give files"):
+        families_of(tmp_path / "empty")
+    (tmp_path / "empty" / "alone.py").write_text("import helper_elsewhere\n")
+    with pytest.raises(Refusal, match=r"no detector that can be used: \S*alone.py cannot be imported: .*'helper_elsewhere'"):
         families_of(tmp_path / "empty")
 
 

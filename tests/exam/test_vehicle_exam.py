@@ -96,16 +96,18 @@ def test_undecided_is_no_verdict_and_a_faulty_sensor_counts_first() -> None:
         ({"axle_1/left": "outer_ring"}, "its last part must be one of"),
         ({"axle_1/left/bearing": "outer"}, "did you mean 'outer_ring'"),
         ({"track": "flat"}, "return one of"),
+        ({"axle_1.left/bearing": "healthy"}, "no box 'axle_1.left'; did you mean 'axle_1/left'?"),
+        (VehicleDiagnosis(0, 0.0, {"axle_3/left/sensor": Status("sensor", "")}, {}), "no box 'axle_3/left'"),
     ],
 )
 def test_invalid_outputs_are_refused(output: object, sentence: str) -> None:
     with pytest.raises(Refusal, match=sentence):
-        checked_statuses(output)
+        checked_statuses(output, DESCRIPTION)
 
 
 def test_a_diagnosis_and_a_mapping_say_the_same() -> None:
     diagnosis = VehicleDiagnosis(0, 0.0, {"track": Status("joint", "")}, {})
-    assert checked_statuses(diagnosis) == checked_statuses({"track": "joint"}) == {"track": ("joint", 0.0)}
+    assert checked_statuses(diagnosis, DESCRIPTION) == checked_statuses({"track": "joint"}, DESCRIPTION) == {"track": ("joint", 0.0)}
 
 
 def signal() -> VehicleSignal:

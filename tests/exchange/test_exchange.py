@@ -227,6 +227,14 @@ def test_csv_dialects_are_read(text: str, tmp_path: Path) -> None:
     assert channel(external, path, name).tolist() == [1.5, 3.0]
 
 
+def test_a_csv_file_that_was_cut_off_is_refused_in_words_of_the_file(tmp_path: Path) -> None:
+    path = tmp_path / "x.csv"
+    path.write_text("de,fe\n1.5,2\n3.0", encoding="utf-8")
+    with pytest.raises(Refusal, match=r"from 2 to 1 at row 2; a file that was cut off lacks columns .* copy it again") as caught:
+        read_external(path)
+    assert "usecols" not in str(caught.value)
+
+
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [

@@ -111,6 +111,7 @@ def test_verdicts_and_scores_are_those_of_the_message() -> None:
         (2.0, Status("axle_1/left/bearing", 0, "", {"verdict": "broken"}), "'broken' for axle_1/left/bearing"),
         (2.0, Status("axle_1/left/bearing", 0, "", {"verdict": "healthy", "score": "nan"}), "it must be a finite number"),
         (2.0, Status("axle_1/left/bolt", 0, "", {"verdict": "healthy"}), "its last part must be one of"),
+        (2.0, Status("axle_1.left/bearing", 0, "", {"verdict": "healthy"}), "no box 'axle_1.left'"),
         (9.0, Status("axle_1/left/bearing", 0, "", {"verdict": "healthy"}), "when the signal had been sent up to 3.00 s"),
     ],
 )

@@ -11,12 +11,14 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from ros_bench import PATIENCE, GraphClient, domain, environment, node
 from same_process import dcrb
 
+from dcrb_ros.messages.joints import encode_joints
 from dcrb_ros.messages.points import decode_spectrum, decode_vibration
-from dcrb_ros.messages.statuses import ERROR, Status, decode_diagnostics
+from dcrb_ros.messages.statuses import ERROR, OK, Status, decode_diagnostics, encode_diagnostics
 from dcrb_ros.messages.topics import (
     BENCH_DIAGNOSTICS,
     ENVELOPE_SPECTRUM,
@@ -36,6 +38,7 @@ from dcrb_ros.messages.topics.vehicle import (
     VEHICLE_TRUTH,
 )
 from dcrb_ros.messages.vehicle import decode_description
+from dcrb_ros.nodes.vehicle_bench import VehicleObserver
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.vehicle import VehicleRecording
 from dcrb_ros.recordings.vehicle_recorder import VehicleRecorder
@@ -245,6 +248,25 @@ def test_a_replay_publishes_all_boxes_with_equal_stamps(vehicle: Path, client: V
         recorded = [block.packed() for block in Recording(bag / box.replace("/", ".")).vibrations()]
         assert [decode_vibration(data).packed() for data in client.boxes[VIBRATION, box]] == recorded
         assert [VIBRATION.stamp(data) for data in client.boxes[VIBRATION, box]] == [20_000_000 * k for k in range(10)]
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "line"),
+    [
+        (("waiting", "waiting"), "->  waiting"),
+        (("healthy", "healthy"), "->  all healthy"),
+        (("waiting", "healthy"), "->  1 waiting, 1 healthy"),
+        (("outer_ring", "waiting"), "->  bearing outer_ring"),
+        (("undecided", "undecided"), "->  bearing undecided, wheel undecided"),
+    ],
+)
+def test_the_status_line_calls_no_part_without_a_verdict_healthy(vehicle: Path, verdicts: tuple[str, str], line: str) -> None:
+    observer = VehicleObserver(vehicle_of(read_parameters(str(vehicle)), "test"))
+    topics = observer.topics()
+    statuses = [Status(name, OK, verdict, {}) for name, verdict in zip(("bearing", "wheel"), verdicts, strict=True)]
+    topics[FEATURES.below(BOXES[0])](encode_joints(0, ("rms",), np.array([3.0]), np.zeros(0), np.zeros(0)))
+    topics[VEHICLE_DIAGNOSIS](encode_diagnostics(0, statuses))
+    assert observer.line().endswith(line)
 
 
 FAILING = """

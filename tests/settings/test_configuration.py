@@ -247,7 +247,7 @@ DOUBLINGS = "a: &x0 {x: 1}\n" + "".join(f"a{k}: &x{k} {{x: *x{k - 1}, y: *x{k - 
         ("", "is not a file of parameters"),
         ("just words", "is not a file of parameters"),
         ("/**: {ros__parameters: {operating: {speed: 1772}}}", r"outside -1000 \.\. 1000 rad/s"),
-        ("/**:\n  ros__parameters:\n    a: 1\n    a: 2\n", "the key 'a' occurs twice"),
+        ("/**:\n  ros__parameters:\n    a: 1\n    a: 2\n", "in line 4: the key 'a' occurs twice"),
         ("/**: [1, 2", "is not valid YAML"),
         ("/**:\n  speed: 2026-13-45", r"not valid YAML in line 2: '2026-13-45' cannot be read as timestamp; put a text in quotes"),
         ("/**: {? [1, 2] : 3}", "in line 1: a key is a list or a mapping"),

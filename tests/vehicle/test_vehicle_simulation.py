@@ -347,6 +347,7 @@ def test_a_run_in_which_every_channel_is_silent_ends_with_a_sentence(monkeypatch
         ({"publishing.block_sice": 512}, "block_sice"),
         ({"axle_1": {}}, "axle_1 has no box"),
         ({"track": 5}, "is not a group"),
+        ({"track.joint_spacing": 1e-3}, "track: joint_spacing = 0.001 m is outside 1 .. 1000 m: give 0 for welded rails"),
         ({"axle_1.left.faults.outer_1.widht": 0.002}, "axle_1.left: .*widht"),
     ],
 )
@@ -548,6 +549,7 @@ def test_a_recording_that_was_cut_off_is_recovered_with_all_boxes(run: Path, tmp
     data = file.read_bytes()
     file.write_bytes(data[: int(0.7 * len(data))])
     assert dcrb("recover", str(cut), "-o", str(whole)) == 0
+    assert VehicleRecording(cut).damage
     recording = VehicleRecording(whole)
     counts = {name: len(box.acceleration) for name, box in recording.boxes.items()}
     assert min(counts.values()) >= 1024
@@ -556,6 +558,24 @@ def test_a_recording_that_was_cut_off_is_recovered_with_all_boxes(run: Path, tmp
         assert box.outcome is not None
         assert box.outcome["samples"] == count
         assert np.array_equal(box.acceleration, Recording(run / name).acceleration[:count])
+
+
+def test_boxes_that_were_cut_off_between_two_blocks_are_simulated_again(
+    run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The file ends after the fifth block of the first box, before those of the others."""
+    cut = tmp_path / "cut"
+    shutil.copytree(run, cut)
+    (file,) = cut.glob("*.mcap")
+    whole = file.read_bytes()
+    for share in np.linspace(0.9, 0.1, 81):
+        file.write_bytes(whole[: int(share * len(whole))])
+        counts = [len(box.acceleration) for box in VehicleRecording(cut).boxes.values()]
+        if min(counts) < max(counts):
+            break
+    assert 0 < min(counts) < max(counts)
+    assert dcrb("simulate", "--from", str(cut), "--quiet") == 0
+    assert "the same samples in 4 boxes" in capsys.readouterr().out
 
 
 def test_a_replay_sends_the_blocks_of_all_boxes_together(run: Path) -> None:

@@ -16,7 +16,8 @@ from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
 from dcrb_ros.schema.arguments import checked_arguments, with_attributes
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.vehicle_description import VehicleDescription
-from dcrb_ros.stream.vehicle_diagnosis import Status, VehicleDiagnosis
+from dcrb_ros.stream.vehicle_diagnosis import UNDECIDED, Status, VehicleDiagnosis, kind_of
+from dcrb_ros.text.counts import counted
 
 
 class VehicleSignals(Protocol):
@@ -39,8 +40,16 @@ class VehicleDetectionResult:
     """The diagnoses in the order of time."""
 
     def __repr__(self) -> str:
-        damaged = ", ".join(f"{box} {verdict}" for box, verdict in self.damaged.items())
-        return f"<VehicleDetectionResult: {damaged or 'no bearing damaged'} after {self.last.time:.2f} s>"
+        return f"<VehicleDetectionResult: {self.summary} after {self.last.time:.2f} s>"
+
+    @property
+    def summary(self) -> str:
+        """The damaged bearings, and the number of bearings without a verdict, in words."""
+        bearings = [status.verdict for name, status in self.statuses.items() if kind_of(name) == "bearing"]
+        found = [f"{box} {verdict}" for box, verdict in self.damaged.items()]
+        if open_ := sum(verdict in ("waiting", UNDECIDED) for verdict in bearings):
+            found.append(f"no verdict on {open_} of {counted(len(bearings), 'bearing')}")
+        return ", ".join(found) or "no bearing damaged"
 
     @property
     def last(self) -> VehicleDiagnosis:

@@ -15,11 +15,11 @@ from dcrb_ros.bearing.waveform import Piece
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.vehicle.causes import correlated_lag
 from dcrb_ros.diagnosis.vehicle.contact import impacts_of
-from dcrb_ros.diagnosis.vehicle.detection import detect_vehicle
+from dcrb_ros.diagnosis.vehicle.detection import VehicleDetectionResult, detect_vehicle
 from dcrb_ros.diagnosis.vehicle.detector import BoxBlock, VehicleDetector
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.stream.vehicle_diagnosis import VehicleDiagnosis
+from dcrb_ros.stream.vehicle_diagnosis import Status, VehicleDiagnosis
 
 SPALLS = {"outer_ring": {"outer": 900.0}, "inner_ring": {"inner": 1500.0}, "roller": {"roller": 1500.0}}
 
@@ -285,6 +285,22 @@ def test_the_temperatures_of_a_box_are_judged() -> None:
     }
     found = detect_vehicle(SimpleNamespace(description=DESCRIPTION, boxes=boxes))  # type: ignore[arg-type]
     assert verdicts(found.last, "bearing") == {hot: "overheating"}
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "summary"),
+    [
+        (("healthy", "healthy"), "no bearing damaged"),
+        (("outer_ring", "healthy"), "axle_1/left outer_ring"),
+        (("outer_ring", "waiting"), "axle_1/left outer_ring, no verdict on 1 of 2 bearings"),
+        (("undecided", "waiting"), "no verdict on 2 of 2 bearings"),
+    ],
+)
+def test_bearings_without_a_verdict_are_not_called_undamaged(verdicts: tuple[str, str], summary: str) -> None:
+    statuses = {f"axle_1/{side}/bearing": Status(verdict, "") for side, verdict in zip(("left", "right"), verdicts, strict=True)}
+    result = VehicleDetectionResult((VehicleDiagnosis(0, 1.0, {**statuses, "track": Status("healthy", "")}, {}),))
+    assert result.summary == summary
+    assert summary in repr(result)
 
 
 def test_after_a_restart_the_boxes_are_compared_again() -> None:
