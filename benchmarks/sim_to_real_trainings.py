@@ -28,13 +28,17 @@ SHARES = (-2.0, 0.0)
 SEGMENT = 8192
 SETTLING = 0.45
 """Simulated time before the windows [s]."""
+WAVINESS = {"low": 3e-9, "high": 3e-8, "scale": "log"}
+"""Waviness of the raceways of drawn machines [m], as of `dcrb_ros.exam.replica_priors`."""
+LOUDER = 10.0
+"""Level of the background of drawn machines over that of `housing_priors.LABORATORY`, whose raceways are rougher by as much [dB]."""
 KINDS = {"healthy": "healthy", "outer": "outer_ring", "inner": "inner_ring", "ball": "roller"}
 """Class by kind of defect."""
 
 
 def drawn_windows(rig: Rig, bench: str, folder: Path, machines: int, seconds: float) -> Windows:
     """Return the windows of drawn machines, which are simulated or continued in a folder."""
-    ranges = conditions(rig)
+    ranges = conditions(rig) | {"surfaces.waviness": WAVINESS}
     strata = qmc.LatinHypercube(len(ranges), seed=1).random(machines)
     parts = []
     for number, quantiles in enumerate(strata):
@@ -57,7 +61,9 @@ def machine_windows(rig: Rig, bench: str, machine: Mapping[str, Any], number: in
     settings = {**settings_of(rig), **machine, **seeds}
     for kind, truth in KINDS.items():
         faults = {key: within(value, random.random()) if isinstance(value, dict) else value for key, value in defects(kind).items()}
-        run = simulate(bench, SETTLING + seconds, settings={**settings, **drawn(bench, settings, kind, number + 1), **faults})
+        laboratory = drawn(bench, settings, kind, number + 1)
+        louder = {"structure.background": laboratory["structure.background"] + LOUDER}
+        run = simulate(bench, SETTLING + seconds, settings={**settings, **laboratory, **louder, **faults})
         values = run.acceleration[round(SETTLING * run.sampling_rate) :, 1].astype(np.float64)
         angle = np.unwrap(run.shaft_angle[-len(values) :].astype(np.float64))
         parts.append((features(values - values.mean(), run.sampling_rate, angle, run.orders), truth, str(number)))
