@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from dcrb_ros.cli.options import Bag
+from dcrb_ros.text.counts import counted
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -110,7 +111,10 @@ def vehicle_info(bag: Path, *, as_json: bool) -> None:
     from dcrb_ros.runtime.terminal import console
 
     shown = console()
-    shown.print(f"the recording of a vehicle with {len(boxes)} boxes, sampling rate: {recording.sampling_rate} Hz", soft_wrap=True)
+    shown.print(
+        f"the recording of a vehicle with {counted(len(boxes), 'box', 'boxes')}, sampling rate: {recording.sampling_rate} Hz",
+        soft_wrap=True,
+    )
     shown.print(f"a box by itself: dcrb info {shlex.quote(str(bag / next(iter(boxes))))}", soft_wrap=True)
     if recording.scenario is not None:
         shown.print(f"scenario: {json.dumps(recording.scenario)}", soft_wrap=True)

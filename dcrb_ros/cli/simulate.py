@@ -19,6 +19,7 @@ from dcrb_ros.cli.options import Duration, Force, JsonOutput, Quiet, Scenario, S
 from dcrb_ros.cli.output_file import check_force, replacing
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.simulated_time import checked_duration
+from dcrb_ros.text.counts import counted
 
 if TYPE_CHECKING:
     from dcrb_ros.recordings.digest import RecordedSamples
@@ -131,7 +132,7 @@ def reproduce(source: Path, output: Path | None, *, force: bool, quiet: bool, as
     elif "" in samples:
         print(f"{source}: {progress}; the same {samples[''].count} samples, sha256 {samples[''].sha256[:16]}")
     else:
-        print(f"{source}: {progress}; the same samples in {len(samples)} boxes")
+        print(f"{source}: {progress}; the same samples in {counted(len(samples), 'box', 'boxes')}")
 
 
 def _reproduction(source: Path) -> RunReproduction[Any, Any]:
@@ -184,7 +185,7 @@ def _print_written(path: Path, progress: Progress, outcomes: Mapping[str, Outcom
 
         _print_object(path, progress, {name: samples_in(outcome) for name, outcome in outcomes.items()})
         return
-    print(f"{path}: {progress}" + ("" if "" in outcomes else f", {len(outcomes)} boxes"))
+    print(f"{path}: {progress}" + ("" if "" in outcomes else f", {counted(len(outcomes), 'box', 'boxes')}"))
     if not quiet:
         print(f"open it with: dcrb view {shlex.quote(str(path))}")
 

@@ -95,7 +95,9 @@ PRIORS: tuple[Prior, ...] = (
     Prior("impacts.time_spread", "bearing", Lognormal(4e-5, 3.0), "s", "jitter of three rigs", "impacts", RINGS, "balls"),
     Prior("impacts.time_spread", "bearing", Lognormal(5e-5, 2.0), "s", "a choice", "impacts", RINGS, "rollers"),
     Prior("impacts.spin_memory", "bearing", LogUniform(0.002, 0.05), "s", "consecutive impacts on CWRU", "impacts", ("roller",), "balls"),
-    Prior(BACKGROUND, "machine", Normal(5.0, 5.0), "dB", "over the healthy bearing, whose raceways are smooth", "background", (), "balls"),
+    Prior(
+        BACKGROUND, "machine", Normal(5.0, 5.0), "dB", "over the healthy bearing; 6 to 10 on HIT by calibration", "background", (), "balls"
+    ),
     Prior(BACKGROUND, "machine", AXLE_BOX.background, "dB", "over the healthy bearing", "background", (), "rollers"),
     Prior(LINES, "machine", LABORATORY.lines, "-", "share of lines on CWRU and HIT", "background", (), "balls"),
     Prior(LINES, "machine", AXLE_BOX.lines, "-", "a choice", "background", (), "rollers"),
