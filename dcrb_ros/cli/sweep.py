@@ -194,10 +194,11 @@ def _print_summary(tally: Tally, address: str, *, quiet: bool = False, as_json: 
         where = "are in 'reasons'" if as_json else "are given above"
         raise RuntimeError(f"no run of {address} succeeded ({counts}): the reasons {where} and in labels.parquet")
     if not as_json:
-        shares = ", ".join(f"{count} {split}" for split, count in splits.items() if count)
+        filled = {split: count for split, count in splits.items() if count}
+        shares = ", ".join(f"{count} {split}" for split, count in filled.items())
         print(f"{address}: {counts}; {shares}; {tally.seconds:.6g} s recorded")
         if not quiet:
-            print(f"load it with: dcrb_ros.DataSet({address!r}).windows('train')")
+            print(f"load it with: dcrb_ros.DataSet({address!r}).windows({next(iter(filled), SPLITS[0])!r})")
 
 
 def _estimate(plan: Plan, workers: int, *, as_json: bool) -> None:

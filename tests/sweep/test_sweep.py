@@ -661,12 +661,12 @@ def test_a_sweep_without_a_successful_run_fails(tmp_path: Path, capsys: pytest.C
     assert "check the three radii" in capsys.readouterr().err
 
 
-def test_the_printed_python_line_loads_a_folder_of_any_name(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_printed_python_line_loads_a_folder_of_any_name_and_a_split_with_runs(capsys: pytest.CaptureFixture[str]) -> None:
     from dcrb_ros.cli.sweep import _print_summary
     from dcrb_ros.sweep.table import Tally
 
-    _print_summary(Tally(statuses=Counter(done=1)), "/tmp/bob's set")
-    assert """dcrb_ros.DataSet("/tmp/bob's set").windows('train')""" in capsys.readouterr().out
+    _print_summary(Tally(classes=Counter({("test", "healthy"): 1}), statuses=Counter(done=1)), "/tmp/bob's set")
+    assert """dcrb_ros.DataSet("/tmp/bob's set").windows('test')""" in capsys.readouterr().out
 
 
 def test_the_shipped_sweep_has_200_runs_in_five_classes() -> None:
