@@ -29,7 +29,7 @@ from dcrb_ros.cli import (
     validate,
     view,
 )
-from dcrb_ros.cli.literal_help import Commands, LiteralGroup
+from dcrb_ros.cli.commands import Commands, LiteralGroup
 from dcrb_ros.runtime.exit_status import exit_status
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.refusal import AlteredSamples

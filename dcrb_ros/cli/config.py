@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dcrb_ros.cli.literal_help import Commands
+from dcrb_ros.cli.commands import Commands
 from dcrb_ros.cli.options import Config, Force, Settings
 from dcrb_ros.cli.output_file import check_output, replacing
 from dcrb_ros.text.writing import write_whole

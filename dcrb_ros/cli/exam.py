@@ -10,8 +10,8 @@ from typing import Annotated
 
 import typer
 
+from dcrb_ros.cli.commands import Commands
 from dcrb_ros.cli.exam_predictivity import predictivity, replica
-from dcrb_ros.cli.literal_help import Commands
 from dcrb_ros.cli.options import Force
 from dcrb_ros.cli.output_file import replacing
 from dcrb_ros.schema.refusal import Refusal

@@ -18,7 +18,6 @@ class SensorCheck:
     def __init__(self, parameters: DetectorParameters, rate: int, hop: int, bands: Sequence[Band]) -> None:
         """Prepare for hops of so many samples at a ``rate`` [Hz], whose levels are those of ``bands``, the last one below the others."""
         p = parameters
-        self._parameters = p
         self._rate, self._hop, self._hops = rate, hop, p.window / p.hop
         # Levels are compared in the quarters of the band and in the band below it.
         quarters = band_tree(p.band_low, p.band_high, (QUARTERS,))
@@ -29,6 +28,8 @@ class SensorCheck:
         self._sample_rules = [rule(p) for rule in SAMPLE_RULES]
         self._level_rules = [rule(p) for rule in LEVEL_RULES]
         self._levels = LevelHistory([bands[k].high - bands[k].low for k in self.bands])
+        self.remark = "" if len(self.bands) > 1 else _undetected(p, NYQUIST_SHARE * rate)
+        """Which faults of the sensor cannot be detected, and why; empty if all can."""
         self._flaw = ""
         self._remaining = 0
         """Hops until the samples with the last flaw have left the window."""
@@ -42,15 +43,6 @@ class SensorCheck:
     def flaw(self) -> str:
         """The flaw of samples that are in the window, or nothing."""
         return self._flaw if self._remaining else ""
-
-    @property
-    def remark(self) -> str:
-        """Which faults of the sensor cannot be detected because the quarters of the band are not compared, or nothing."""
-        p, highest = self._parameters, NYQUIST_SHARE * self._rate
-        if len(self.bands) > 1:
-            return ""
-        why = f"band_high = {p.band_high:g} Hz is above {highest:g} Hz, {NYQUIST_SHARE:g} of the sampling rate"
-        return f"no gain drift and no loss of high frequencies is detected: {why if p.band_high > highest else f'band = {p.band}'}"
 
     def restart(self) -> None:
         """Begin anew with the signal."""
@@ -90,3 +82,11 @@ class SensorCheck:
         frequency = hop.turns * self._rate / self._hop if tracked else 0.0
         evidence = LevelEvidence(hop.powers[self.bands], frequency, self._third, self._levels)
         return next((flaw for rule in self._level_rules if (flaw := rule.flaw(evidence))), "")
+
+
+def _undetected(p: DetectorParameters, highest: float) -> str:
+    """Return which faults cannot be detected if the quarters of the band are not compared, which ends at most at ``highest`` [Hz]."""
+    why = f"band = {p.band} is not divided: give band = kurtogram"
+    if p.band_high > highest:
+        why = f"band_high = {p.band_high:g} Hz is above {highest:g} Hz, {NYQUIST_SHARE:g} of the sampling rate: lower it for these verdicts"
+    return f"no gain drift and no loss of high frequencies is detected: {why}"

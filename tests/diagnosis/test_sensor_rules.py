@@ -34,9 +34,9 @@ def judged(change: Callable[[Samples], Samples], *, seconds: float = 4.0, sensor
     [
         (RATE, {}, ""),
         (44_445, {}, ""),
-        (25_600, {}, "band_high = 20000 Hz is above 11520 Hz, 0.45 of the sampling rate"),
+        (25_600, {}, "band_high = 20000 Hz is above 11520 Hz, 0.45 of the sampling rate: lower it for these verdicts"),
         (25_600, {"band_high": 11_520.0}, ""),
-        (RATE, {"band": "fixed"}, "band = fixed"),
+        (RATE, {"band": "fixed"}, "band = fixed is not divided: give band = kurtogram"),
     ],
 )
 def test_a_diagnosis_says_which_faults_of_the_sensor_cannot_be_detected(rate: int, given: dict[str, Any], why: str) -> None:

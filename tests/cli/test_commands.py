@@ -11,7 +11,7 @@ import typer
 from same_process import dcrb
 
 from dcrb_ros.cli.app import app
-from dcrb_ros.cli.literal_help import Commands
+from dcrb_ros.cli.commands import Commands
 from dcrb_ros.runtime.exit_status import exit_status
 
 IN_BRACKETS = re.compile(r"\[[^\[\]]+\]")

@@ -1,4 +1,7 @@
-"""Help texts that are printed literally, also those of shell completion: a unit in brackets is not read as markup."""
+"""Commands that print their help texts literally, also in shell completion, and take an option of one value once.
+
+A unit in brackets is not read as markup.
+"""
 
 from __future__ import annotations
 
