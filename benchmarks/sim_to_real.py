@@ -21,6 +21,7 @@ from sim_to_real_data import (
     Rig,
     Windows,
     measured,
+    measured_elsewhere,
     measured_windows,
     settings_of,
     simulated_windows,
@@ -41,6 +42,8 @@ SHAPES = {"with band levels": (True, False), "without": (False, False), "that ma
 """Sets of features: with levels of bands, and only those that match the healthy machine."""
 DRAWN, RIGID, CALIBRATED = "simulated, drawn laboratory", "simulated, rigid path", "simulated, calibrated"
 """Trainings: machines of a laboratory drawn from ranges, the bench at the ring, and machines like the calibrated one."""
+OTHERS = "measured on the other rigs"
+"""What a gap is compared with: the same for real rigs, resampled to one rate."""
 OWN = "its own other bearings"
 """The training that shows what these features allow at most."""
 
@@ -153,7 +156,7 @@ def main(arguments: list[str] | None = None) -> int:
         if known is not None:
             gains += gains_of(rig, trainings, tests[rig.name], known)
             simulated = {name: trainings[name] for name in (DRAWN, RIGID, CALIBRATED)}
-            gaps += gaps_of(rig.name, simulated, tests[rig.name], known)
+            gaps += gaps_of(rig.name, simulated | {OTHERS: measured_elsewhere(given.measured, rig)}, tests[rig.name], known)
     tables = "\n\n".join((markdown(rows), markdown_of_gains(gains), markdown_of_gaps(gaps)))
     (given.output / "table.md").write_text(tables)
     write_figure(rows, given.output / "scores.png")

@@ -27,6 +27,8 @@ from dcrb_ros.sweep.store import Store
 WINDOW = 1.0
 """Length of a window [s]; measured windows do not overlap."""
 CLASSES = ("healthy", "outer_ring", "inner_ring", "roller")
+LEAST_RATE = 0.9
+"""Least sampling rate of another rig's recordings, relative to that of the rig with which they are compared [-]."""
 STEP = 4.9e-6
 """Longest time step of the ball bearings [s]."""
 BALL_6205 = {"rollers_per_row": 9, "roller_radius": 0.00397, "pitch_radius": 0.01952, "gap": 6e-6}
@@ -129,11 +131,17 @@ def measured(folder: Path, rig: Rig) -> tuple[list[Measured], list[Measured]]:
 
 
 def recording(row: MeasuredRecording, rate: int) -> Measured:
-    """Return a recording at a sampling rate [Hz]; one of a higher rate is decimated."""
-    factor = row.rate // rate
-    values = signal.resample_poly(row.samples(), 1, factor) if factor > 1 else row.samples()
+    """Return a recording, resampled to a sampling rate [Hz]."""
+    common = math.gcd(row.rate, rate)
+    values = signal.resample_poly(row.samples(), rate // common, row.rate // common) if row.rate != rate else row.samples()
     angle = 2.0 * np.pi * row.speed * np.arange(len(values)) / rate
     return Measured(row.name, row.truth, values - values.mean(), rate, angle, row.orders)
+
+
+def measured_elsewhere(folder: Path, rig: Rig) -> Windows:
+    """Return the windows of the other rigs at the sampling rate of a rig; a rig of less than 0.9 times its rate is left out."""
+    others = [other._replace(rate=rig.rate) for other in RIGS if other.name != rig.name and other.rate >= LEAST_RATE * rig.rate]
+    return measured_windows([one for other in others for one in measured(folder, other)[1]])
 
 
 def measured_windows(recordings: list[Measured]) -> Windows:

@@ -8,7 +8,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 from sim_to_real_scores import Gap, Score
 
-COLOURS = ("C0", "0.6", "C2")
+COLOURS = ("C0", "0.6", "C2", "C1")
 """Colours of the trainings."""
 
 
@@ -33,21 +33,22 @@ def write_figure(rows: Sequence[tuple[str, str, str, Score]], path: Path) -> Non
 
 
 def write_gaps(gaps: Sequence[Gap], path: Path) -> None:
-    """Write how far simulated windows are from measured ones, by rig, class and training, as bars."""
+    """Write how far the windows of trainings are from the measured ones of a rig, by rig, class and training, as bars."""
     rigs = list(dict.fromkeys(gap.rig for gap in gaps))
     trainings = list(dict.fromkeys(gap.training for gap in gaps))
     figure, axes = plt.subplots(1, 2 * len(rigs), figsize=(11.0, 3.2), sharey=True, squeeze=False, layout="constrained")
     for number, axis in enumerate(axes[0]):
         rig, levels = rigs[number // 2], number % 2 == 0
+        faults = list(dict.fromkeys(gap.fault for gap in gaps if gap.rig == rig))
         for k, training in enumerate(trainings):
             scores = [gap for gap in gaps if (gap.rig, gap.training) == (rig, training)]
             width = 0.8 / len(trainings)
-            positions = [row + width * (k + 0.5) - 0.4 for row in range(len(scores))]
+            positions = [faults.index(gap.fault) + width * (k + 0.5) - 0.4 for gap in scores]
             axis.bar(positions, [gap.level if levels else gap.shape for gap in scores], 0.95 * width, color=COLOURS[k], label=training)
-            axis.set_xticks(range(len(scores)), [gap.fault.replace("_", " ") for gap in scores], fontsize=8)
+        axis.set_xticks(range(len(faults)), [fault.replace("_", " ") for fault in faults], fontsize=8)
         axis.set_title(f"{rig}: {'band levels' if levels else 'all other features'}", fontsize=10)
         axis.grid(axis="y", alpha=0.3)
     axes[0][0].set_ylim(0.0, 1.0)
-    axes[0][0].set_ylabel("measured against simulated,\nmean of |2 AUROC - 1|", fontsize=8)
+    axes[0][0].set_ylabel("windows of the rig against others,\nmean of |2 AUROC - 1|", fontsize=8)
     axes[0][-1].legend(fontsize=8)
     figure.savefig(path, dpi=110)

@@ -180,7 +180,7 @@ def area(score: Floats, positive: npt.NDArray[np.bool_]) -> float:
 
 
 class Gap(NamedTuple):
-    """Mean over features of |2 AUROC - 1| for telling measured from simulated windows of a class: 0 if no feature can, 1 if each does."""
+    """Mean over features of |2 AUROC - 1| for telling windows of a rig from others of a class: 0 if no feature can, 1 if each does."""
 
     rig: str
     training: str
@@ -192,12 +192,12 @@ class Gap(NamedTuple):
 
 
 def gaps_of(rig: str, trainings: Mapping[str, Windows], test: Windows, healthy: Windows) -> list[Gap]:
-    """Return the gaps of each class; the measured healthy windows are those that calibrate."""
+    """Return the gaps of each class that a training has; the measured healthy windows are those that calibrate."""
     truth, values, count = np.array(test.truth), gain_free(test, True), gain_free(test, False).shape[1]
     gaps = []
     for training, windows in trainings.items():
         simulated, its_truth = gain_free(windows, True), np.array(windows.truth)
-        for fault in (name for name in CLASSES if name in test.truth):
+        for fault in (name for name in CLASSES if name in test.truth and name in its_truth):
             measured = gain_free(healthy, True) if fault == "healthy" else values[truth == fault]
             apart = separations(measured, simulated[its_truth == fault])
             gaps.append(Gap(rig, training, fault, float(apart[:count].mean()), float(apart[count:].mean())))
