@@ -105,6 +105,7 @@ PRIORS: tuple[Prior, ...] = (
     Prior(FLOOR, "bearing", FLOORS["inner"], "-", "the same", "background", ("inner_ring",)),
     Prior(FLOOR, "bearing", FLOORS["roller"], "-", "quiet quarter on CWRU, 70 % of all added power", "background", ("roller",)),
     Prior(GAIN, "bearing", Lognormal(1.0, 3.0), "-", "an amplifier is set when a bearing is mounted; 1 if it is `known`"),
+    Prior("structure.mounting", "bearing", Seed(), "-", "spectra of the bearings of a rig, three rigs", "path"),
 )
 """What is drawn for every replica."""
 HOUSINGS = {"balls": "laboratory", "rollers": "axle_box"}

@@ -1,4 +1,4 @@
-"""The response of a housing with many overlapping modes, drawn once per machine."""
+"""The response of a housing with many overlapping modes, drawn once per machine, and changed by every mounting of a bearing."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class DenseModes(NamedTuple):
     """Natural frequency of the ring in its seat [Hz]."""
 
 
-def dense_modes(housing: HousingName, stream: str, seed: int, lowest: float = 0.0) -> DenseModes:
+def dense_modes(housing: HousingName, stream: str, seed: int, lowest: float = 0.0, mounting: int = 0) -> DenseModes:
     r"""Return the modes of a housing above ``lowest`` [Hz], drawn by a seed from the random numbers of a ``stream``.
 
     One frequency is drawn uniformly in each unit of the integral of the modal density, so that levels repel:
@@ -49,7 +49,8 @@ def dense_modes(housing: HousingName, stream: str, seed: int, lowest: float = 0.
     .. math:: n(f) = n_1 (f/f_1)^a, \quad \eta(f) = \eta_1 (f/f_1)^{-b}, \quad
               \gamma_k = \frac{g (f_k/f_1)^\rho}{\sqrt{1 + f_k/f_1}} \xi_k, \quad \xi_k \sim N(0, 1), \quad f_1 = 1 \text{ kHz} .
 
-    Another step rate changes none of them.
+    A ``mounting`` other than 0 is a seed of :math:`\zeta_k \sim N(0, 1)`, and :math:`\sqrt{c}\,\xi_k + \sqrt{1 - c}\,\zeta_k` takes the
+    place of :math:`\xi_k`, so that c is the correlation of two mountings. Another step rate changes none of these values.
     """
     prior, random = PRIORS[housing], random_stream(seed, stream)
     density, loss, first, participation, rise, seat = (
@@ -62,6 +63,9 @@ def dense_modes(housing: HousingName, stream: str, seed: int, lowest: float = 0.
     places = np.arange(count) + random_stream(seed, f"{stream} frequencies").random(count)
     ratio = (start + places / units) ** (1.0 / power)
     normal = np.stack([random_stream(seed, f"{stream} {axis}").standard_normal(count) for axis in "xy"])
+    if mounting:
+        mounted = np.stack([random_stream(seed, f"{stream} {axis} {mounting}").standard_normal(count) for axis in "xy"])
+        normal = math.sqrt(prior.mounting) * normal + math.sqrt(1.0 - prior.mounting) * mounted
     scale = participation * ratio**rise / np.sqrt(1.0 + ratio)
     return DenseModes(REFERENCE * ratio, loss * ratio**-prior.fall, scale * normal, seat)
 

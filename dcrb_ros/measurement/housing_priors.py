@@ -1,8 +1,8 @@
 """Ranges from which housings and their backgrounds are drawn: a laboratory rig and an axle box.
 
 Densities, losses, participation and seat of the laboratory rig follow measured spectra and decays of HIT and MFPT. Its background follows
-the quiet quarter between the impacts of CWRU, HIT and MFPT. The first mode, the axle box and all spreads are choices. Mode counts: plate
-and solid, Harris' Shock and Vibration Handbook, Eqs. 11.69 and 11.70.
+the quiet quarter between the impacts of CWRU, HIT and MFPT, and the mounting how the spectra of their bearings differ. The first mode, the
+axle box and all spreads are choices. Mode counts: plate and solid, Harris' Shock and Vibration Handbook, Eqs. 11.69 and 11.70.
 """
 
 from __future__ import annotations
@@ -77,6 +77,8 @@ class HousingPrior(NamedTuple):
     """Exponent with which the participation rises over the frequency [-]."""
     seat: Lognormal
     """Natural frequency of the ring in its seat [Hz]."""
+    mounting: float
+    """Correlation of the participation factors of two mountings [-]."""
     background: Normal
     """Level of the background over the healthy bearing [dB]."""
     lines: Beta
@@ -92,6 +94,7 @@ LABORATORY = HousingPrior(
     participation=Lognormal(0.25, 1.5),
     rise=Uniform(0.0, 0.8),
     seat=Lognormal(18e3, 1.6),
+    mounting=0.6,
     background=Normal(-5.0, 5.0),
     lines=Beta(1.0, 2.0),
 )
@@ -106,6 +109,7 @@ AXLE_BOX = HousingPrior(
     participation=Lognormal(0.10, 1.5),
     rise=Uniform(0.0, 0.5),
     seat=Lognormal(14e3, 1.3),
+    mounting=0.6,
     background=Normal(0.0, 4.0),
     lines=Beta(1.0, 5.0),
 )

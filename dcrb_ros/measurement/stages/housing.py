@@ -26,7 +26,7 @@ STREAM = "housing"
 
 
 class Housing(Stage):
-    """Acceleration through a housing drawn by structure.seed.
+    """Acceleration through a housing drawn by structure.seed, and changed by structure.mounting.
 
     * Given or drawn modes of the axle box take the place of the rigid mass line, and the dense modes begin above the highest of them.
     * With a calibrated path, which has the magnitude of its housing, an axis keeps the fine structure and the decay of the response: it is
@@ -52,7 +52,7 @@ class Housing(Stage):
                 else:
                     # A mode with little damping outlasts the impulse response.
                     self._boxes[axis], direct[axis] = Filter(box, columns=1), 0.0
-        dense = dense_modes(structure.housing, STREAM, structure.seed, highest)
+        dense = dense_modes(structure.housing, STREAM, structure.seed, highest, structure.mounting)
         self._seat = Filter(seat_sections(dense, rate))
         response = impulse_response(dense, rate, direct)
         self._convolution = Convolution(np.stack([flattened(x) if known else x for x, known in zip(response, calibrated, strict=True)]))

@@ -53,7 +53,7 @@ class MachineBackground(Stage):
 
     .. math:: a' = a + \sqrt{(1 - s) b^2 r^2 + c \max(0, P - h^2 r^2)} \, n + \sqrt{s} \, b \, l .
 
-    The noise passes a housing of its own with the distributions of structure.housing, drawn by structure.seed.
+    The noise passes a housing of its own with the distributions of structure.housing, drawn by structure.seed and structure.mounting.
     """
 
     group, parameters = "structure", MachineBackgroundParameters
@@ -71,7 +71,8 @@ class MachineBackground(Stage):
         self._random = random_stream(setup.seed, STREAM)
         pole = math.exp(-2.0 * math.pi * CORNER / rate)
         coloured = Filter(np.array([[1.0 - pole, 0.0, 0.0, 1.0, -pole, 0.0]])).process(unit_impulse(rate).T).T
-        response = impulse_response(dense_modes(structure.housing, STREAM, structure.seed), rate, unit_impulse(rate))
+        modes = dense_modes(structure.housing, STREAM, structure.seed, mounting=structure.mounting)
+        response = impulse_response(modes, rate, unit_impulse(rate))
         self._noise = Convolution(_of_unit_power(_product(response, coloured), rate))
         share = -math.expm1(-1.0 / (SMOOTHING_TIME * rate))
         self._power = Filter(np.array([[share, 0.0, 0.0, 1.0, share - 1.0, 0.0]]))

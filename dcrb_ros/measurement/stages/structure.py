@@ -40,6 +40,13 @@ class StructureParameters(Group):
         0, "-", "Number of modes of the axle box drawn at random, 500 to 8000 Hz, damping 1 to 5 %; 0 for a rigid path", 0, MOST_MODES
     )
     seed: int = quantity(1, "-", "Seed of the random modes, the housing and path_spread, independent of simulation.seed", 0, 2**31 - 1)
+    mounting: int = quantity(
+        0,
+        "-",
+        "Seed of the mounting of the bearing, which changes the shares of the modes of a housing; 0 for those drawn by structure.seed",
+        0,
+        2**31 - 1,
+    )
     frequencies: str = choice("", "Natural frequencies of the modes [Hz], such as '900, 2300, 5200', instead of random ones")
     dampings: str = choice("", "Damping ratios of these modes [-], such as '0.02, 0.03, 0.01'; empty for 0.02 each")
     coupling: float = quantity(
@@ -66,6 +73,11 @@ class AxleBox(Stage):
     @classmethod
     def problems(cls, parameters: Parameters, step_rate: int) -> Iterator[str]:
         structure = parameters[StructureParameters]
+        if structure.mounting and structure.housing == "none":
+            yield (
+                f"structure.mounting = {structure.mounting} changes a housing, and there is none: give structure.mounting = 0, or "
+                "structure.housing = laboratory or axle_box"
+            )
         try:
             frequencies = numbers(structure.frequencies, "structure.frequencies")
             dampings = numbers(structure.dampings, "structure.dampings")
