@@ -84,10 +84,19 @@ def test_what_belongs_to_a_machine_and_a_bearing_is_drawn_once(tmp_path: Path) -
     tree = replica_tree(table(tmp_path, rows), ReplicaPlan(machines=3, counterparts=3, without=("background",)))
     for machine in ("bench#1", "bench#2", "bench#3"):
         sets = [scenario["set"] for scenario in tree["scenarios"] if scenario["tags"]["machine"] == machine]
-        for key in ("faults.outer_1.width", "surfaces.seed", "structure.seed", "operating.load"):
+        for key in ("faults.outer_1.width", "surfaces.seed", "structure.seed", "structure.mounting", "operating.load"):
             assert len({one[key] for one in sets}) == 1
         assert len({one["operating.speed"] for one in sets}) == 3
     assert len({scenario["set"]["faults.outer_1.width"] for scenario in tree["scenarios"]}) == 3
+
+
+def test_every_bearing_of_a_machine_is_mounted_anew(tmp_path: Path) -> None:
+    rows = [("outer_1", "outer_ring", 1200), ("inner_1", "inner_ring", 1200), ("calm_1", "healthy", 1200), ("calm_2", "healthy", 1500)]
+    tree = replica_tree(table(tmp_path, rows), ReplicaPlan(machines=1, counterparts=1, without=("background",)))
+    sets = {scenario["name"]: scenario["set"] for scenario in tree["scenarios"]}
+    assert len({one["structure.seed"] for one in sets.values()}) == 1
+    assert len({one["structure.mounting"] for one in sets.values()}) == 3
+    assert sets["calm_1/1"]["structure.mounting"] == sets["calm_2/1"]["structure.mounting"]
 
 
 def test_leaving_a_part_out_changes_nothing_else(tmp_path: Path) -> None:
@@ -97,7 +106,8 @@ def test_leaving_a_part_out_changes_nothing_else(tmp_path: Path) -> None:
         without = replica_tree(given_table, ReplicaPlan(machines=4, counterparts=2, longest=2.0, without=("background", part)))["scenarios"]
         gone = {key for a, b in zip(with_path, without, strict=True) for key in set(a["set"]) - set(b["set"])}
         assert gone
-        assert all(key.startswith(("structure.housing", "structure.seed") if part == "path" else "impacts.") for key in gone)
+        of_path = ("structure.housing", "structure.seed", "structure.mounting")
+        assert all(key.startswith(of_path if part == "path" else "impacts.") for key in gone)
         assert all(a["set"].items() >= b["set"].items() for a, b in zip(with_path, without, strict=True))
 
 

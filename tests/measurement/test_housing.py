@@ -125,6 +125,24 @@ def test_x_and_y_share_modes_but_not_participation() -> None:
     assert not np.array_equal(modes.frequency, dense_modes("laboratory", "housing", 2).frequency[: len(modes.frequency)])
 
 
+@every_housing
+def test_a_mounting_changes_the_participation_of_the_modes_alone(housing: HousingName) -> None:
+    parts: list[list[Floats]] = [[], [], []]
+    for seed in range(1, 21):
+        drawn, *mounted = (dense_modes(housing, "housing", seed, mounting=mounting) for mounting in (0, 1, 2))
+        for modes in mounted:
+            assert np.array_equal(modes.frequency, drawn.frequency)
+            assert np.array_equal(modes.loss, drawn.loss)
+            assert modes.seat == drawn.seat
+        for part, modes in zip(parts, (drawn, *mounted), strict=True):
+            part.append(modes.participation.ravel() / np.std(drawn.participation))
+    between = np.corrcoef([np.concatenate(part) for part in parts])
+    correlation = PRIORS[housing].mounting
+    assert between[1, 2] == pytest.approx(correlation, abs=0.04)
+    assert between[0, 1:] == pytest.approx([np.sqrt(correlation)] * 2, abs=0.04)
+    assert [np.std(np.concatenate(part)) for part in parts] == pytest.approx([1.0] * 3, abs=0.04)
+
+
 def test_dense_modes_begin_above_a_given_frequency() -> None:
     lowest = dense_modes("laboratory", "housing", 1, 5000.0).frequency[0]
     assert 5000.0 < lowest < 5400.0

@@ -11,6 +11,7 @@ PUBLISHED: dict[str, tuple[float, float, float]] = {
     "sensor.fault_time": (5.0, 0.001, 1000000.0),
     "structure.modes": (0, 0, 24),
     "structure.seed": (1, 0, 2147483647),
+    "structure.mounting": (0, 0, 2147483647),
     "structure.coupling": (0.7, 0.0, 1.0),
     "structure.modulation": (0.0, 0.0, 1.0),
     "structure.gain_x": (1.0, 1e-06, 1000000.0),

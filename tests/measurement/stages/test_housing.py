@@ -84,6 +84,13 @@ def test_given_modes_replace_the_rigid_mass_line_below_the_dense_ones() -> None:
     assert not AxleBox(chain(structure={**modes, "housing": "laboratory"}).measurement, RATE).active
 
 
+def test_another_mounting_changes_the_path() -> None:
+    as_drawn, *mounted = (transmitted(impulse(), housing="laboratory", mounting=mounting) for mounting in (0, 7, 8, 7))
+    assert np.array_equal(mounted[0], mounted[2])
+    assert not any(np.array_equal(as_drawn, other) for other in mounted)
+    assert not np.array_equal(mounted[0], mounted[1])
+
+
 def test_a_calibrated_axis_keeps_only_the_fine_structure_of_the_housing() -> None:
     found = transmitted(impulse(), housing="laboratory", path_x="1400 0.03 1600 0.05")
     plain = transmitted(impulse(), housing="laboratory")
@@ -102,6 +109,7 @@ def test_a_calibrated_axis_keeps_only_the_fine_structure_of_the_housing() -> Non
         ),
         ({"structure.housing": "laboratory", "structure.modes": 3, "structure.coupling": 0.5}, "structure.coupling = 0.5 does not apply"),
         ({"structure.housing": "laboratory", "structure.path_spread": 2.0}, "structure.path_spread = 2 dB does not apply"),
+        ({"structure.housing": "none", "structure.mounting": 3}, "structure.mounting = 3 changes a housing, and there is none"),
     ],
 )
 def test_what_a_housing_cannot_work_with_is_refused(changes: dict[str, Any], reason: str) -> None:

@@ -47,6 +47,10 @@ def test_it_is_off_without_a_level() -> None:
     assert stage().active
 
 
+def test_its_noise_passes_the_mounted_housing() -> None:
+    assert not np.array_equal(after(stage(), still(0.2)), after(stage(mounting=1), still(0.2)))
+
+
 @pytest.mark.parametrize("housing", ["laboratory", "axle_box"])
 @pytest.mark.parametrize("lines", [0.0, 0.5, 1.0])
 @pytest.mark.parametrize("decibels", [0.0, 6.0, -20.0])
