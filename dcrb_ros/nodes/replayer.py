@@ -37,12 +37,14 @@ class ReplayerNode(BenchNode):
         """Replay with ``parameters``, by default those given to the node by ROS.
 
         Raises:
-            Refusal: the parameters are invalid, or there is no such recording.
+            Refusal: the parameters are invalid, there is no such recording, or it has nothing to replay.
         """
         super().__init__("replayer")
         self._settings = self.declare(ReplayParameters, run_time=RUN_TIME, adjust=lambda given: parameters or given)
         self._replay = Replay(self._settings)
         self._warns = parameters is None  # otherwise the command does, also of a replay that is stopped before its end
+        if parameters is None:  # otherwise the command did
+            self._replay.check()
         clock = [CLOCK] if self._settings.clock else []
         self._publisher = Publisher(self, [*self._replay.topics, BENCH_DIAGNOSTICS, *clock])
         self._progress = Progress()

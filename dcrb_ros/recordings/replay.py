@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Generator
+from contextlib import closing
 from itertools import islice
 from pathlib import Path
 
@@ -77,6 +78,17 @@ class Replay:
         """Frame id of the sensor, the first one of a vehicle."""
         self.latched = VEHICLE_DESCRIPTION if boxes else SENSOR
         """The latched topic that is published last."""
+
+    def check(self) -> None:
+        """Read the first bundle, which `bundles` yields again.
+
+        Raises:
+            Refusal: the recording has no message on the topics, or the offset skips all of them.
+        """
+        descriptions = dict(self._descriptions)
+        with closing(self.bundles()) as bundles:
+            next(bundles)
+        self._descriptions = descriptions
 
     def start(self) -> list[Message]:
         """Return the messages that precede the first block: the descriptions, as recorded or from the manifest."""

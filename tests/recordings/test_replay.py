@@ -107,6 +107,16 @@ def test_an_offset_beyond_the_end_is_refused(tmp_path: Path) -> None:
         list(replay.bundles())
 
 
+def test_a_check_reads_the_first_bundle_and_changes_nothing(tmp_path: Path) -> None:
+    bag = narrowed(tmp_path / "bag", 6, at=3, limit=20.0)
+    checked, replay = (Replay(ReplayParameters(bag=str(bag), offset=0.1)) for _ in range(2))
+    checked.check()
+    assert checked.start() == replay.start()
+    assert list(checked.bundles()) == list(replay.bundles())
+    with pytest.raises(Refusal, match="has no message later than 9 s after its start: lower the offset"):
+        Replay(ReplayParameters(bag=str(bag), offset=9.0)).check()
+
+
 def test_the_command_refuses_such_an_offset_before_it_starts_ros(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
