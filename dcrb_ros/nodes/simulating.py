@@ -91,16 +91,26 @@ class SimulatingNode(BenchNode):
         sinks: list[Sink] = [self.progress, *clock, self._publisher, self.recording, FirstBlockLog(log.info)]
         self.engine = Engine("model", begin(gate), sinks, gate)
         self._waveform, self._description, self._answers = waveform, description, answers
+        self._compiling = ""
         self._status = self.status_of()
         self._others: OtherPublishers
 
     def status_of(self) -> BenchStatus:
         """Return what composes the status of the node."""
-        return BenchStatus(self.engine, self.progress, self.recording, self.refusals)
+        return BenchStatus(self.engine, self.progress, self.recording, self.refusals, compiling=self.compiling)
+
+    def compiling(self) -> str:
+        """Return the last sentence about a compilation, or ""."""
+        return self._compiling
+
+    def _announce(self, sentence: str) -> None:
+        """Log a sentence about a compilation, and keep it for the status."""
+        self._compiling = sentence
+        self.get_logger().info(sentence)
 
     def start(self) -> None:
         """Start the simulation and the configured recording."""
-        announce_compilation(self.get_logger().info)
+        announce_compilation(self._announce)
         self.engine.prepare()
         self.receive()
         services = Services(self)
@@ -181,6 +191,8 @@ class SimulatingNode(BenchNode):
         self._publisher.write_messages([self.diagnostics(status, time_ns, self.configuration.publishing.frame)])
         if self._clock_publisher is not None:
             self._clock_publisher.repeat()
+        if self.engine.computed:
+            self._compiling = ""
         self.update_parameters()
 
 
