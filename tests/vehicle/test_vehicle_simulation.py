@@ -348,6 +348,8 @@ def test_a_run_in_which_every_channel_is_silent_ends_with_a_sentence(monkeypatch
         ({"axle_1": {}}, "axle_1 has no box"),
         ({"track": 5}, "is not a group"),
         ({"track.joint_spacing": 1e-3}, "track: joint_spacing = 0.001 m is outside 1 .. 1000 m: give 0 for welded rails"),
+        ({"time_scale": -1.0}, "mine.yaml: settings: time_scale = -1.0 is outside 0 .. 1000"),
+        ({"recording.split_duration": -1.0}, "mine.yaml: settings: recording.split_duration = -1.0 s is outside"),
         ({"axle_1.left.faults.outer_1.widht": 0.002}, "axle_1.left: .*widht"),
     ],
 )
