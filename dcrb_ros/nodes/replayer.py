@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import sys
 import time
 from typing import Any
@@ -17,7 +18,7 @@ from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.pacing import Pacer
 from dcrb_ros.nodes.programs import main
 from dcrb_ros.nodes.publisher import Publisher
-from dcrb_ros.nodes.ros import run_node
+from dcrb_ros.nodes.ros import own_arguments, run_node
 from dcrb_ros.nodes.subscriber_wait import SubscriberWait
 from dcrb_ros.recordings.replay import Replay, ReplayParameters
 from dcrb_ros.settings.files import flatten, validated
@@ -119,6 +120,8 @@ class ReplayerNode(BenchNode):
 
 def run(arguments: list[str], parameters: ReplayParameters | None = None) -> int:
     """Run the node until the recording is over or a termination signal arrives; return the exit status."""
+    parser = argparse.ArgumentParser(prog="replayer", description="A recording on the topics of the bench, as a ROS 2 node.")
+    own_arguments(parser, arguments)
     return run_node(lambda: ReplayerNode(parameters), arguments)
 
 

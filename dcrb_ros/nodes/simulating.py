@@ -26,6 +26,7 @@ from dcrb_ros.nodes.ros import installed
 from dcrb_ros.nodes.services import Services
 from dcrb_ros.nodes.simulation_interfaces import PACKAGE, SimulationInterfaces
 from dcrb_ros.nodes.subscriber_wait import SubscriberWait
+from dcrb_ros.recordings.recorder import chosen_topics
 from dcrb_ros.recordings.splitting import RecordingFailed
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
@@ -78,8 +79,12 @@ class SimulatingNode(BenchNode):
             waveform: the topic whose subscribers are waited for.
             description: the latched topic by which they know the others.
             answers: the diagnoses that are waited for at the end.
+
+        Raises:
+            Refusal: a topic to record is unknown.
         """
         self.configuration = configuration
+        chosen_topics(configuration.recording.topics)  # also without a recording, as the service may start one later
         publishing, log, path = configuration.publishing, self.get_logger(), configuration.recording.path
         gate = Gate(Pacer(configuration.time_scale, time.monotonic), time.monotonic)
         clocks = [CLOCK] if publishing.clock else []
