@@ -29,6 +29,8 @@ BAG = Path(__file__).parents[2] / "bags" / "healthy"
         ("fault_detector --ros-args --params-file /dev/zero", "/dev/zero is a device: give a regular file"),
         ("fault_detector --ros-args --params-file nothing.yaml", "Couldn't parse params file: '--params-file nothing.yaml'"),
         ("hot_box_detector --ros-args -p learn", "Couldn't parse parameter override rule"),
+        ("fault_detector --ros-args -p window:=[]", "fault_detector: parameters: window has no value, as an empty list: give one, or"),
+        ("simulator --ros-args -p time_scale:=[]", "simulator: parameters: time_scale has no value, as an empty list: give one, or"),
         ("simulator --ros-args -p recording.topics:=ground_thruth", "recording.topics: there is no topic 'ground_thruth'; did you mean"),
         ("viewer --save view.rrd --ros-args -p window:=1.0", "viewer: parameters: unknown parameter 'window'"),
         ("viewer --connect nonsense", "--connect nonsense is not the address of a viewer"),
