@@ -174,6 +174,7 @@ def test_slides_and_wheels_change_while_the_vehicle_runs() -> None:
         ({"axle_1.slide": 0.5}, "outside 0 .. 0.2"),
         ({"axle_1.slide": True}, "outside 0 .. 0.2"),
         ({"axle_1.left.wheel.flat": 5.0}, "flat"),
+        ({"axle_1.left.faults.outer_1.width": 0.001, "axle_2.right.faults.outer_1.width": 0.05}, r"^axle_2\.right: .*width = 0\.05 m"),
         ({"axle_1.left.wheel.polygon": "80 1e-5"}, "whole orders"),
         ({"axle_2.slide": 0.1, "axle_1.left.bearing.rows": 1}, "rows"),
         ({"axle_1.left": 1.0}, "names no box"),
