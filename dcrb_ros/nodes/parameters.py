@@ -147,7 +147,8 @@ class ParameterNode(Node):
 
         `ros2 param load` reads with YAML 1.1: ``5e-06`` is a text there, and the text ``2026`` is a number.
         """
-        if not self.has_parameter(parameter.name):
+        # A request without a value would delete the parameter; it is no empty text.
+        if not self.has_parameter(parameter.name) or parameter.type_ == Parameter.Type.NOT_SET:
             return parameter
         present, number = self.get_parameter(parameter.name), parameter.value
         numeric = present.type_ in (Parameter.Type.DOUBLE, Parameter.Type.INTEGER)
