@@ -268,6 +268,11 @@ def test_commands_out_of_range_are_refused(command: dict[str, float]) -> None:
         bogie(SMOOTH).command(**command)
 
 
+def test_a_command_that_is_no_number_is_refused_with_its_range() -> None:
+    with pytest.raises(Refusal, match=r"^speed_kmh = nan km/h is not a finite number; the range is 5 \.\. 300 km/h$"):
+        bogie(SMOOTH).command(speed_kmh=float("nan"))
+
+
 def failing(original: Callable[..., Any], box: Simulation, after: int) -> Callable[..., Any]:
     def step_to(self: Simulation, end: int) -> Any:
         if self is box and end > after:
