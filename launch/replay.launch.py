@@ -31,7 +31,7 @@ def nodes(context: LaunchContext) -> list[Any]:
     with launching.naming("bag", replayed.bag):
         replay = Replay(replayed)
     with launching.naming("offset", given["offset"]) if given["offset"] else launching.naming("bag", replayed.bag):
-        next(replay.bundles())
+        replay.check()
     return [
         *launching.suspicions(context, ARGUMENTS),
         launching.node("replayer", namespace, parameters),

@@ -37,7 +37,7 @@ def replay(
     given = {"bag": str(bag), "rate": rate, "loop": loop, "offset": offset, "clock": clock, "topics": topics}
     given |= {"listeners": listeners, "wait": wait}
     parameters = validated(given, ReplayParameters, "replay")
-    next(Replay(parameters).bundles())  # refuses an invalid recording, or one without messages, before ROS is started
+    Replay(parameters).check()  # before ROS is started
     from dcrb_ros.nodes.programs import run
 
     status = run("replayer", [], parameters=parameters)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,7 @@ from dcrb_ros.diagnosis.combination import Combination
 from dcrb_ros.diagnosis.demodulation import Demodulator, detector_bands, kurtosis
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence, SharedSearch, highest_searched
 from dcrb_ros.diagnosis.healthy_baseline import HealthyBaseline, read_baseline
-from dcrb_ros.diagnosis.hysteresis import Hysteresis, confidence, least_evidence
+from dcrb_ros.diagnosis.hysteresis import Hysteresis, confidence, least_evidence, shortfall, strongest_of
 from dcrb_ros.diagnosis.order_spectrum import HARMONICS, SHAFT_SIDEBANDS, OrderSpectrum, order_spectra
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.registry import BEARING_RULES
@@ -252,13 +253,14 @@ class FaultDetector:
         """Return the diagnosis from the evidence; the spectrum of the ``selected`` band is published."""
         findings = self._combination.findings(evidence)
         excess = {component: finding.excess for component, finding in findings.items()}
-        verdict = self._hysteresis.verdict(excess, self._least_evidence())
+        least = self._least_evidence()
+        verdict = self._hysteresis.verdict(excess, least)
         confirmed, time = self._hysteresis.confirmed, last / self.rate
         severity = self._severity(evidence, confirmed)
         if self.learner is not None:
             self.learner.add(evidence, self.rules, verdict, time)
         return dataclasses.replace(
-            self._without_verdict(last, verdict, self._reason(verdict, findings)),
+            self._without_verdict(last, verdict, self._reason(verdict, findings, least)),
             confidence=confidence(verdict, confirmed, excess),
             levels={CHARACTERISTIC[component]: level for component, level in self._combination.levels.items()},
             shaft_frequency=evidence.shaft_frequency,
@@ -282,16 +284,18 @@ class FaultDetector:
         whole = evidence.bands[0]
         return max((math.sqrt(whole.family(comb).amplitude) for rule in rules for comb in rule.combs(self.orders)), default=0.0)
 
-    def _reason(self, verdict: Verdict, findings: dict[Component, Finding]) -> str:
+    def _reason(self, verdict: Verdict, findings: dict[Component, Finding], least: Mapping[Component, float]) -> str:
         """Return the evidence for a verdict in words."""
         components = self._hysteresis.confirmed or (self._hysteresis.suspected if verdict == "waiting" else [])
         reasons = ", and ".join(findings[component].reason for component in components)
-        if verdict == "waiting":
-            return f"to be confirmed by the next hop: {reasons or 'no lines are both significant and deep enough for a defect'}"
-        if components:
+        if components and verdict != "waiting":
             return reasons
-        strongest = max(findings.values(), key=lambda finding: finding.excess)
-        return f"no lines are both significant and deep enough for a defect; {strongest.reason}"
+        excess = {component: finding.excess for component, finding in findings.items()}
+        strongest = strongest_of(excess, least)
+        lacking = shortfall(excess[strongest], least.get(strongest, 0.0))
+        if verdict == "waiting":
+            return f"to be confirmed by the next hop: {reasons or lacking}"
+        return f"{lacking}; {findings[strongest].reason}"
 
     def _published(self, spectrum: OrderSpectrum, frequency: float) -> Spectrum:
         """Return the part of a spectrum that is published, as amplitudes at the present shaft frequency [Hz]."""

@@ -148,6 +148,20 @@ def least_evidence(confirm: int, window: float, alarm_evidence: float) -> float:
     return 0.0 if window >= LONG_ENOUGH else min(SCATTER, alarm_evidence)
 
 
+def strongest_of(excess: Mapping[Component, float], least: Mapping[Component, float]) -> Component:
+    """Return the component with most evidence, among those with the ``least`` that counts if there are some [dB]."""
+    return max(excess, key=lambda component: (excess[component] >= least.get(component, 0.0), excess[component]))
+
+
+def shortfall(excess: float, least: float) -> str:
+    """Return why the strongest evidence relative to its threshold names no fault, in words; ``least`` counts [dB]."""
+    if excess < 0.0:
+        return "no lines exceed all limits for a defect"
+    if excess < least:
+        return f"lines exceed all limits for a defect by {excess:.1f} dB, less than the {least:.1f} dB required"
+    return "lines that exceed all limits for a defect are not confirmed yet"
+
+
 def confidence(verdict: Verdict, confirmed: list[Component], excess: Mapping[Component, float]) -> float:
     """Return the confidence in a verdict: 0.5 at a threshold, 0 without a verdict on the bearing; see `probability`."""
     if verdict in ("waiting", "sensor"):

@@ -115,6 +115,8 @@ class Observer:
         if self.bench is None:
             return []
         paused = ["paused"] if self.bench.values.get("model") == "paused" else []
+        if not self.bench.values["real_time_factor"]:  # before the first block
+            return paused
         return [*paused, f"{self.bench.values['real_time_factor']} x real time, {self.bench.values['late_blocks']} late"]
 
     def verdicts(self) -> list[str]:

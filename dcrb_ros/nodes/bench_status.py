@@ -60,6 +60,7 @@ class BenchStatus:
         commands: Iterable[Topic] = COMMANDS,
         detected: Iterable[Topic] = DETECTED,
         about: Callable[[], tuple[str, Mapping[str, str]]] = lambda: ("", {}),
+        compiling: Callable[[], str] = lambda: "",
         behind: str = "behind real time",
     ) -> None:
         """Compose the status of an engine.
@@ -72,11 +73,12 @@ class BenchStatus:
             commands: topics of commands, whose refusals are counted together.
             detected: topics of the detector, whose refusals are counted together.
             about: returns a message that makes the status a warning, or "", and more values.
+            compiling: returns the last sentence about a compilation, or "".
             behind: what is said where the engine is behind real time.
         """
         self._engine, self._progress, self._recording, self._refusals = engine, progress, recording, refusals
         self._commands, self._detected = [topic.name for topic in commands], [topic.name for topic in detected]
-        self._about, self._behind = about, behind
+        self._about, self._compiling, self._behind = about, compiling, behind
         self._simulated, self._wall = 0.0, time.monotonic()
 
     def status(self, name: str, time_ns: int, others: Sequence[str] = ()) -> Status:
@@ -84,11 +86,14 @@ class BenchStatus:
         gate, progress, recording, model = self._engine.gate, self._progress, self._recording, self._model()
         behind = gate.pacer.lag > MAX_LAG and not gate.paused
         warning, more = self._about()
+        if self._starting():
+            warning = warning or self._compiling()
+        factor = self._real_time_factor(time_ns * 1e-9)
         level = ERROR if recording.failed else WARN if behind or others or warning else OK
         count = self._refusals.count
         values = {
             "time_scale": f"{gate.pacer.scale:g}",
-            "real_time_factor": f"{self._real_time_factor(time_ns * 1e-9):.3f}",
+            "real_time_factor": f"{factor:.3f}" if self._engine.computed else "",
             "simulated [s]": f"{time_ns * 1e-9:.3f}",
             "lag [s]": f"{gate.pacer.lag:.4f}",
             "late_blocks": str(gate.pacer.late),
@@ -111,10 +116,19 @@ class BenchStatus:
         return Status(name, level, recording.state if level == ERROR else message, values)
 
     def _model(self) -> str:
-        """Return what the model does: ``failed``, ``paused``, ``waiting`` for subscribers, or ``running``."""
+        """Return what the model does.
+
+        That is ``failed``, ``paused``, ``waiting`` for subscribers, ``starting`` until the first block is computed, or ``running``.
+        """
         if self._engine.failure is not None:
             return "failed"
-        return "paused" if self._engine.gate.paused else "running" if self._engine.started else "waiting"
+        if self._engine.gate.paused:
+            return "paused"
+        return "starting" if self._starting() else "running" if self._engine.started else "waiting"
+
+    def _starting(self) -> bool:
+        """Return whether the first block is being computed."""
+        return self._engine.started and not self._engine.ended and not self._engine.computed
 
     def _real_time_factor(self, simulated: float) -> float:
         """Return simulated over wall time since the last call; 0 right after a reset."""

@@ -79,6 +79,8 @@ class Engine:
         """The exception that ended the thread."""
         self.passes = 0
         """How many times the source has been started."""
+        self.computed = False
+        """Whether the source has yielded a bundle since the start or the last reset."""
         self._source, self._sinks, self._loop = source, sinks, loop
         self._thread = NamedThread(name, self._run)
 
@@ -130,6 +132,7 @@ class Engine:
         """Send the bundles; return false if a reset or the end of the program interrupts them."""
         with closing(self._source.bundles()) as bundles:
             for bundle in bundles:
+                self.computed = True
                 if not self.gate.send(bundle.begin_ns * 1e-9, bundle.end_ns * 1e-9, partial(self._write, bundle)):
                     return False
         return True
@@ -140,5 +143,6 @@ class Engine:
 
     def _reset(self) -> None:
         if not self.gate.closed:
+            self.computed = False
             self.prepare()
             self.gate.finish_reset()

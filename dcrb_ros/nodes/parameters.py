@@ -51,6 +51,17 @@ class ParameterNode(Node):
         self._fields: dict[str, ParameterField] = {}
         """Declared parameters of the schema by their keys."""
 
+    def declare_parameters(self, namespace: str, parameters: list[Any], ignore_override: bool = False) -> Any:
+        """Declare parameters; the constructor of rclpy so declares those that are given to the node.
+
+        Raises:
+            Refusal: one has no value, as ROS reads an empty list.
+        """
+        for name, *about in parameters:
+            if about and about[0] is None:
+                raise Refusal(f"parameters: {name} has no value, as an empty list: give one, or leave it out")
+        return super().declare_parameters(namespace, parameters, ignore_override)
+
     def more_topics(self) -> Iterable[Topic]:
         """Return the topics of the node beside those of a bench."""
         return ()
@@ -136,7 +147,8 @@ class ParameterNode(Node):
 
         `ros2 param load` reads with YAML 1.1: ``5e-06`` is a text there, and the text ``2026`` is a number.
         """
-        if not self.has_parameter(parameter.name):
+        # A request without a value would delete the parameter; it is no empty text.
+        if not self.has_parameter(parameter.name) or parameter.type_ == Parameter.Type.NOT_SET:
             return parameter
         present, number = self.get_parameter(parameter.name), parameter.value
         numeric = present.type_ in (Parameter.Type.DOUBLE, Parameter.Type.INTEGER)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import sys
 import time
 from typing import Any
@@ -17,7 +18,7 @@ from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.pacing import Pacer
 from dcrb_ros.nodes.programs import main
 from dcrb_ros.nodes.publisher import Publisher
-from dcrb_ros.nodes.ros import run_node
+from dcrb_ros.nodes.ros import own_arguments, run_node
 from dcrb_ros.nodes.subscriber_wait import SubscriberWait
 from dcrb_ros.recordings.replay import Replay, ReplayParameters
 from dcrb_ros.settings.files import flatten, validated
@@ -37,12 +38,14 @@ class ReplayerNode(BenchNode):
         """Replay with ``parameters``, by default those given to the node by ROS.
 
         Raises:
-            Refusal: the parameters are invalid, or there is no such recording.
+            Refusal: the parameters are invalid, there is no such recording, or it has nothing to replay.
         """
         super().__init__("replayer")
         self._settings = self.declare(ReplayParameters, run_time=RUN_TIME, adjust=lambda given: parameters or given)
         self._replay = Replay(self._settings)
         self._warns = parameters is None  # otherwise the command does, also of a replay that is stopped before its end
+        if parameters is None:  # otherwise the command did
+            self._replay.check()
         clock = [CLOCK] if self._settings.clock else []
         self._publisher = Publisher(self, [*self._replay.topics, BENCH_DIAGNOSTICS, *clock])
         self._progress = Progress()
@@ -117,6 +120,8 @@ class ReplayerNode(BenchNode):
 
 def run(arguments: list[str], parameters: ReplayParameters | None = None) -> int:
     """Run the node until the recording is over or a termination signal arrives; return the exit status."""
+    parser = argparse.ArgumentParser(prog="replayer", description="A recording on the topics of the bench, as a ROS 2 node.")
+    own_arguments(parser, arguments)
     return run_node(lambda: ReplayerNode(parameters), arguments)
 
 

@@ -26,6 +26,7 @@ from dcrb_ros.nodes.ros import installed
 from dcrb_ros.nodes.services import Services
 from dcrb_ros.nodes.simulation_interfaces import PACKAGE, SimulationInterfaces
 from dcrb_ros.nodes.subscriber_wait import SubscriberWait
+from dcrb_ros.recordings.recorder import chosen_topics
 from dcrb_ros.recordings.splitting import RecordingFailed
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
@@ -78,8 +79,12 @@ class SimulatingNode(BenchNode):
             waveform: the topic whose subscribers are waited for.
             description: the latched topic by which they know the others.
             answers: the diagnoses that are waited for at the end.
+
+        Raises:
+            Refusal: a topic to record is unknown.
         """
         self.configuration = configuration
+        chosen_topics(configuration.recording.topics)  # also without a recording, as the service may start one later
         publishing, log, path = configuration.publishing, self.get_logger(), configuration.recording.path
         gate = Gate(Pacer(configuration.time_scale, time.monotonic), time.monotonic)
         clocks = [CLOCK] if publishing.clock else []
@@ -91,16 +96,26 @@ class SimulatingNode(BenchNode):
         sinks: list[Sink] = [self.progress, *clock, self._publisher, self.recording, FirstBlockLog(log.info)]
         self.engine = Engine("model", begin(gate), sinks, gate)
         self._waveform, self._description, self._answers = waveform, description, answers
+        self._compiling = ""
         self._status = self.status_of()
         self._others: OtherPublishers
 
     def status_of(self) -> BenchStatus:
         """Return what composes the status of the node."""
-        return BenchStatus(self.engine, self.progress, self.recording, self.refusals)
+        return BenchStatus(self.engine, self.progress, self.recording, self.refusals, compiling=self.compiling)
+
+    def compiling(self) -> str:
+        """Return the last sentence about a compilation, or ""."""
+        return self._compiling
+
+    def _announce(self, sentence: str) -> None:
+        """Log a sentence about a compilation, and keep it for the status."""
+        self._compiling = sentence
+        self.get_logger().info(sentence)
 
     def start(self) -> None:
         """Start the simulation and the configured recording."""
-        announce_compilation(self.get_logger().info)
+        announce_compilation(self._announce)
         self.engine.prepare()
         self.receive()
         services = Services(self)
@@ -181,6 +196,8 @@ class SimulatingNode(BenchNode):
         self._publisher.write_messages([self.diagnostics(status, time_ns, self.configuration.publishing.frame)])
         if self._clock_publisher is not None:
             self._clock_publisher.repeat()
+        if self.engine.computed:
+            self._compiling = ""
         self.update_parameters()
 
 

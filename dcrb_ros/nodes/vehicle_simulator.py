@@ -164,6 +164,7 @@ class VehicleSimulatorNode(SimulatingNode):
             commands=commands,
             detected=VEHICLE_DETECTED,
             about=self._about,
+            compiling=self.compiling,
             behind=BEHIND,
         )
 

@@ -19,6 +19,7 @@ from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION
 from dcrb_ros.nodes.base import BenchNode
 from dcrb_ros.nodes.programs import main
 from dcrb_ros.nodes.ros import own_arguments, run_node
+from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.viewer.document import APPLICATION
 from dcrb_ros.viewer.live import SHOWN, LiveView
@@ -43,8 +44,13 @@ class ViewerNode(BenchNode):
     """Shows the messages of the bench in a Rerun window, in a running viewer or in a file."""
 
     def __init__(self, save: Path | None = None, connect: str = "", *, vehicle: bool = False) -> None:
-        """Show in the file ``save``, the viewer at the address ``connect``, or a window that is opened; a bench or a ``vehicle``."""
+        """Show in the file ``save``, the viewer at the address ``connect``, or a window that is opened; a bench or a ``vehicle``.
+
+        Raises:
+            Refusal: a parameter is given, other than those of every ROS node.
+        """
         super().__init__("viewer")
+        self.declare(Group)
         self._save, self._address, self._vehicle = save, connect, vehicle
         self._file: Path | None = None
         self._shown: set[str] = set()

@@ -51,6 +51,11 @@ def channel_of(topic: Topic, namespace: str) -> Channel:
     return Channel(topic.resolved(namespace), topic.type, definition, profiles, store.hash_rihs01(topic.type))
 
 
+def named_topics(text: str) -> list[str]:
+    """Return the names in a text, which commas or spaces separate."""
+    return [name for name in re.split(r"[,\s]+", text) if name]
+
+
 def chosen_topics(text: str, key: str = "recording.topics") -> frozenset[Topic]:
     """Return the topics named in the parameter ``key`` and that of the sensor description; all topics if the text is empty.
 
@@ -58,7 +63,7 @@ def chosen_topics(text: str, key: str = "recording.topics") -> frozenset[Topic]:
         Refusal: a name is not a topic of the bench.
     """
     known = {topic.name: topic for topic in (*SIMULATED, *DETECTED)}
-    names = [name for name in re.split(r"[,\s]+", text) if name]
+    names = named_topics(text)
     for name in names:
         if name not in known:
             raise Refusal(f"{key}: there is no topic '{name}'{nearest(name, known)} (known: {', '.join(known)})")

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
+from contextlib import closing
 from itertools import islice
 from pathlib import Path
 
@@ -11,13 +12,13 @@ from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.description import decode_frame, sensor_text
 from dcrb_ros.messages.plain import encode_text
 from dcrb_ros.messages.points import Vibration, decode_vibration
-from dcrb_ros.messages.topics import DETECTED, SENSOR, SIMULATED, TRANSFORMS, VIBRATION, Message, Topic
+from dcrb_ros.messages.topics import DETECTED, DIAGNOSIS, SENSOR, SIMULATED, TRANSFORMS, VIBRATION, Message, Topic
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DETECTED
 from dcrb_ros.messages.vehicle import box_path
 from dcrb_ros.messages.vehicle_encoder import BESIDE
 from dcrb_ros.recordings.manifest import Outcome
 from dcrb_ros.recordings.reader import Recording
-from dcrb_ros.recordings.recorder import chosen_topics
+from dcrb_ros.recordings.recorder import chosen_topics, named_topics
 from dcrb_ros.recordings.vehicle import VehicleRecording
 from dcrb_ros.recordings.vehicle_folder import vehicle_boxes
 from dcrb_ros.schema.fields import Group, choice, quantity
@@ -57,7 +58,10 @@ class Replay:
         boxes = vehicle_boxes(path)
         self.recording: Recording | VehicleRecording = VehicleRecording(path) if boxes else Recording(path)
         chosen: list[Topic] = list(SIMULATED)
-        if parameters.topics:
+        names = named_topics(parameters.topics)
+        if names:
+            if isinstance(self.recording, VehicleRecording):
+                _refuse_beside_boxes(names, self.recording)
             chosen = sorted(chosen_topics(parameters.topics, "topics"), key=lambda topic: topic.name)
         if isinstance(self.recording, VehicleRecording):
             below = [(topic, topic.below(box_path(name)), box) for name, box in self.recording.boxes.items() for topic in chosen]
@@ -65,7 +69,13 @@ class Replay:
             self.topics: tuple[Topic, ...] = (*(topic for _, topic, _ in below), *BESIDE, *detected)
         else:
             below = [(topic, topic, self.recording) for topic in chosen]
+            detected = ()
             self.topics = tuple(chosen)
+        self._named: dict[str, set[Topic]] = {}
+        """The topics of the recording that are replayed for each one that is named, but that of the description."""
+        for topic in set(chosen) - {SENSOR} if names else ():
+            beside = detected if topic in DETECTED else ()
+            self._named[topic.name] = {*(full for plain, full, _ in below if plain == topic), *beside}
         self._boxes = {topic: box for plain, topic, box in below if plain == VIBRATION}
         self.waveforms = tuple(self._boxes)
         """The topics of the waveforms, which say when a bundle is due."""
@@ -77,6 +87,20 @@ class Replay:
         """Frame id of the sensor, the first one of a vehicle."""
         self.latched = VEHICLE_DESCRIPTION if boxes else SENSOR
         """The latched topic that is published last."""
+
+    def check(self) -> None:
+        """Read the first bundle, which `bundles` yields again.
+
+        Raises:
+            Refusal: the recording has no message on one of the topics that are named, or on any, or the offset skips all of them.
+        """
+        absent = sorted(name for name, topics in self._named.items() if next(self.recording.messages(topics), None) is None)
+        if absent:
+            raise Refusal(f"topics: {self.recording.path} has no message on {', '.join(absent)}: dcrb info lists the topics that it has")
+        descriptions = dict(self._descriptions)
+        with closing(self.bundles()) as bundles:
+            next(bundles)
+        self._descriptions = descriptions
 
     def start(self) -> list[Message]:
         """Return the messages that precede the first block: the descriptions, as recorded or from the manifest."""
@@ -135,6 +159,19 @@ class Replay:
         """Return the time at which a block is sent [ns], that of its end."""
         rate = self.recording.sampling_rate
         return nanoseconds(block.first_index(rate) + len(block.shaft_angle), rate)
+
+
+def _refuse_beside_boxes(names: Sequence[str], recording: VehicleRecording) -> None:
+    """Refuse names of topics of one box, and of the vehicle, among the topics to replay."""
+    for name in names:
+        for box in recording.boxes:
+            if name.startswith(f"{box_path(box)}/"):
+                plain = name.removeprefix(f"{box_path(box)}/")
+                raise Refusal(f"topics: {name} belongs to one box: name {plain} for all boxes, or replay {recording.path / box} alone")
+        if name in (topic.name for topic in VEHICLE_DETECTED):
+            raise Refusal(f"topics: {name} is replayed with {DIAGNOSIS.name}: name that")
+        if name in (topic.name for topic in BESIDE):
+            raise Refusal(f"topics: {name} of a vehicle is replayed in any case: leave it out")
 
 
 def _described(recording: Recording, topic: Topic) -> Message:

@@ -31,7 +31,10 @@ def checked_command(name: str, value: Any, where: str = "", end: str = "") -> fl
     if name not in RANGES:
         raise Refusal(f"{where}there is no command '{name}'{nearest(name, RANGES)} (known: {', '.join(RANGES)})")
     low, high, unit = RANGES[name]
-    number = finite_number(f"{where}{name} =", value, unit)
+    try:
+        number = finite_number(f"{where}{name} =", value, unit)
+    except Refusal as refusal:
+        raise Refusal(f"{refusal}; the range is {low:g} .. {high:g} {unit}") from None
     if not low <= number <= high:
         raise Refusal(f"{where}{name} = {value:g} {unit} is outside {low:g} .. {high:g} {unit}{end}")
     return number

@@ -146,6 +146,7 @@ def vehicle_of(flat: Mapping[str, Any], source: str) -> Vehicle:
         raise Refusal(f"{source}: {half} has one box, but it rolls on two wheels: give both ({{}} for the bench without changes)")
     journey: Journey = groups["vehicle"]
     bench = load_configuration(journey.bench)
+    _check_run(source, bench, common)
     bare = tuple(Box(name, axle, 1 if side == SIDES[0] else -1, bench, Wheel()) for name, axle, side, _ in parts)
     vehicle = Vehicle(journey, groups["body"], groups["frame"], groups["suspension"], groups["track"], groups["paths"], tuple(axles), bare)
     speed = journey.speed_kmh / 3.6
@@ -167,6 +168,14 @@ def vehicle_of(flat: Mapping[str, Any], source: str) -> Vehicle:
             if here != there:
                 raise Refusal(f"{source}: {boxes[0].name} and {box.name} differ in {what} ({here} and {there}): boxes share one clock")
     return replace(vehicle, boxes=_connected(source, boxes))
+
+
+def _check_run(source: str, bench: Configuration, common: Mapping[str, Any]) -> None:
+    """Refuse invalid parameters that no box has of its own, without the name of a box."""
+    try:
+        load_configuration(bench, {key: value for key, value in flatten(common).items() if key.startswith(RUN)})
+    except Refusal as refusal:
+        raise Refusal(f"{source}: {refusal}") from None
 
 
 def _connected(source: str, boxes: Sequence[Box]) -> tuple[Box, ...]:

@@ -57,7 +57,10 @@ class VehicleRequests:
             if model:
                 self._check_room()
             for name, changed in asked.boxes.items():
-                simulations[name].check_change(changed)
+                try:
+                    simulations[name].check_change(changed)
+                except Refusal as refusal:
+                    raise Refusal(f"{name}: {refusal}") from None
             for name, changed in asked.boxes.items():
                 simulations[name].change(changed)
             self._pending.extend(model.items())

@@ -94,6 +94,26 @@ def test_a_shallow_bpfo_line_is_healthy_however_significant() -> None:
     assert diagnosis.verdict == "healthy"
 
 
+@pytest.mark.parametrize(
+    ("impacts", "parameters", "sentence"),
+    [
+        ({}, {}, "no lines exceed all limits for a defect; "),
+        ({"outer": 600.0}, {"outer_limit": 1e3}, "no lines exceed all limits for a defect; "),
+        (
+            {"outer": 600.0},
+            {"alarm_evidence": 20.0},
+            "lines exceed all limits for a defect by {:.1f} dB, less than the 20.0 dB required; BPFO at",
+        ),
+    ],
+)
+def test_the_reason_of_a_healthy_diagnosis_agrees_with_its_evidence(
+    impacts: dict[str, float], parameters: dict[str, float], sentence: str
+) -> None:
+    diagnosis = last(synthetic(**impacts), **parameters)
+    assert diagnosis.verdict == "healthy"
+    assert diagnosis.reason.startswith(sentence.format(max(diagnosis.scores.values())))
+
+
 @pytest.mark.parametrize(("limit", "verdict"), [(1e3, "healthy"), (2.0, "outer_ring")])
 def test_with_a_baseline_the_size_of_the_lines_counts(limit: float, verdict: str) -> None:
     diagnosis = last(synthetic(outer=600.0), outer_limit=limit)

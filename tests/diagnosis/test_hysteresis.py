@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dcrb_ros.diagnosis.hysteresis import Hysteresis, confidence, least_evidence, probability
+from dcrb_ros.diagnosis.hysteresis import Hysteresis, confidence, least_evidence, probability, shortfall, strongest_of
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.trend import Trend
 
@@ -43,6 +43,20 @@ def test_a_watched_bearing_raises_an_alarm_from_strong_evidence_on() -> None:
     hysteresis = Hysteresis(p.confirm, p.release, p.release_margin, 8, p.alarm_evidence)
     assert {hysteresis.verdict({**QUIET, "outer_ring": 2.7}) for _ in range(40)} == {"waiting", "healthy"}
     assert [hysteresis.verdict({**QUIET, "outer_ring": 2.9}) for _ in range(2)] == ["healthy", "outer_ring"]
+
+
+@pytest.mark.parametrize(
+    ("excess", "component", "sentence"),
+    [
+        ({}, "outer_ring", "no lines exceed all limits for a defect"),
+        ({"cage": 0.24}, "cage", "lines exceed all limits for a defect by 0.2 dB, less than the 5.0 dB required"),
+        ({"cage": 4.0, "roller": 2.9}, "roller", "lines that exceed all limits for a defect are not confirmed yet"),
+    ],
+)
+def test_evidence_that_names_no_fault_is_explained(excess: dict[str, float], component: str, sentence: str) -> None:
+    found, least = {**QUIET, **excess}, {**dict.fromkeys(QUIET, 2.8), "cage": 5.0}
+    strongest = strongest_of(found, least)
+    assert (strongest, shortfall(found[strongest], least[strongest])) == (component, sentence)
 
 
 def test_two_confirmed_faults_are_compound() -> None:

@@ -29,6 +29,10 @@ BAG = Path(__file__).parents[2] / "bags" / "healthy"
         ("fault_detector --ros-args --params-file /dev/zero", "/dev/zero is a device: give a regular file"),
         ("fault_detector --ros-args --params-file nothing.yaml", "Couldn't parse params file: '--params-file nothing.yaml'"),
         ("hot_box_detector --ros-args -p learn", "Couldn't parse parameter override rule"),
+        ("fault_detector --ros-args -p window:=[]", "fault_detector: parameters: window has no value, as an empty list: give one, or"),
+        ("simulator --ros-args -p time_scale:=[]", "simulator: parameters: time_scale has no value, as an empty list: give one, or"),
+        ("simulator --ros-args -p recording.topics:=ground_thruth", "recording.topics: there is no topic 'ground_thruth'; did you mean"),
+        ("viewer --save view.rrd --ros-args -p window:=1.0", "viewer: parameters: unknown parameter 'window'"),
         ("viewer --connect nonsense", "--connect nonsense is not the address of a viewer"),
         ("viewer --connect rerun+http://127.0.0.1:1/proxy", "no viewer answers at 127.0.0.1:1"),
         ("viewer --connect rerun+http://127.0.0.1:99999/proxy", "is not the address of a viewer"),
@@ -42,6 +46,14 @@ def test_an_argument_that_is_not_understood_is_refused_in_a_sentence(command: st
     assert sentence in done.stderr
     assert len(done.stderr.splitlines()) == 1
     assert " at /" not in done.stderr
+
+
+@pytest.mark.parametrize("name", ["simulator", "replayer", "fault_detector", "vehicle_detector", "hot_box_detector", "viewer"])
+def test_an_unknown_word_is_refused(name: str) -> None:
+    words = [sys.executable, "-m", "dcrb_ros.nodes", name, "speed", "--ros-args", "-p", f"bag:={BAG}"]
+    done = subprocess.run(words, env=environment(domain()), capture_output=True, text=True, timeout=PATIENCE, check=False)
+    assert done.returncode == 2, done.stderr
+    assert f"{name}: error: unrecognized arguments: speed" in done.stderr
 
 
 @pytest.mark.parametrize(

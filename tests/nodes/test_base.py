@@ -74,6 +74,13 @@ def answer(node: BenchNode, **values: Any) -> tuple[bool, str]:
     return result.successful, result.reason
 
 
+@pytest.mark.parametrize("name", ["faults.broken_bars", "recording.topics", "structure.frequencies", "time_scale"])
+def test_no_parameter_can_be_deleted(node: Asked, name: str) -> None:
+    present = node.get_parameter(name).value
+    assert not node.set_parameters_atomically([Parameter(name, Parameter.Type.NOT_SET)]).successful
+    assert node.get_parameter(name).value == present
+
+
 def test_every_parameter_may_be_set_to_the_value_that_it_has(node: Asked) -> None:
     present = [node.get_parameter(name) for name in node.list_parameters([], 0).names]
     assert {parameter.name for parameter in present} > set(flatten(Configuration().model_dump()))

@@ -26,7 +26,7 @@ from dcrb_ros.diagnosis.detector import Diagnosis
 from dcrb_ros.messages.joints import decode_joints, encode_joints
 from dcrb_ros.messages.plain import decode_text, encode_text
 from dcrb_ros.messages.points import decode_vibration
-from dcrb_ros.messages.statuses import OK, Status, decode_diagnostics, decode_truth, encode_diagnostics
+from dcrb_ros.messages.statuses import OK, WARN, Status, decode_diagnostics, decode_truth, encode_diagnostics
 from dcrb_ros.messages.topics import (
     ACCELERATION,
     BENCH_DIAGNOSTICS,
@@ -384,6 +384,11 @@ def test_a_signal_ends_the_node_during_compilation(kind: signal.Signals, tmp_pat
         speed = client.node.create_publisher(Float64, "command/speed", 10)
         client.until(speed.get_subscription_count, "the simulator")
         client.until(lambda: "compiling the kernels" in simulator.output, "the compiler")
+        client.until(lambda: client.status.get("model") == "starting", "the start in /diagnostics")
+        client.reports(1)  # the first one may precede the compiler
+        status = decode_diagnostics(client.received[BENCH_DIAGNOSTICS][-1])[1][0]
+        assert (status.level, status.values["real_time_factor"]) == (WARN, "")
+        assert status.message.startswith("compiling the kernels")
         assert simulator.end_promptly(kind) == 0, simulator.output
         client.until(lambda: not processes("dcrb_ros.core.compilation", str(tmp_path)), "the end of the process that compiles with it")
     assert not client.received[VIBRATION]
@@ -496,3 +501,12 @@ def test_the_observer_ignores_foreign_messages() -> None:
     fake.callbacks["/dcrb/diagnosis"](encode_diagnosis(Diagnosis(0, 1.0, "healthy", "test")))
     assert observer.verdict is not None
     assert observer.verdict.message == "healthy"
+
+
+@pytest.mark.parametrize(("factor", "pace"), [("", []), ("0.998", ["0.998 x real time, 3 late"])])
+def test_the_pace_is_shown_once_there_is_one(factor: str, pace: list[str]) -> None:
+    fake, observer = FakeNode(), Observer()
+    observer.subscribe(fake)
+    status = Status("/dcrb/simulator", OK, "running", {"real_time_factor": factor, "late_blocks": "3"})
+    fake.callbacks["/diagnostics"](encode_diagnostics(0, [status]))
+    assert observer.pace() == pace

@@ -147,6 +147,18 @@ def test_loop_offset_and_clock(tmp_path: Path) -> None:
     assert indices[:16] == [1024 * k for k in (*range(25, 40), 25)]
 
 
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [({"offset": 9.0}, "no message later than 9 s after its start"), ({"topics": "diagnosis"}, "dcrb info lists the topics")],
+)
+def test_the_node_refuses_a_replay_of_nothing_before_it_waits(given: dict[str, object], sentence: str, tmp_path: Path) -> None:
+    arguments = parameters(bag=str(recorded(tmp_path / "bag", 10)), wait=PATIENCE, **given)
+    with node("replayer", arguments, environment(domain()), tmp_path / "log") as replayer:
+        assert replayer.process.wait(PATIENCE / 10) == 2
+        assert sentence in replayer.output
+        assert "waiting for" not in replayer.output
+
+
 def test_two_replays_in_one_namespace_report_each_other(tmp_path: Path) -> None:
     number, given = domain(), parameters(bag=str(recorded(tmp_path / "bag", 40)), loop="true", wait=0.0)
     with (

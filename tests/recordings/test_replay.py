@@ -17,12 +17,16 @@ from dcrb_ros.messages.description import decode_range, sensor_text
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.plain import decode_text
 from dcrb_ros.messages.topics import FEATURES, GROUND_TRUTH, MANIFEST, SENSOR, SIMULATED, VIBRATION, Message
+from dcrb_ros.messages.topics.vehicle import VEHICLE_DIAGNOSIS
 from dcrb_ros.recordings.manifest import opening, record_text
 from dcrb_ros.recordings.recorder import Recorder, channel_of
 from dcrb_ros.recordings.replay import Replay, ReplayParameters
 from dcrb_ros.recordings.splitting import Bag
+from dcrb_ros.recordings.vehicle_recorder import VehicleRecorder
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.vehicle.file import read_parameters, vehicle_of
+from dcrb_ros.vehicle.simulation import VehicleSimulation
 
 BLOCK_NS = 20_000_000
 
@@ -107,6 +111,16 @@ def test_an_offset_beyond_the_end_is_refused(tmp_path: Path) -> None:
         list(replay.bundles())
 
 
+def test_a_check_reads_the_first_bundle_and_changes_nothing(tmp_path: Path) -> None:
+    bag = narrowed(tmp_path / "bag", 6, at=3, limit=20.0)
+    checked, replay = (Replay(ReplayParameters(bag=str(bag), offset=0.1)) for _ in range(2))
+    checked.check()
+    assert checked.start() == replay.start()
+    assert list(checked.bundles()) == list(replay.bundles())
+    with pytest.raises(Refusal, match="has no message later than 9 s after its start: lower the offset"):
+        Replay(ReplayParameters(bag=str(bag), offset=9.0)).check()
+
+
 def test_the_command_refuses_such_an_offset_before_it_starts_ros(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -137,6 +151,51 @@ def test_only_chosen_topics_are_replayed(topics: str, expected: list[object], tm
     assert [topic.name for topic in replay.topics] == (
         [topic.name for topic in SIMULATED] if not topics else sorted([*topics.split(", "), SENSOR.name])
     )
+
+
+def test_a_named_topic_without_messages_is_refused(tmp_path: Path) -> None:
+    bag = recorded(tmp_path / "bag", 3)
+    Replay(ReplayParameters(bag=str(bag), topics="outer_ring/vibration, outer_ring/sensor")).check()
+    with pytest.raises(Refusal, match=r"^topics: .*bag has no message on diagnosis, fault_indicators: dcrb info lists the topics that"):
+        Replay(ReplayParameters(bag=str(bag), topics="fault_indicators, outer_ring/vibration, diagnosis")).check()
+
+
+def test_separators_alone_name_no_topic(tmp_path: Path) -> None:
+    bag = str(recorded(tmp_path / "bag", 3))
+    assert Replay(ReplayParameters(bag=bag, topics=" , ")).topics == Replay(ReplayParameters(bag=bag)).topics
+
+
+@pytest.fixture(scope="module")
+def vehicle(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Record a vehicle: its description, the vibration of one box, and a judgement of the vehicle."""
+    path, parameters = tmp_path_factory.mktemp("vehicle") / "run", read_parameters("healthy_bogie", ())
+    with VehicleRecorder(path, parameters, VehicleSimulation(vehicle_of(parameters, "test"))) as recorder:
+        vibration = next(message for message in BlockEncoder(Configuration(), BODIES).encode(next(blocks(1))) if message.topic == VIBRATION)
+        recorder.write_messages([Message(VIBRATION.below("axle_2/right"), 0, vibration.data), Message(VEHICLE_DIAGNOSIS, 50, b"")])
+    return path
+
+
+@pytest.mark.parametrize(
+    ("topics", "sentence"),
+    [
+        ("outer_ring/features", r"run has no message on outer_ring/features: dcrb info"),
+        (
+            "axle_1/left/outer_ring/features",
+            r"belongs to one box: name outer_ring/features for all boxes, or replay .*run/axle_1\.left alone",
+        ),
+        ("vehicle/state", "vehicle/state of a vehicle is replayed in any case: leave it out"),
+        ("vehicle/indicators", "vehicle/indicators is replayed with diagnosis: name that"),
+        ("axle_3/left/outer_ring/features", "there is no topic 'axle_3/left/outer_ring/features'"),
+    ],
+)
+def test_topics_that_a_vehicle_does_not_have_are_refused(topics: str, sentence: str, vehicle: Path) -> None:
+    with pytest.raises(Refusal, match=f"^topics: .*{sentence}"):
+        Replay(ReplayParameters(bag=str(vehicle), topics=topics)).check()
+
+
+@pytest.mark.parametrize("topics", ["outer_ring/vibration", "diagnosis", ""])
+def test_a_topic_of_one_box_or_of_the_vehicle_is_enough(topics: str, vehicle: Path) -> None:
+    Replay(ReplayParameters(bag=str(vehicle), topics=topics)).check()
 
 
 def test_an_unknown_topic_is_refused_by_the_name_of_the_parameter(tmp_path: Path) -> None:

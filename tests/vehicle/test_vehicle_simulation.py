@@ -174,6 +174,7 @@ def test_slides_and_wheels_change_while_the_vehicle_runs() -> None:
         ({"axle_1.slide": 0.5}, "outside 0 .. 0.2"),
         ({"axle_1.slide": True}, "outside 0 .. 0.2"),
         ({"axle_1.left.wheel.flat": 5.0}, "flat"),
+        ({"axle_1.left.faults.outer_1.width": 0.001, "axle_2.right.faults.outer_1.width": 0.05}, r"^axle_2\.right: .*width = 0\.05 m"),
         ({"axle_1.left.wheel.polygon": "80 1e-5"}, "whole orders"),
         ({"axle_2.slide": 0.1, "axle_1.left.bearing.rows": 1}, "rows"),
         ({"axle_1.left": 1.0}, "names no box"),
@@ -267,6 +268,11 @@ def test_commands_out_of_range_are_refused(command: dict[str, float]) -> None:
         bogie(SMOOTH).command(**command)
 
 
+def test_a_command_that_is_no_number_is_refused_with_its_range() -> None:
+    with pytest.raises(Refusal, match=r"^speed_kmh = nan km/h is not a finite number; the range is 5 \.\. 300 km/h$"):
+        bogie(SMOOTH).command(speed_kmh=float("nan"))
+
+
 def failing(original: Callable[..., Any], box: Simulation, after: int) -> Callable[..., Any]:
     def step_to(self: Simulation, end: int) -> Any:
         if self is box and end > after:
@@ -348,6 +354,8 @@ def test_a_run_in_which_every_channel_is_silent_ends_with_a_sentence(monkeypatch
         ({"axle_1": {}}, "axle_1 has no box"),
         ({"track": 5}, "is not a group"),
         ({"track.joint_spacing": 1e-3}, "track: joint_spacing = 0.001 m is outside 1 .. 1000 m: give 0 for welded rails"),
+        ({"time_scale": -1.0}, "mine.yaml: settings: time_scale = -1.0 is outside 0 .. 1000"),
+        ({"recording.split_duration": -1.0}, "mine.yaml: settings: recording.split_duration = -1.0 s is outside"),
         ({"axle_1.left.faults.outer_1.widht": 0.002}, "axle_1.left: .*widht"),
     ],
 )

@@ -12,7 +12,7 @@ from typing import Any, Protocol, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.diagnosis.hysteresis import Hysteresis, Suspicion, confidence, least_evidence
+from dcrb_ros.diagnosis.hysteresis import Hysteresis, Suspicion, confidence, least_evidence, shortfall, strongest_of
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.rule import LEAST_EXCESS
 from dcrb_ros.diagnosis.vehicle.box_watch import BoxHop, BoxWatch
@@ -287,7 +287,9 @@ class VehicleDetector:
             earlier = f", which measures the impacts {-item.lead * 1e3:.1f} ms earlier" if item.lead else ""
             reason = f"the lines of its {component} are {-item.contrast:.1f} dB weaker than in {item.rival}{earlier}"
             return Status(verdict, reason, confidence(verdict, [], own), max(own.values()))
-        reason = "to be confirmed by the next hop" if verdict == "waiting" else "no lines are both deep enough and its own"
+        strongest = strongest_of(own, least)
+        lacking = shortfall(own[strongest], least[strongest]) if own[strongest] >= 0.0 else "no lines of its own exceed all limits"
+        reason = "to be confirmed by the next hop" if verdict == "waiting" else lacking
         return Status(verdict, reason, confidence(verdict, [], own) if verdict == "healthy" else 0.0, max(own.values()))
 
 

@@ -1,0 +1,97 @@
+"""The status of the simulator on /diagnostics, without ROS messages."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Generator, Iterator
+
+import pytest
+
+pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
+
+from made_up_bundles import Blocks
+from waiting import PATIENCE, wait_for
+
+from dcrb_ros.messages.bundle import Bundle
+from dcrb_ros.messages.statuses import OK, WARN, Status
+from dcrb_ros.nodes.bench_status import BenchStatus
+from dcrb_ros.nodes.engine import Engine, Progress
+from dcrb_ros.nodes.gate import Gate
+from dcrb_ros.nodes.pacing import Pacer
+from dcrb_ros.nodes.recording_switch import RecordingSwitch
+from dcrb_ros.nodes.refusal_counts import Refusals
+
+COMPILING = "compiling the kernels ..."
+
+
+class SlowStart(Blocks):
+    """A source whose first bundle is computed when it is released."""
+
+    def __init__(self) -> None:
+        super().__init__(10**9)
+        self.released = threading.Event()
+
+    def bundles(self) -> Generator[Bundle, None, None]:
+        self.released.wait(PATIENCE)
+        yield from super().bundles()
+
+
+class Simulator:
+    """An engine with its status."""
+
+    def __init__(self) -> None:
+        self.source, self.progress, self.sentence = SlowStart(), Progress(), ""
+        self.engine = Engine("test engine", self.source, [self.progress], Gate(Pacer(1.0, time.monotonic), time.monotonic))
+        refusals, recording = Refusals(lambda _: None), RecordingSwitch(lambda *_, **__: pytest.fail("nothing is recorded"), None)  # type: ignore[arg-type]
+        self._status = BenchStatus(self.engine, self.progress, recording, refusals, compiling=lambda: self.sentence)
+        self.engine.prepare()
+
+    @property
+    def status(self) -> Status:
+        return self._status.status("/dcrb/simulator", self.progress.time_ns)
+
+    @property
+    def about(self) -> tuple[int, str, str, str]:
+        """Level, message, what the model does, and the real-time factor."""
+        status = self.status
+        return status.level, status.message, status.values["model"], status.values["real_time_factor"]
+
+
+@pytest.fixture
+def simulator() -> Iterator[Simulator]:
+    made = Simulator()
+    yield made
+    made.source.released.set()
+    made.engine.close()
+
+
+def test_there_is_no_real_time_factor_before_the_first_block(simulator: Simulator) -> None:
+    assert simulator.about == (OK, "waiting", "waiting", "")
+    simulator.engine.start()
+    assert simulator.about == (OK, "starting", "starting", "")
+    simulator.source.released.set()
+    wait_for(lambda: simulator.progress.bundles > 2)
+    level, message, model, factor = simulator.about
+    assert (level, message, model) == (OK, "running", "running")
+    assert float(factor) > 0.0
+
+
+def test_a_compilation_is_a_warning_until_the_first_block(simulator: Simulator) -> None:
+    simulator.engine.start()
+    simulator.sentence = COMPILING
+    assert simulator.about == (WARN, COMPILING, "starting", "")
+    simulator.engine.gate.pause(True)
+    assert simulator.about == (WARN, COMPILING, "paused", "")
+    simulator.source.released.set()
+    wait_for(lambda: simulator.engine.computed)
+    assert simulator.about == (OK, "paused", "paused", "0.000")
+
+
+def test_a_reset_starts_again(simulator: Simulator) -> None:
+    simulator.source.released.set()
+    simulator.engine.start()
+    wait_for(lambda: simulator.progress.bundles > 0)
+    simulator.source.released.clear()
+    assert simulator.engine.gate.reset(PATIENCE)
+    assert simulator.about == (OK, "starting", "starting", "")
