@@ -29,6 +29,7 @@ from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import fields_by_key, flatten, layered, read_parameters, validated
 from dcrb_ros.settings.shipped import find_configuration, find_shipped
 from dcrb_ros.simulation.scenario import ScheduledChange, read_scenario_file, scheduled_changes, starting_configuration
+from dcrb_ros.stream.late_scenario import refuse_late
 from dcrb_ros.text.yaml import read_yaml
 
 SEED = "simulation.seed"
@@ -288,6 +289,7 @@ def _case(
         profile = read_scenario_file(Path(entry.scenario))
         configuration = starting_configuration(profile, configuration, where)
         scheduled_changes(profile, configuration, f"{where}, {entry.scenario}")
+        refuse_late(profile, duration, f"{where}: the scenario '{entry.scenario}'", "increase the duration or remove it")
         entries += profile["timeline"]
     entries += [*entry.timeline, *([{"at": fault_time, "set": dict(fault)}] if fault else [])]
     scenario = {"timeline": entries} if entries else None

@@ -227,6 +227,13 @@ def test_an_alarm_between_the_first_fault_and_the_onset_is_not_false(entry: dict
     assert result.passed is (first_fault is not None)
 
 
+def test_a_scenario_that_begins_after_the_run_is_refused() -> None:
+    late = {**WELL, "scenario": "load_steps"}
+    sentence = "scenario 'well': the scenario 'load_steps' changes nothing in a run of 3 s, its first entry is at 3 s: increase"
+    assert sentence in refused(late, duration=3.0)
+    assert len(exam(late, duration=3.1).cases) == 1
+
+
 def test_a_run_that_is_faulty_without_the_fault_is_no_healthy_twin() -> None:
     late = [{"at": 0.15, "set": INNER}]
     for entry in ({"set": INNER, **BOTH_RINGS}, {"timeline": late, "verdict": "outer_ring"}):
