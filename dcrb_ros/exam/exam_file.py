@@ -283,6 +283,10 @@ def _case(
         raise Refusal(f"{where}: onset = {entry.onset:g} s has no effect on a healthy bearing, to which nothing happens: leave it out")
     if not faulty and not entry.required:
         raise Refusal(f"{where}: required = false has no effect on a healthy bearing, where nothing is to be detected: leave it out")
+    if not faulty and entry.graded_by:
+        raise Refusal(
+            f"{where}: graded_by = {entry.graded_by} has no effect on a healthy bearing, where nothing is to be detected: leave it out"
+        )
     fault_time = file.onset if entry.onset is None else entry.onset
     entries: list[Any] = []
     if entry.scenario:
@@ -312,6 +316,9 @@ def _case(
     derived = derived_tags(configuration, fault) | _grade(entry, {**overlay, **fault}, where)
     narrow = faulty and 0.0 < float(derived.get("width", 0.0)) < file.criteria.smallest_width
     twin = "?" if faulty and entry.twin and fault and _healthy(configuration, entries[:-1], f"{where}, without its fault") else ""
+    if entry.twin and not twin and "twin" in entry.model_fields_set:
+        without = "without a fault that appears" if not faulty or not fault else "where another fault remains in the healthy run"
+        raise Refusal(f"{where}: twin = true has no effect {without}: leave it out, or give all faults under 'fault'")
     first = next((time for time, names in faults if names), onset)
     expectation = Expectation(
         name,

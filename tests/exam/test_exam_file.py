@@ -241,6 +241,26 @@ def test_a_run_that_is_faulty_without_the_fault_is_no_healthy_twin() -> None:
     assert len(exam({**SPALL, "timeline": [{"at": 0.15, "set": {"operating.speed": 60.0}}]}).cases) == 2
 
 
+@pytest.mark.parametrize(
+    ("entry", "reason"),
+    [
+        (WELL, "without a fault that appears"),
+        ({**WELL, "fault": {"operating.load": 9e4}}, "without a fault that appears"),
+        ({"name": "outer", "verdict": "outer_ring", "set": SPALL["fault"]}, "without a fault that appears"),
+        ({**SPALL, **BOTH_RINGS, "set": INNER}, "where another fault remains in the healthy run"),
+    ],
+)
+def test_a_twin_is_refused_where_there_is_none(entry: dict[str, Any], reason: str) -> None:
+    assert f"twin = true has no effect {reason}: leave it out" in refused({**entry, "twin": True})
+    assert exam({**entry, "twin": False}).cases[0].expectation.twin == exam(entry).cases[0].expectation.twin == ""
+
+
+def test_a_healthy_scenario_is_not_graded() -> None:
+    graded = {"set": {"background.track_level": 1.0}, "graded_by": "background.track_level"}
+    assert "graded_by = background.track_level has no effect on a healthy bearing" in refused({**WELL, **graded})
+    assert first({**SPALL, **graded}).expectation.grade == ("background.track_level", 1.0)
+
+
 def test_a_bearing_fault_before_that_of_the_sensor_allows_bearing_alarms_from_its_onset() -> None:
     found = first({"name": "dead", "verdict": "sensor", "timeline": [{"at": 0.05, "set": INNER}], "fault": {"sensor.fault": "dead"}})
     assert (found.expectation.first_onset, found.expectation.bearing_onset, found.expectation.onset) == (0.05, 0.05, 0.1)
