@@ -81,9 +81,14 @@ class MeasuredRecording(JudgedRecording):
                 given = arrays["a"]
         except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
             raise Refusal(f"{self.file} cannot be read ({error}): it must be an NPZ file with one array 'a'") from None
-        if given.ndim != 1 or given.dtype.kind not in "iuf" or not np.isfinite(given).all():
+        if given.ndim != 1 or given.dtype.kind not in "iuf":
+            shape = f"the shape {given.shape} and the type {given.dtype}"
+            raise Refusal(f"{self.file}: 'a' has {shape}: give the numbers of one axis in one row")
+        if not (finite := np.isfinite(given)).all():
+            first = int(np.argmin(finite))
             raise Refusal(
-                f"{self.file}: 'a' has shape {given.shape}, type {given.dtype} or values that are not finite: it must be one row of numbers"
+                f"{self.file}: 'a' has {np.count_nonzero(~finite)} values that are not finite, the first is {given[first]} at {first}: "
+                "give a part without them, or leave it out of the table"
             )
         values = np.asarray(given, np.float64)
         if len(values) < SHORTEST * self.rate:
@@ -147,9 +152,9 @@ def _row(table: Path, line: int, row: dict[str, str], speed: str) -> MeasuredRec
         )
     if row["truth"] not in FAULT_CLASSES:
         known = f"{', '.join(FAULT_CLASSES)}{nearest(str(row['truth']), FAULT_CLASSES)}"
-        raise Refusal(f"{table}, line {line}: truth = {row['truth']} is not a verdict: give one of {known}")
+        raise Refusal(f"{table}, line {line}: truth = {row['truth'] or 'nothing'} is not a verdict: give one of {known}")
     if row["unit"] not in ACCELERATION_UNITS:
-        raise Refusal(f"{table}, line {line}: unit = {row['unit']} is unknown: give one of {', '.join(ACCELERATION_UNITS)}")
+        raise Refusal(f"{table}, line {line}: unit = {row['unit'] or 'nothing'} is unknown: give one of {', '.join(ACCELERATION_UNITS)}")
     name = row["name"]
     if not name or name != Path(name).name or name in (".", ".."):
         raise Refusal(
