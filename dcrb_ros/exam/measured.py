@@ -112,7 +112,7 @@ def read_measured(folder: Path, speed: str = "lines") -> list[MeasuredRecording]
     recordings of a machine and a truth whose names agree up to the last underscore are of one bearing.
 
     Raises:
-        Refusal: the table is missing, lacks a column, or has an invalid value.
+        Refusal: the table is missing, lacks a column, has an invalid value, or gives one machine two kinds of gain.
     """
     return read_table(folder / TABLE, speed)
 
@@ -127,6 +127,13 @@ def read_table(table: Path, speed: str = "lines") -> list[MeasuredRecording]:
     recordings = [_row(table, number, row, SPEEDS[speed]) for number, row in rows]
     if (twice := repeated(recording.name for recording in recordings)) is not None:
         raise Refusal(f"{table} lists {twice} twice: give every recording once")
+    for machine in dict.fromkeys(recording.machine for recording in recordings):
+        names = {recording.gain_known: recording.name for recording in recordings if recording.machine == machine}
+        if len(names) > 1:
+            raise Refusal(
+                f"{table}: gain is {KNOWN} for {names[True]} and {UNKNOWN} for {names[False]}, both of the machine {machine}: "
+                f"give {KNOWN} for all its recordings or for none"
+            )
     return recordings
 
 
@@ -170,6 +177,9 @@ def _row(table: Path, line: int, row: dict[str, str], speed: str) -> MeasuredRec
         )
     machine = row.get("machine") or _machine(row["rig"], rate)
     bearing = row.get("bearing") or f"{row['truth']} {name.rpartition('_')[0] or name}"
+    seconds = _stated(row, "seconds", "s", f"{table}, line {line}") or math.inf
+    if seconds < SHORTEST:
+        raise Refusal(f"{table}, line {line}: seconds = {row['seconds']}, but a verdict needs {SHORTEST:g} s: leave {name} out")
     pitch = _stated(row, "pitch_diameter_mm", "mm", f"{table}, line {line}", _range("bearing.pitch_radius", 2e3))
     return MeasuredRecording(
         name=name,
@@ -183,7 +193,7 @@ def _row(table: Path, line: int, row: dict[str, str], speed: str) -> MeasuredRec
         unit=row["unit"],
         file=table.parent / "recordings" / f"{name}.npz",
         bearing=f"{machine} {bearing}",
-        seconds=_stated(row, "seconds", "s", f"{table}, line {line}") or math.inf,
+        seconds=seconds,
         load=_stated(row, "load", "N", f"{table}, line {line}", _range("operating.load")),
         pitch_radius=None if pitch is None else 5e-4 * pitch,
     )
