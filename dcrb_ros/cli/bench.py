@@ -45,24 +45,25 @@ def bench(
     """
     from dcrb_ros.schema.simulated_time import checked_duration
     from dcrb_ros.settings.files import load_configuration
-    from dcrb_ros.simulation.scenario import read_scenario
+    from dcrb_ros.simulation.scenario import read_scenario_file, scheduled_changes, starting_configuration
+    from dcrb_ros.stream.late_scenario import refuse_late
 
     seconds = checked_duration(duration)
     _check_settings(settings or (), {"time_scale": ("--time-scale", time_scale), "recording.path": ("--record", record)})
     extra = [f"time_scale={time_scale!r}"] if time_scale is not None else []
     extra += [f"recording.path={str(record)!r}"] if record else []
+    tree = read_scenario_file(scenario) if scenario else None
     if vehicle is not None:
         if config:
             raise Refusal("--vehicle names a file with all boxes: leave out CONFIG")
-        from dcrb_ros.simulation.scenario import read_scenario_file
         from dcrb_ros.vehicle.file import read_parameters, vehicle_of
         from dcrb_ros.vehicle.scenario import starting_parameters, vehicle_scenario
 
-        tree = read_scenario_file(scenario) if scenario else None
         boxes = starting_parameters(tree, read_parameters(vehicle, [*(settings or ()), *extra]), str(scenario))
         described = vehicle_of(boxes, vehicle)
         if tree is not None:
             vehicle_scenario(tree, described, str(scenario))
+        refuse_late(tree, seconds, f"the scenario {scenario}", "increase --duration or leave out --scenario")
         recorded = described.boxes[0].configuration.recording.path
         check_force("--record", recorded, force=force)
         with replacing("--record" if record else "recording.path =", Path(recorded), force=force) if recorded else nullcontext():
@@ -73,8 +74,9 @@ def bench(
     if config is None:
         raise Refusal("Missing argument 'CONFIG': give a YAML file or a shipped name, such as healthy, or --vehicle NAME")
     configuration = load_configuration(config, [*(settings or ()), *extra])
-    if scenario:
-        read_scenario(scenario, configuration)
+    if tree is not None:
+        scheduled_changes(tree, starting_configuration(tree, configuration, str(scenario)), str(scenario))
+    refuse_late(tree, seconds, f"the scenario {scenario}", "increase --duration or leave out --scenario")
     parameters = detector_parameters(detector)
     recorded = configuration.recording.path
     check_force("--record", recorded, force=force)

@@ -100,6 +100,7 @@ def simulate(
     seconds = checked_duration(duration)
     from dcrb_ros.settings.files import load_configuration
     from dcrb_ros.simulation.scenario import read_scenario_file, scheduled_changes, starting_configuration
+    from dcrb_ros.stream.late_scenario import refuse_late
 
     tree = read_scenario_file(scenario) if scenario else None
     configuration = starting_configuration(tree, load_configuration(config, settings or ()), str(scenario))
@@ -108,7 +109,9 @@ def simulate(
         from dcrb_ros.recordings.recorder import Recorder
         from dcrb_ros.simulation.loop import Simulation
 
-        simulation = Simulation(configuration, scheduled_changes(tree, configuration, str(scenario)) if tree else ())
+        changes = scheduled_changes(tree, configuration, str(scenario)) if tree else ()
+        refuse_late(tree, seconds, f"the scenario {scenario}", "increase --duration or leave out --scenario")
+        simulation = Simulation(configuration, changes)
         with Recorder(path, configuration, simulation.bodies, scenario=tree) as recorder:
             progress = _run(path.name, simulation.blocks(seconds), seconds, recorder.write, quiet=quiet, partial=True)
     _print_written(path, progress, {"": recorder.outcome}, quiet=quiet, as_json=as_json)
@@ -166,6 +169,7 @@ def simulate_vehicle(
     """Simulate a vehicle and write a recording with the topics of all its boxes."""
     from dcrb_ros.recordings.vehicle_recorder import VehicleRecorder
     from dcrb_ros.simulation.scenario import read_scenario_file
+    from dcrb_ros.stream.late_scenario import refuse_late
     from dcrb_ros.vehicle.file import read_parameters
     from dcrb_ros.vehicle.scenario import starting_parameters
     from dcrb_ros.vehicle.simulation import simulation_of
@@ -173,6 +177,7 @@ def simulate_vehicle(
     tree, path = read_scenario_file(scenario) if scenario else None, output or Path(Path(source).stem)
     parameters = starting_parameters(tree, read_parameters(source, settings), str(scenario))
     simulation = simulation_of(parameters, source, tree, str(scenario))
+    refuse_late(tree, seconds, f"the scenario {scenario}", "increase --duration or leave out --scenario")
     with replacing("-o", path, force=force), VehicleRecorder(path, parameters, simulation) as recorder:
         progress = _run(path.name, simulation.blocks(seconds), seconds, recorder.write, quiet=quiet, partial=True)
     _print_written(path, progress, recorder.outcome.boxes, quiet=quiet, as_json=as_json)

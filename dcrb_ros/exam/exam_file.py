@@ -29,6 +29,7 @@ from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import fields_by_key, flatten, layered, read_parameters, validated
 from dcrb_ros.settings.shipped import find_configuration, find_shipped
 from dcrb_ros.simulation.scenario import ScheduledChange, read_scenario_file, scheduled_changes, starting_configuration
+from dcrb_ros.stream.late_scenario import refuse_late
 from dcrb_ros.text.yaml import read_yaml
 
 SEED = "simulation.seed"
@@ -282,12 +283,17 @@ def _case(
         raise Refusal(f"{where}: onset = {entry.onset:g} s has no effect on a healthy bearing, to which nothing happens: leave it out")
     if not faulty and not entry.required:
         raise Refusal(f"{where}: required = false has no effect on a healthy bearing, where nothing is to be detected: leave it out")
+    if not faulty and entry.graded_by:
+        raise Refusal(
+            f"{where}: graded_by = {entry.graded_by} has no effect on a healthy bearing, where nothing is to be detected: leave it out"
+        )
     fault_time = file.onset if entry.onset is None else entry.onset
     entries: list[Any] = []
     if entry.scenario:
         profile = read_scenario_file(Path(entry.scenario))
         configuration = starting_configuration(profile, configuration, where)
         scheduled_changes(profile, configuration, f"{where}, {entry.scenario}")
+        refuse_late(profile, duration, f"{where}: the scenario '{entry.scenario}'", "increase the duration or remove it")
         entries += profile["timeline"]
     entries += [*entry.timeline, *([{"at": fault_time, "set": dict(fault)}] if fault else [])]
     scenario = {"timeline": entries} if entries else None
@@ -295,7 +301,8 @@ def _case(
     late = next((one["at"] for one in entry.timeline if one["at"] >= duration), None)
     if late is not None:
         raise Refusal(f"{where}: an entry at {late:g} s is not before its end at {duration:g} s: increase the duration or remove it")
-    classes, onset = _classes(configuration, events, where), 0.0
+    faults, onset = _faults(configuration, events, where), 0.0
+    classes = [(time, class_of(names)) for time, names in faults]
     if faulty:
         onset = fault_time if fault or entry.onset is not None else _onset(classes, entry.verdict, where)
     _refuse_contradiction(classes, entry.verdict, onset, where)
@@ -308,8 +315,11 @@ def _case(
         )
     derived = derived_tags(configuration, fault) | _grade(entry, {**overlay, **fault}, where)
     narrow = faulty and 0.0 < float(derived.get("width", 0.0)) < file.criteria.smallest_width
-    twin = "?" if faulty and entry.twin and fault else ""
-    both = entry.verdict == "sensor" and any(key.startswith("faults.") for key in fault)
+    twin = "?" if faulty and entry.twin and fault and _healthy(configuration, entries[:-1], f"{where}, without its fault") else ""
+    if entry.twin and not twin and "twin" in entry.model_fields_set:
+        without = "without a fault that appears" if not faulty or not fault else "where another fault remains in the healthy run"
+        raise Refusal(f"{where}: twin = true has no effect {without}: leave it out, or give all faults under 'fault'")
+    first = next((time for time, names in faults if names), onset)
     expectation = Expectation(
         name,
         entry.verdict,
@@ -317,8 +327,9 @@ def _case(
         onset,
         {**derived, **entry.tags},
         twin,
+        first if first < onset else None,
         required=entry.required and not narrow,
-        bearing_onset=onset if both else None,
+        bearing_onset=_bearing_onset(faults) if entry.verdict == "sensor" else None,
         speeds=speed_knots(configuration, events),
     )
     return Case(expectation, CaseSimulation(configuration, scenario, duration))
@@ -338,17 +349,28 @@ def _grade(entry: ScenarioEntry, given: Mapping[str, Any], where: str) -> dict[s
     return {"graded_by": key, "grade": float(value)}
 
 
-def _classes(configuration: Configuration, events: Sequence[ScheduledChange], where: str) -> list[tuple[float, FaultClass]]:
-    """Return the verdicts that the faults make correct, and the time from which each does [s]."""
-    present, classes = configuration, [(0.0, class_of(configuration.described_faults()))]
+def _faults(configuration: Configuration, events: Sequence[ScheduledChange], where: str) -> list[tuple[float, tuple[str, ...]]]:
+    """Return the names of the faults that are present, and the time from which each set of them is [s]."""
+    present, faults = configuration, [(0.0, tuple(configuration.described_faults()))]
     pending: dict[str, Any] = {}
     for event in events:
         pending |= event.changes
         # Intermediate steps of a gradual change neither bring faults nor take them away.
         if event.event is not None and any(key.startswith(("faults.", "sensor.")) for key in pending):
             present, pending = altered(present, pending, where), {}
-            classes.append((event.step / present.step_rate, class_of(present.described_faults())))
-    return classes
+            faults.append((event.step / present.step_rate, tuple(present.described_faults())))
+    return faults
+
+
+def _healthy(configuration: Configuration, entries: Sequence[Any], where: str) -> bool:
+    """Return whether neither a configuration nor the entries of a timeline bring a fault."""
+    events = scheduled_changes({"timeline": list(entries)}, configuration, where) if entries else []
+    return not any(names for _, names in _faults(configuration, events, where))
+
+
+def _bearing_onset(faults: Sequence[tuple[float, Sequence[str]]]) -> float | None:
+    """Return the time from which a fault of the bearing is present [s]; None without one."""
+    return next((time for time, names in faults if any(class_of([name]) != "sensor" for name in names)), None)
 
 
 def _onset(classes: Sequence[tuple[float, FaultClass]], verdict: str, where: str) -> float:

@@ -16,7 +16,7 @@ INVALID_IN_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
 
 
 def write_junit(report: Report, file: Path) -> None:
-    """Write a test suite of the criteria and one of the scenarios; scenarios that are not required are skipped instead of failed.
+    """Write a test suite of the criteria and one of the scenarios; missed detections that are not required are skipped instead of failed.
 
     Raises:
         Refusal: the file cannot be written.
@@ -50,7 +50,7 @@ def _scenarios(report: Report) -> TestSuite:
         case = TestCase(_valid(result.expectation.name), f"{exam}.{result.expectation.verdict}", result.delay or 0.0)
         if not result.passed:
             flaw = _valid(result.flaw)
-            case.result = [Failure(flaw) if result.expectation.required else Skipped(f"not required: {flaw}")]
+            case.result = [Skipped(f"not required: {flaw}") if result.excused else Failure(flaw)]
         suite.add_testcase(case)
     return suite
 

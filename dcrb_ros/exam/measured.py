@@ -81,9 +81,14 @@ class MeasuredRecording(JudgedRecording):
                 given = arrays["a"]
         except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
             raise Refusal(f"{self.file} cannot be read ({error}): it must be an NPZ file with one array 'a'") from None
-        if given.ndim != 1 or given.dtype.kind not in "iuf" or not np.isfinite(given).all():
+        if given.ndim != 1 or given.dtype.kind not in "iuf":
+            shape = f"the shape {given.shape} and the type {given.dtype}"
+            raise Refusal(f"{self.file}: 'a' has {shape}: give the numbers of one axis in one row")
+        if not (finite := np.isfinite(given)).all():
+            first = int(np.argmin(finite))
             raise Refusal(
-                f"{self.file}: 'a' has shape {given.shape}, type {given.dtype} or values that are not finite: it must be one row of numbers"
+                f"{self.file}: 'a' has {np.count_nonzero(~finite)} values that are not finite, the first is {given[first]} at {first}: "
+                "give a part without them, or leave it out of the table"
             )
         values = np.asarray(given, np.float64)
         if len(values) < SHORTEST * self.rate:
@@ -107,7 +112,7 @@ def read_measured(folder: Path, speed: str = "lines") -> list[MeasuredRecording]
     recordings of a machine and a truth whose names agree up to the last underscore are of one bearing.
 
     Raises:
-        Refusal: the table is missing, lacks a column, or has an invalid value.
+        Refusal: the table is missing, lacks a column, has an invalid value, or gives one machine two kinds of gain.
     """
     return read_table(folder / TABLE, speed)
 
@@ -122,6 +127,13 @@ def read_table(table: Path, speed: str = "lines") -> list[MeasuredRecording]:
     recordings = [_row(table, number, row, SPEEDS[speed]) for number, row in rows]
     if (twice := repeated(recording.name for recording in recordings)) is not None:
         raise Refusal(f"{table} lists {twice} twice: give every recording once")
+    for machine in dict.fromkeys(recording.machine for recording in recordings):
+        names = {recording.gain_known: recording.name for recording in recordings if recording.machine == machine}
+        if len(names) > 1:
+            raise Refusal(
+                f"{table}: gain is {KNOWN} for {names[True]} and {UNKNOWN} for {names[False]}, both of the machine {machine}: "
+                f"give {KNOWN} for all its recordings or for none"
+            )
     return recordings
 
 
@@ -147,9 +159,9 @@ def _row(table: Path, line: int, row: dict[str, str], speed: str) -> MeasuredRec
         )
     if row["truth"] not in FAULT_CLASSES:
         known = f"{', '.join(FAULT_CLASSES)}{nearest(str(row['truth']), FAULT_CLASSES)}"
-        raise Refusal(f"{table}, line {line}: truth = {row['truth']} is not a verdict: give one of {known}")
+        raise Refusal(f"{table}, line {line}: truth = {row['truth'] or 'nothing'} is not a verdict: give one of {known}")
     if row["unit"] not in ACCELERATION_UNITS:
-        raise Refusal(f"{table}, line {line}: unit = {row['unit']} is unknown: give one of {', '.join(ACCELERATION_UNITS)}")
+        raise Refusal(f"{table}, line {line}: unit = {row['unit'] or 'nothing'} is unknown: give one of {', '.join(ACCELERATION_UNITS)}")
     name = row["name"]
     if not name or name != Path(name).name or name in (".", ".."):
         raise Refusal(
@@ -165,6 +177,9 @@ def _row(table: Path, line: int, row: dict[str, str], speed: str) -> MeasuredRec
         )
     machine = row.get("machine") or _machine(row["rig"], rate)
     bearing = row.get("bearing") or f"{row['truth']} {name.rpartition('_')[0] or name}"
+    seconds = _stated(row, "seconds", "s", f"{table}, line {line}") or math.inf
+    if seconds < SHORTEST:
+        raise Refusal(f"{table}, line {line}: seconds = {row['seconds']}, but a verdict needs {SHORTEST:g} s: leave {name} out")
     pitch = _stated(row, "pitch_diameter_mm", "mm", f"{table}, line {line}", _range("bearing.pitch_radius", 2e3))
     return MeasuredRecording(
         name=name,
@@ -178,7 +193,7 @@ def _row(table: Path, line: int, row: dict[str, str], speed: str) -> MeasuredRec
         unit=row["unit"],
         file=table.parent / "recordings" / f"{name}.npz",
         bearing=f"{machine} {bearing}",
-        seconds=_stated(row, "seconds", "s", f"{table}, line {line}") or math.inf,
+        seconds=seconds,
         load=_stated(row, "load", "N", f"{table}, line {line}", _range("operating.load")),
         pitch_radius=None if pitch is None else 5e-4 * pitch,
     )

@@ -186,7 +186,10 @@ def _strata(recordings: Sequence[Compared]) -> Iterator[list[list[int]]]:
 
 
 def drawn_bearings(recordings: Sequence[Compared]) -> Floats:
-    """Return the weights of the recordings in samples of the bearings of each machine and class, shape (recordings, `RESAMPLES`)."""
+    """Return the weights of the recordings in samples of the bearings of each machine and class, shape (recordings, `RESAMPLES`).
+
+    Of n bearings, n are drawn with replacement. The variance is thus (n - 1)/n of the unbiased one, and 0 for a single recording.
+    """
     random, weights = np.random.default_rng(SEED), np.zeros((len(recordings), RESAMPLES))
     for bearings in _strata(recordings):
         times = random.multinomial(len(bearings), np.full(len(bearings), 1.0 / len(bearings)), RESAMPLES)
@@ -196,7 +199,7 @@ def drawn_bearings(recordings: Sequence[Compared]) -> Floats:
 
 
 def drawn_families(families: Sequence[str]) -> list[Indices]:
-    """Return the positions of the detectors in samples of their families, each with all of its members."""
+    """Return the positions of the detectors in samples of their families: of n, n are drawn with replacement, each with all members."""
     random, names = np.random.default_rng(SEED + 1), sorted(set(families))
     members = [np.flatnonzero(np.array(families, dtype=object) == name) for name in names]
     return [np.concatenate([members[k] for k in random.integers(0, len(names), len(names))]) for _ in range(RESAMPLES)]

@@ -36,8 +36,9 @@ from dcrb_ros.exam.replica_priors import (
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.settings.files import fields_by_key, load_configuration
 from dcrb_ros.settings.measured_rate import rates
+from dcrb_ros.settings.parameters import rpm
 from dcrb_ros.simulation.healthy_level import healthy_level
 
 BENCH = "ball_bearing_6205"
@@ -146,6 +147,12 @@ def _counterparts(
     levels: _HealthyLevels,
 ) -> Iterator[dict[str, Any]]:
     """Yield the scenarios of a recording."""
+    fastest = fields_by_key()["operating.speed"].high
+    if fastest is not None and 2.0 * math.pi * recording.speed > fastest:
+        raise Refusal(
+            f"{table}, {recording.name}: a speed of {60.0 * recording.speed:g} rpm is outside 0 .. {rpm(fastest):.0f} rpm of the bench: "
+            "check the column of speeds, or leave it out of the table"
+        )
     try:
         fixed = {
             **bearing_settings(geometry_of(recording.orders), bench, recording.pitch_radius),

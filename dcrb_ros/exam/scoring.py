@@ -69,6 +69,11 @@ class ScenarioResult:
         return not self.flaw
 
     @property
+    def excused(self) -> bool:
+        """Whether only a detection is missing, and not required; false alarms and silence count in every scenario."""
+        return bool(self.flaw) and not self.expectation.required and not self.false_alarms and not self.broken
+
+    @property
     def counted_alarms(self) -> int:
         """False alarms that enter the rate; those before the onset are counted in the twin, which contains the same samples."""
         return sum(alarm.time >= self.expectation.onset or not self.expectation.twin for alarm in self.false_alarms)

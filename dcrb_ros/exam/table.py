@@ -185,7 +185,7 @@ def _failures(report: Report) -> Iterator[RenderableType]:
     wrong = [result for result in report.results if not result.passed]
     rows = [
         (
-            result.expectation.name + ("" if result.expectation.required else " (not required)"),
+            result.expectation.name + (" (not required)" if result.excused else ""),
             result.expectation.verdict,
             result.flaw,
         )

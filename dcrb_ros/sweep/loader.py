@@ -17,6 +17,7 @@ from dcrb_ros.settings.files import fields_by_key, flatten, load_configuration, 
 from dcrb_ros.settings.shipped import find_configuration, find_shipped
 from dcrb_ros.settings.vehicle_speed import SPEED, SPEED_KMH
 from dcrb_ros.simulation.scenario import read_scenario_file
+from dcrb_ros.stream.late_scenario import refuse_late
 from dcrb_ros.sweep.axes import choice_of, refuse_fixed, span_of, value_of
 from dcrb_ros.sweep.design import GRID, Axes, Axis, Choice
 from dcrb_ros.sweep.lives.loader import common_keys, life_sweep_of
@@ -218,18 +219,10 @@ def _check_windows(sweep: Sweep, source: str) -> None:
 
 
 def _check_scenarios(sweep: Sweep, source: str) -> None:
-    """Refuse scenarios that change nothing before the end of a run; an invalid one is refused with its runs."""
+    """Refuse scenarios that change nothing in a run; an invalid one is refused with its runs."""
     end = sweep.file.settle + sweep.file.duration
     for name, tree in sweep.scenarios.items():
-        timeline = tree.get("timeline") if isinstance(tree, Mapping) and not tree.get("start") else None
-        entries = timeline if isinstance(timeline, list) else []
-        times = [entry.get("at") if isinstance(entry, Mapping) else None for entry in entries]
-        late = [at for at in times if isinstance(at, (int, float)) and at >= end]
-        if times and len(late) == len(times):
-            raise Refusal(
-                f"{source}: the scenario '{name}' changes nothing before the end of a run at {end:g} s, its first entry is at "
-                f"{min(late):g} s: increase duration or settle, or remove the scenario"
-            )
+        refuse_late(tree, end, f"{source}: the scenario '{name}'", "increase duration or settle, or remove the scenario")
 
 
 def _twins(sweep: Sweep, source: str) -> None:

@@ -12,6 +12,8 @@ from dcrb_ros.text.files import read_text
 
 LARGEST_TABLE = 10_000_000
 """Largest table that is read [bytes]: some 100 000 rows."""
+OTHER_SEPARATORS = {";": "semicolons", "\t": "tabs"}
+"""Separators that spreadsheets write instead of commas, and their names."""
 
 
 def read_rows(path: Path, needed: Sequence[str], optional: Sequence[str] = ()) -> list[tuple[int, dict[str, str]]]:
@@ -20,9 +22,12 @@ def read_rows(path: Path, needed: Sequence[str], optional: Sequence[str] = ()) -
     Each follows the number of its first line in the file, from 1, with blank lines counted.
 
     Raises:
-        Refusal: the file cannot be read, lacks a needed column, has an unknown one or one twice, or a row has more or fewer fields.
+        Refusal: the file cannot be read, has other separators than commas, lacks a needed column, has an unknown one or one twice, or a row
+            has more or fewer fields.
     """
     (_, header), *records = _records(path) or [(1, [])]
+    if len(header) == 1 and (other := next((mark for mark in OTHER_SEPARATORS if mark in header[0]), "")):
+        raise Refusal(f"{path} separates its columns by {OTHER_SEPARATORS[other]}: save it with commas, and with points in its numbers")
     columns, known = [name.strip() for name in header], (*needed, *optional)
     missing = [name for name in needed if name not in columns]
     unknown = next((name for name in columns if name not in known), None)

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.special import j1
 
-from dcrb_ros.bearing.contact_path import averaged, contact_path, envelope, notch_heights, reduced_radii
+from dcrb_ros.bearing.contact_path import EDGE_AVERAGE, averaged, contact_path, envelope, half_width, notch_heights, reduced_radii
 from dcrb_ros.bearing.damage_tables import RACEWAY_NODES
 from dcrb_ros.bearing.surfaces import build_surfaces, raceway_waves, short_waves
 from dcrb_ros.core.contacts.heights import Profile, Smooth, curve, marked, packed, place_of, unpacked
@@ -93,6 +93,24 @@ def test_a_loaded_roller_feels_the_whole_sag_into_a_notch(width: float, half_wid
     places = path.spacing * (np.arange(len(path.height)) - len(path.height) // 2)
     felt = np.abs(places[path.height < 0.5 * path.height.min()]).max()
     assert half_width < felt < half_width + 0.5 * width
+
+
+@pytest.mark.parametrize(("width", "quarter", "whole"), [(2e-3, 0.08, -0.16), (0.5e-3, 0.44, -0.46)])
+def test_the_average_of_edges_affects_their_slope_but_not_the_depth(
+    width: float, quarter: float, whole: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    heights, distance = notch_heights(width, 3e-4, 2e-6)
+
+    def path_with(share: float) -> tuple[float, float]:
+        monkeypatch.setattr("dcrb_ros.bearing.contact_path.EDGE_AVERAGE", share)
+        path = contact_path(heights, distance, OUTER_RADIUS, half_width(Configuration(), OUTER_RADIUS))
+        return float(path.height.min()), float(np.abs(path.slope).max())
+
+    depth, slope = path_with(EDGE_AVERAGE)
+    for share, change in ((0.5 * EDGE_AVERAGE, quarter), (2.0 * EDGE_AVERAGE, whole)):
+        other, steeper = path_with(share)
+        assert other == pytest.approx(depth, rel=1e-4)
+        assert steeper / slope - 1.0 == pytest.approx(change, abs=0.006)
 
 
 def test_waviness_has_its_root_mean_square_and_falls_with_the_order() -> None:

@@ -8,7 +8,10 @@ from typing import Any
 import pytest
 
 from dcrb_ros.exam.case import Case, derived_tags
+from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.exam_file import MOST_CASES, Exam, exam_of, read_exam
+from dcrb_ros.exam.scoring import score_scenario
+from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import validated
@@ -201,6 +204,66 @@ def test_a_hidden_bearing_fault_needs_a_sensor_verdict() -> None:
     assert first({"name": "both", "verdict": "sensor", "fault": fault}).expectation.bearing_onset == 0.1
     assert first({"name": "dead", "verdict": "sensor", "fault": {"sensor.fault": "dead"}}).expectation.bearing_onset is None
     assert first(SPALL).expectation.bearing_onset is None
+
+
+INNER, BOTH_RINGS = {"faults.inner_1.width": 0.002}, {"name": "both", "verdict": "compound", "duration": 5.2}
+
+
+@pytest.mark.parametrize(
+    ("entry", "first_fault"),
+    [
+        ({"timeline": [{"at": 0.05, "set": INNER}], "fault": SPALL["fault"]}, 0.05),
+        ({"timeline": [{"at": 0.05, "set": INNER}, {"at": 0.1, "set": SPALL["fault"]}]}, 0.05),
+        ({"set": INNER, "fault": SPALL["fault"]}, 0.0),
+        ({"fault": {**INNER, **SPALL["fault"]}}, None),
+    ],
+)
+def test_an_alarm_between_the_first_fault_and_the_onset_is_not_false(entry: dict[str, Any], first_fault: float | None) -> None:
+    expectation = first({**BOTH_RINGS, **entry}).expectation
+    assert (expectation.onset, expectation.first_onset) == (0.1, first_fault)
+    raised = [(0.01, "healthy"), (0.07, "inner_ring"), (0.1, "compound"), (2.0, "compound"), (5.2, "compound")]
+    result = score_scenario(expectation, [ReceivedDiagnosis(*one) for one in raised], Criteria())
+    assert len(result.false_alarms) == (first_fault is None)
+    assert result.passed is (first_fault is not None)
+
+
+def test_a_scenario_that_begins_after_the_run_is_refused() -> None:
+    late = {**WELL, "scenario": "load_steps"}
+    sentence = "scenario 'well': the scenario 'load_steps' changes nothing in a run of 3 s, its first entry is at 3 s: increase"
+    assert sentence in refused(late, duration=3.0)
+    assert len(exam(late, duration=3.1).cases) == 1
+
+
+def test_a_run_that_is_faulty_without_the_fault_is_no_healthy_twin() -> None:
+    late = [{"at": 0.15, "set": INNER}]
+    for entry in ({"set": INNER, **BOTH_RINGS}, {"timeline": late, "verdict": "outer_ring"}):
+        assert [case.name for case in exam({**SPALL, **entry}).cases] == [{**SPALL, **entry}["name"]]
+    assert len(exam({**SPALL, "timeline": [{"at": 0.15, "set": {"operating.speed": 60.0}}]}).cases) == 2
+
+
+@pytest.mark.parametrize(
+    ("entry", "reason"),
+    [
+        (WELL, "without a fault that appears"),
+        ({**WELL, "fault": {"operating.load": 9e4}}, "without a fault that appears"),
+        ({"name": "outer", "verdict": "outer_ring", "set": SPALL["fault"]}, "without a fault that appears"),
+        ({**SPALL, **BOTH_RINGS, "set": INNER}, "where another fault remains in the healthy run"),
+    ],
+)
+def test_a_twin_is_refused_where_there_is_none(entry: dict[str, Any], reason: str) -> None:
+    assert f"twin = true has no effect {reason}: leave it out" in refused({**entry, "twin": True})
+    assert exam({**entry, "twin": False}).cases[0].expectation.twin == exam(entry).cases[0].expectation.twin == ""
+
+
+def test_a_healthy_scenario_is_not_graded() -> None:
+    graded = {"set": {"background.track_level": 1.0}, "graded_by": "background.track_level"}
+    assert "graded_by = background.track_level has no effect on a healthy bearing" in refused({**WELL, **graded})
+    assert first({**SPALL, **graded}).expectation.grade == ("background.track_level", 1.0)
+
+
+def test_a_bearing_fault_before_that_of_the_sensor_allows_bearing_alarms_from_its_onset() -> None:
+    found = first({"name": "dead", "verdict": "sensor", "timeline": [{"at": 0.05, "set": INNER}], "fault": {"sensor.fault": "dead"}})
+    assert (found.expectation.first_onset, found.expectation.bearing_onset, found.expectation.onset) == (0.05, 0.05, 0.1)
 
 
 def test_a_healthy_case_has_no_onset() -> None:

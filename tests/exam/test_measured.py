@@ -95,6 +95,8 @@ def test_a_wrong_answer_fails(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     [
         ({"truth": "outer"}, "line 2: truth = outer is not a verdict"),
         ({"unit": "V"}, "line 2: unit = V is unknown: give one of m/s"),
+        ({"truth": ""}, "line 2: truth = nothing is not a verdict"),
+        ({"unit": ""}, "line 2: unit = nothing is unknown"),
         ({"rig": ""}, "line 2: rig is empty"),
         ({"speed_rpm_from_lines": "-5"}, "line 2: speed_rpm_from_lines = -5 is not a speed"),
         ({"speed_rpm_from_lines": "360000"}, "line 2: speed_rpm_from_lines = 360000 is outside 0 .. 360000 rpm, half a turn in"),
@@ -153,6 +155,21 @@ def test_a_damaged_recording_is_refused_by_its_name(damage: str, tmp_path: Path,
     (folder(tmp_path) / "recordings" / "struck.npz").write_bytes(DAMAGED[damage])
     assert dcrb("score", "--measured", str(tmp_path), "--workers", "1", "--quiet") == 2
     assert "struck.npz" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("values", "sentence"),
+    [
+        ([0.0, np.nan, 1.0, -np.inf], "'a' has 2 values that are not finite, the first is nan at 1: give a part without them"),
+        (np.ones((2, 9)), r"'a' has the shape \(2, 9\) and the type float64: give the numbers of one axis in one row"),
+        (np.ones(9, bool), r"'a' has the shape \(9,\) and the type bool: give the numbers"),
+    ],
+)
+def test_an_array_is_refused_by_what_is_wrong_with_it(values: Any, sentence: str, tmp_path: Path) -> None:
+    (folder(tmp_path) / "recordings" / "struck.npz").write_bytes(npz(a=values))
+    struck = next(one for one in read_measured(tmp_path) if one.name == "struck")
+    with pytest.raises(Refusal, match=sentence):
+        struck.samples()
 
 
 def test_options_that_do_not_apply_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

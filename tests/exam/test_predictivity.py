@@ -100,6 +100,16 @@ def test_recordings_of_one_bearing_are_drawn_together() -> None:
         assert (first_half[same] == first_half[k]).all()
 
 
+@pytest.mark.parametrize(("count", "bearing"), [(1, "one"), (2, "own"), (5, "own"), (5, "one")])
+def test_as_many_bearings_are_drawn_as_there_are(count: int, bearing: str) -> None:
+    """The variance of the mean is (n - 1)/n of the unbiased one; recordings of a single bearing are drawn themselves."""
+    compared = [Compared(f"r{k}", "m", "healthy", f"b{k}" if bearing == "own" else "b", led=True) for k in range(count)]
+    weights, values = drawn_bearings(compared), np.arange(float(count))
+    assert (weights.sum(axis=0) == count).all()
+    unbiased = float(np.var(values, ddof=1)) / count if count > 1 else 0.0
+    assert np.var(values @ weights / count) == pytest.approx(unbiased * (count - 1) / count, rel=0.15)
+
+
 def test_marks_are_the_mean_over_the_classes() -> None:
     mean = class_mean(np.array([[1.0, 0.0, 0.0, 1.0]]), ("a", "a", "a", "b"), np.array([[1.0, 1.0], [1.0, 0.0], [1.0, 0.0], [1.0, 0.0]]))
     assert mean[0] == pytest.approx([(1.0 / 3.0 + 1.0) / 2.0, 1.0])

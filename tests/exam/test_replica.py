@@ -178,7 +178,9 @@ def test_every_prior_is_described_and_draws_values_within_its_words() -> None:
         ({"sampling_rate": "400000"}, "400000"),
         ({"truth": "cage"}, "calm_1 is cage, which has no replica"),
         ({"seconds": "-1"}, "seconds = -1 is not a number above 0"),
+        ({"seconds": "0.4"}, "line 2: seconds = 0.4, but a verdict needs 0.5 s: leave calm_1 out"),
         ({"gain": "loud"}, "gain = loud is invalid"),
+        ({"speed_rpm_from_lines": "10000"}, "calm_1: a speed of 10000 rpm is outside 0 .. 9549 rpm of the bench: check the"),
         ({"speed_rpm_from_lines": "x"}, "line 2"),
     ],
 )
@@ -207,6 +209,14 @@ def test_invalid_input_is_one_sentence_and_writes_nothing(
 def test_an_invalid_plan_is_refused(plan: ReplicaPlan, sentence: str, tmp_path: Path) -> None:
     with pytest.raises(Refusal, match=sentence):
         replica_tree(table(tmp_path), plan)
+
+
+def test_a_machine_has_one_kind_of_gain(tmp_path: Path) -> None:
+    file = table(tmp_path, gain="known")
+    lines = file.read_text().splitlines()
+    file.write_text("\n".join([*lines[:-1], lines[-1].replace("known", "unknown")]) + "\n")
+    with pytest.raises(Refusal, match="gain is known for outer_1 and unknown for outer_2, both of the machine bench: give known for all"):
+        replica_tree(file, PLAN)
 
 
 def test_a_missing_column_is_refused(tmp_path: Path) -> None:

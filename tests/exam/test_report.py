@@ -417,3 +417,17 @@ def test_junit_has_criteria_and_scenarios_with_their_failures(tmp_path: Path) ->
     kinds = [[type(found) for found in case.result] for case in scenarios]
     assert kinds == [[], [], [Failure], [], [], [Failure], [Skipped]]
     assert [case.time for case in scenarios] == [1.0, 2.0, 0.0, 0.5, 0.0, 0.0, 0.0]
+
+
+def test_a_false_alarm_or_silence_is_a_failure_although_the_fault_need_not_be_detected(tmp_path: Path) -> None:
+    narrow = Expectation("narrow", "outer_ring", 10.0, 4.0, required=False)
+    verdicts = {"alarm": ("cage", "healthy"), "missed": ("healthy", "healthy"), "silent": ("waiting", "waiting")}
+    diagnoses = {name: [ReceivedDiagnosis(float(k), two[k > 2]) for k in range(11)] for name, two in verdicts.items()}
+    shown = report(*[score_scenario(dataclasses.replace(narrow, name=name), given, Criteria()) for name, given in diagnoses.items()])
+    write_junit(shown, tmp_path / "junit.xml")
+    _, scenarios = JUnitXml.fromfile(str(tmp_path / "junit.xml"))
+    kinds = {case.name: [(type(found), found.message) for found in case.result] for case in scenarios}
+    assert kinds["alarm"] == [(Failure, "false alarm at 0.0 s (cage)")]
+    assert kinds["missed"] == [(Skipped, "not required: diagnosed as healthy")]
+    assert kinds["silent"] == [(Failure, "diagnosed as waiting")]
+    assert printed(shown).count("(not required)") == 1

@@ -557,7 +557,7 @@ def test_the_disk_space_is_estimated(tmp_path: Path) -> None:
         ({"vary": {"scenario": ["growing_spall"]}, "twins": True}, "contains faults"),
         (
             {"cases": {"grows": {"scenario": "growing_spall"}}, "settle": 1.5, "duration": 0.5},
-            "the scenario 'growing_spall' changes nothing before the end of a run at 2 s, its first entry is at 2 s: increase duration",
+            "the scenario 'growing_spall' changes nothing in a run of 2 s, its first entry is at 2 s: increase duration",
         ),
         ({"design": "latin_hypercube"}, "needs 'points'"),
         ({"design": "sobol"}, "design = 'sobol'"),

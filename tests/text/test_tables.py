@@ -33,6 +33,8 @@ def test_rows_have_the_numbers_of_their_first_lines(tmp_path: Path) -> None:
     ("text", "sentence"),
     [
         ("", "lacks the columns file, fault"),
+        ("file;fault\n1,5;x\n", "separates its columns by semicolons: save it with commas, and with points in its numbers"),
+        ("file\tfault\n", "separates its columns by tabs: save it with commas"),
         ("file,falt\n", "lacks the columns fault: it needs file, fault; unknown is 'falt'; did you mean 'fault'"),
         ("file,fault,lod\n", "has the unknown column 'lod'; did you mean 'load'"),
         ("file,fault,fault\n", "has the column fault twice"),

@@ -1,0 +1,28 @@
+"""Scenarios that begin after the end of their run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from dcrb_ros.schema.refusal import Refusal
+
+
+def refuse_late(tree: Any, end: float, scenario: str, remedy: str) -> None:
+    """Refuse a scenario, as parsed from YAML, that changes nothing in a run of ``end`` [s]; it may be longer than the run.
+
+    Args:
+        tree: the scenario; an invalid one is left to `dcrb_ros.simulation.scenario`.
+        end: length of the run [s].
+        scenario: its name, as the beginning of a sentence.
+        remedy: what to change.
+
+    Raises:
+        Refusal: it has no ``start``, and every entry is at or after the end.
+    """
+    timeline = tree.get("timeline") if isinstance(tree, Mapping) and not tree.get("start") else None
+    entries = timeline if isinstance(timeline, list) else []
+    times = [entry.get("at") if isinstance(entry, Mapping) else None for entry in entries]
+    late = [at for at in times if isinstance(at, (int, float)) and at >= end]
+    if times and len(late) == len(times):
+        raise Refusal(f"{scenario} changes nothing in a run of {end:g} s, its first entry is at {min(late):g} s: {remedy}")
