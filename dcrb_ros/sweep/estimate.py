@@ -1,4 +1,8 @@
-"""The estimated cost of a sweep: run counts from the plan, time and disk space from a few short runs."""
+"""The estimated cost of a sweep: run counts from the plan, time and disk space from a few short runs.
+
+The time is processor time. Other programs on the machine delay the short runs by different times, and the difference of the wall times is
+then no measure of the cost per second.
+"""
 
 from __future__ import annotations
 
@@ -27,9 +31,9 @@ class Cost:
     counts: Counter[tuple[str, str]]
     """Runs by split and case."""
     start: float
-    """Wall time of a run before its first sample, including its label and its share of a branch point [s]."""
+    """Time of a run before its first sample on an idle core, including its label and its share of a branch point [s]."""
     factor: float
-    """Real-time factor of a worker after that [-]."""
+    """Real-time factor of a worker on an idle core after that [-]."""
     per_run: float
     """Disk space of a run without samples [B]."""
     per_second: float
@@ -44,7 +48,7 @@ class Cost:
         return sum(self.counts.values())
 
     def seconds(self, workers: int) -> float:
-        """Return the wall time of all runs [s]."""
+        """Return the wall time of all runs with an idle core for each worker [s]."""
         return self.runs * (self.start + self.duration / self.factor) / workers
 
     @property
@@ -62,12 +66,12 @@ def estimate(plan: Plan) -> Cost:
     _trial(plan, tasks[:1], SHORT_RUN)  # compiles the kernels and loads the modules
     short, long = _trial(plan, tasks, SHORT_RUN + window), _trial(plan, tasks, LONG_RUN + window)
     difference, runs = LONG_RUN - SHORT_RUN, sum(len(task) for task in tasks)
-    wall_per_second = max((long.seconds - short.seconds) / runs / difference, 1e-6)
+    time_per_second = max((long.seconds - short.seconds) / runs / difference, 1e-6)
     per_second = max((long.size - short.size) / runs / difference, 0.0)
     return Cost(
         counts=counts,
-        start=max(short.seconds / runs - (SHORT_RUN + window) * wall_per_second, 0.0),
-        factor=1.0 / wall_per_second,
+        start=max(short.seconds / runs - (SHORT_RUN + window) * time_per_second, 0.0),
+        factor=1.0 / time_per_second,
         per_run=max(short.size / runs - (SHORT_RUN + window) * per_second, 0.0),
         per_second=per_second,
         duration=file.duration,
@@ -87,8 +91,8 @@ def _trial(plan: Plan, tasks: list[Task], duration: float) -> _Trial:
     with tempfile.TemporaryDirectory(prefix="dcrb-sweep-") as folder:
         file = plan.sweep.file.model_copy(update={"duration": duration})
         common = common_settings(dataclasses.replace(plan.sweep, file=file), Store(folder))
-        begin = time.perf_counter()
+        begin = time.process_time()
         outcomes = [status for task in tasks for _, status in run_task(common, task)]
-        seconds = time.perf_counter() - begin
+        seconds = time.process_time() - begin
         size = sum(path.stat().st_size for path in Path(folder).rglob("*") if path.is_file())
     return _Trial(seconds, size, sum(status != DONE for status in outcomes))

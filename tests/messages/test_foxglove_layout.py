@@ -13,12 +13,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from made_up_blocks import recorded
 
 from dcrb_ros.diagnosis.detector import Diagnosis
 from dcrb_ros.messages.cdr import typestore
 from dcrb_ros.messages.encoder import diagnosis_messages
 from dcrb_ros.messages.points import decode_vibration
-from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, DETECTED, NAMESPACE, SIMULATED, VIBRATION
+from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, DETECTED, GROUND_TRUTH, NAMESPACE, SIMULATED, VIBRATION
 from dcrb_ros.recordings.reader import Recording
 
 ROOT = Path(__file__).parents[2]
@@ -63,6 +64,13 @@ def test_every_topic_exists() -> None:
     rendered = {config["topicToRender"] for config in LAYOUT["configById"].values() if "topicToRender" in config}
     assert rendered <= topics
     assert set(re.findall(r'inputs = \["([^"]+)"\]', SCRIPT)) == {VIBRATION.resolved(NAMESPACE)}
+
+
+def test_panels_of_one_piece_of_hardware_name_that_of_the_ground_truth(tmp_path: Path) -> None:
+    truths = [message.data for message in Recording(recorded(tmp_path / "bag", 1)).messages((GROUND_TRUTH,))]
+    (hardware,) = {status.hardware_id for data in truths for status in typestore().deserialize_cdr(data, GROUND_TRUTH.type).status}
+    selected = [config["selectedHardwareId"] for config in LAYOUT["configById"].values() if "selectedHardwareId" in config]
+    assert selected == [hardware]
 
 
 @pytest.mark.parametrize(("path", "label"), [both for both in paths() if not both[0].startswith(OUTPUT)])

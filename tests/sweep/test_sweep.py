@@ -14,6 +14,7 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -44,7 +45,7 @@ from dcrb_ros.sweep.data_set import open_data_set
 from dcrb_ros.sweep.design import GRID, LATIN_HYPERCUBE, RANDOM, Choice, Span, points, size
 from dcrb_ros.sweep.division import splits
 from dcrb_ros.sweep.estimate import estimate
-from dcrb_ros.sweep.execution import common_settings, run_task
+from dcrb_ros.sweep.execution import CommonSettings, common_settings, run_task
 from dcrb_ros.sweep.loader import read_sweep, sweep_of
 from dcrb_ros.sweep.plan import Plan, PlannedRun
 from dcrb_ros.sweep.store import Store, StoreFailed
@@ -525,6 +526,24 @@ def test_a_dry_run_writes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert "| train | healthy | 8 |" in output
     assert "on 2 workers" in output
     assert list(tmp_path.iterdir()) == [tmp_path / "small.yaml"]
+
+
+def test_other_programs_do_not_change_the_estimated_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = {"process": 0.0, "delays": 0.0}
+
+    def simulated(common: CommonSettings, task: list[PlannedRun]) -> list[tuple[int, str]]:
+        """Take 0.5 s per run and 0.1 s per recorded second, and longer delays by other programs in shorter runs."""
+        duration = common.file.duration
+        clock["process"] += len(task) * (0.5 + 0.1 * duration)
+        clock["delays"] += len(task) * (10.0 - duration)
+        return [(0, "done") for _ in task]
+
+    times = SimpleNamespace(process_time=lambda: clock["process"], perf_counter=lambda: clock["process"] + clock["delays"])
+    monkeypatch.setattr("dcrb_ros.sweep.estimate.run_task", simulated)
+    monkeypatch.setattr("dcrb_ros.sweep.estimate.time", times)
+    cost = estimate(plan_of({**QUICK, "duration": 2.0, "seeds": 3}))
+    assert (cost.start, cost.factor) == (pytest.approx(0.5), pytest.approx(10.0))
+    assert cost.seconds(2) == pytest.approx(3 * 0.7 / 2)
 
 
 def test_the_disk_space_is_estimated(tmp_path: Path) -> None:
