@@ -19,7 +19,6 @@ from dcrb_ros.schema.refusal import Refusal
 Value = TypeVar("Value")
 Signal = TypeVar("Signal")
 Evaluated = TypeVar("Evaluated", contravariant=True)
-Given = TypeVar("Given", covariant=True)
 OnDone = Callable[[str], None]
 """Called with the name of every scenario that is done."""
 Progress = Callable[[str, int], AbstractContextManager[OnDone]]
@@ -75,43 +74,28 @@ class Candidate(Protocol[Evaluated]):
         """
 
 
-class AnyScenario(Protocol[Given]):
-    """A signal, and the results of an outcome."""
-
-    @property
-    def name(self) -> str:
-        """Name of the scenario."""
-
-    @property
-    def signal(self) -> Callable[[], Given]:
-        """Returns the signal, also in another process; simulates it if it is missing."""
-
-    @property
-    def recorded(self) -> Callable[[], bool] | None:
-        """Returns whether the signal has been simulated; None if it never is."""
-
-    def results(self, outcome: Any, criteria: Criteria) -> list[ScenarioResult]:
-        """Return the result for each bearing, of an outcome of a candidate for these signals."""
-
-
 @dataclass(frozen=True)
 class Scenario(Generic[Signal]):
-    """The signal of a bearing and what is expected of its diagnosis."""
+    """A signal, and the results of what a candidate did with it."""
 
-    expectation: Expectation
+    name: str
     signal: Callable[[], Signal]
     """Returns the signal, also in another process; simulates it if it is missing."""
+    results: Callable[[Any, Criteria], list[ScenarioResult]]
+    """Returns the result for each bearing, of an outcome of a candidate for this signal."""
     recorded: Callable[[], bool] | None = None
     """Returns whether the signal has been simulated; None if it never is."""
 
-    @property
-    def name(self) -> str:
-        """Name of the scenario."""
-        return self.expectation.name
 
-    def results(self, outcome: Outcome, criteria: Criteria) -> list[ScenarioResult]:
-        """Return the result of an outcome."""
-        return [score_scenario(self.expectation, outcome.received, criteria, failure=outcome.failure)]
+def bearing_scenario(
+    expectation: Expectation, signal: Callable[[], Signal], recorded: Callable[[], bool] | None = None
+) -> Scenario[Signal]:
+    """Return the scenario of a bearing from what is expected of its diagnosis."""
+
+    def results(outcome: Outcome, criteria: Criteria) -> list[ScenarioResult]:
+        return [score_scenario(expectation, outcome.received, criteria, failure=outcome.failure)]
+
+    return Scenario(expectation.name, signal, results, recorded)
 
 
 @dataclass(frozen=True)
@@ -120,7 +104,7 @@ class ScenarioSet(Generic[Signal]):
 
     name: str
     criteria: Criteria
-    scenarios: Sequence[AnyScenario[Signal]]
+    scenarios: Sequence[Scenario[Signal]]
     digest: str = ""
     """SHA-256 of the scenarios; empty if they are recordings."""
     seal: str = ""
@@ -171,7 +155,7 @@ def _record(signal: Callable[[], Signal]) -> None:
     signal()
 
 
-def _simulate_missing(scenarios: Sequence[AnyScenario[Signal]], workers: int, progress: Progress) -> None:
+def _simulate_missing(scenarios: Sequence[Scenario[Signal]], workers: int, progress: Progress) -> None:
     """Simulate the signals that are missing, with more than one worker in processes of their own."""
     simulated = {scenario.name: scenario.recorded() for scenario in scenarios if scenario.recorded is not None}
     if not simulated:

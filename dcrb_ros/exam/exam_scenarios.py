@@ -12,7 +12,7 @@ from pathlib import Path
 
 from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.exam.case import Case, simulation_seeds
-from dcrb_ros.exam.evaluation import Scenario, ScenarioSet
+from dcrb_ros.exam.evaluation import ScenarioSet, bearing_scenario
 from dcrb_ros.exam.exam_file import GAIN_TAG, MACHINE_TAG, Exam, ReplicaOrigin
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.led_signal import JudgedRecording, LedSignal, healthy_lead
@@ -105,7 +105,8 @@ def _expectation(signal: LedSignal[SimulatedRecording]) -> Expectation:
 def simulated_scenarios(exam: Exam, folder: Path) -> ScenarioSet[Recording]:
     """Return the scenarios of an exam that is no replica, whose recordings are kept in a folder."""
     scenarios = [
-        Scenario(case.expectation, partial(_recording, case, folder), recorded=partial(is_recorded, case, folder)) for case in exam.cases
+        bearing_scenario(case.expectation, partial(_recording, case, folder), recorded=partial(is_recorded, case, folder))
+        for case in exam.cases
     ]
     return ScenarioSet(exam.name, exam.criteria, scenarios, exam.digest, exam.seal, simulation_seeds(exam.cases))
 
@@ -113,7 +114,7 @@ def simulated_scenarios(exam: Exam, folder: Path) -> ScenarioSet[Recording]:
 def replica_scenarios(exam: Exam, folder: Path) -> ScenarioSet[LedSignal[SimulatedRecording]]:
     """Return the scenarios of a replica; see `led_signals`."""
     scenarios = [
-        Scenario(_expectation(signal), partial(_simulated, signal), recorded=partial(_is_simulated, signal))
+        bearing_scenario(_expectation(signal), partial(_simulated, signal), recorded=partial(_is_simulated, signal))
         for signal in led_signals(exam, folder)
     ]
     return ScenarioSet(exam.name, exam.criteria, scenarios, exam.digest, exam.seal, simulation_seeds(exam.cases))

@@ -21,7 +21,7 @@ from dcrb_ros.diagnosis.detector import FaultDetector
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exam.case import canonical
 from dcrb_ros.exam.criteria import UNLIMITED, Criteria, DelayLimits
-from dcrb_ros.exam.evaluation import Outcome, Scenario, ScenarioSet, Signal, named
+from dcrb_ros.exam.evaluation import Outcome, Scenario, ScenarioSet, Signal, bearing_scenario, named
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.led_signal import LEAD, JudgedRecording, LedSignal, expectation, healthy_lead
 from dcrb_ros.messages.received_diagnosis import decode_diagnosis
@@ -281,7 +281,7 @@ def whole_scenarios(folder: Path, speed: str, longest: float = LONGEST) -> Scena
     """Return the recordings of a folder, each judged as a whole, up to ``longest`` [s]."""
     recordings = read_measured(folder, speed)
     signals = [WholeRecording(recording, longest) for recording in recordings]
-    scenarios = [Scenario(named(s.recording.name, s.expectation), partial(_itself, s)) for s in signals]
+    scenarios = [bearing_scenario(named(s.recording.name, s.expectation), partial(_itself, s)) for s in signals]
     return _scenario_set(speed, [longest, "whole"], recordings, scenarios)
 
 
@@ -292,7 +292,7 @@ def led_scenarios(folder: Path, speed: str, longest: float = LONGEST) -> Scenari
     """
     recordings = read_measured(folder, speed)
     signals = [LedSignal(one, healthy_lead(one, recordings), longest, min(longest, LEAD)) for one in recordings]
-    scenarios = [Scenario(named(s.recording.name, s.expectation), partial(_itself, s)) for s in signals]
+    scenarios = [bearing_scenario(named(s.recording.name, s.expectation), partial(_itself, s)) for s in signals]
     return _scenario_set(speed, [longest], recordings, scenarios)
 
 

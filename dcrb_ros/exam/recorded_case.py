@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from dcrb_ros.exam.criteria import Criteria
-from dcrb_ros.exam.evaluation import CandidateRefusal, Outcome, Scenario, ScenarioSet
+from dcrb_ros.exam.evaluation import CandidateRefusal, Outcome, ScenarioSet, bearing_scenario
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.faults.ground_truth import class_of
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis, decode_diagnosis
@@ -92,12 +92,12 @@ class RecordedDiagnoses:
 
 def recorded_scenarios(cases: Iterable[RecordedCase]) -> ScenarioSet[Recording]:
     """Return recordings as scenarios for a detector."""
-    return ScenarioSet("recordings", Criteria(), [Scenario(case.expectation, partial(Recording, case.path)) for case in cases])
+    return ScenarioSet("recordings", Criteria(), [bearing_scenario(case.expectation, partial(Recording, case.path)) for case in cases])
 
 
 def diagnosed_scenarios(cases: Iterable[RecordedCase]) -> ScenarioSet[RecordedCase]:
     """Return recordings as scenarios for the diagnoses that they contain."""
-    return ScenarioSet("recordings", Criteria(), [Scenario(case.expectation, partial(replace, case)) for case in cases])
+    return ScenarioSet("recordings", Criteria(), [bearing_scenario(case.expectation, partial(replace, case)) for case in cases])
 
 
 def _expectation(path: Path, name: str, truths: Sequence[Truth], diagnoses: Sequence[ReceivedDiagnosis]) -> Expectation:

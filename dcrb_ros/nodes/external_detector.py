@@ -8,9 +8,10 @@ import shutil
 import signal
 import subprocess
 import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
-from typing import Any, Protocol
+from dataclasses import dataclass
+from typing import Any
 
 from dcrb_ros.exam.evaluation import CandidateRefusal
 from dcrb_ros.messages.bundle import Bundle
@@ -45,46 +46,27 @@ LOOK_EVERY = 50
 """Bundles between two looks for other publishers on the topics of the exam [-]."""
 
 
-class Feed(Protocol):
+@dataclass(frozen=True)
+class Feed:
     """A signal that is played to a detector, and the topic of its answers."""
 
-    @property
-    def topics(self) -> Sequence[Topic]:
-        """Topics that are published: the output of sensors, not the ground truth."""
-
-    @property
-    def awaited(self) -> Sequence[Topic]:
-        """Those of them to which the detector must subscribe."""
-
-    @property
-    def answer(self) -> Topic:
-        """Topic on which the detector publishes."""
-
-    def start(self) -> Iterable[Message]:
-        """Return the messages that precede the first bundle."""
-
-    def bundles(self) -> Iterator[Bundle]:
-        """Yield the signal."""
+    topics: Sequence[Topic]
+    """Topics that are published: the output of sensors, not the ground truth."""
+    awaited: Sequence[Topic]
+    """Those of them to which the detector must subscribe."""
+    answer: Topic
+    """Topic on which the detector publishes."""
+    start: Callable[[], Iterable[Message]]
+    """Returns the messages that precede the first bundle."""
+    bundles: Callable[[], Iterator[Bundle]]
+    """Yields the signal."""
 
 
-class _RecordingFeed:
-    """A recording of a bearing."""
-
-    answer = DIAGNOSIS
-    awaited = (VIBRATION,)
-
-    def __init__(self, recording: Recording) -> None:
-        given: tuple[Topic, ...] = (VIBRATION, *(TEMPERATURES if len(recording.temperatures()) else ()))
-        self.topics = (*given, SENSOR)
-        self._replay = Replay(ReplayParameters(bag=str(recording.path), topics=", ".join(topic.name for topic in given)))
-
-    def start(self) -> Iterable[Message]:
-        """Return the messages that precede the first bundle."""
-        return self._replay.start()
-
-    def bundles(self) -> Iterator[Bundle]:
-        """Yield the signal."""
-        return self._replay.bundles()
+def _recording_feed(recording: Recording) -> Feed:
+    """Return the signal in the recording of a bearing."""
+    given: tuple[Topic, ...] = (VIBRATION, *(TEMPERATURES if len(recording.temperatures()) else ()))
+    replay = Replay(ReplayParameters(bag=str(recording.path), topics=", ".join(topic.name for topic in given)))
+    return Feed((*given, SENSOR), (VIBRATION,), DIAGNOSIS, replay.start, replay.bundles)
 
 
 class NodeProgram:
@@ -200,7 +182,7 @@ class ExternalDetector(NodeProgram):
     def diagnose(self, recording: Recording) -> Diagnoses:
         """Return the diagnoses for a recording; see `play` for the errors."""
         diagnoses = Diagnoses()
-        diagnoses.failure = self.play(_RecordingFeed(recording), diagnoses)
+        diagnoses.failure = self.play(_recording_feed(recording), diagnoses)
         return diagnoses
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -19,7 +19,7 @@ from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.messages.topics import AMBIENT_TEMPERATURE, OUTER_RING_TEMPERATURE, VIBRATION, Message
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DIAGNOSIS
 from dcrb_ros.nodes.detector_answers import Answers
-from dcrb_ros.nodes.external_detector import NodeProgram
+from dcrb_ros.nodes.external_detector import Feed, NodeProgram
 from dcrb_ros.stream.vehicle_description import VehicleDescription
 
 
@@ -38,36 +38,23 @@ class VehicleAnswers(Answers, VehicleOutcome):
         return time
 
 
-class _VehicleFeed:
-    """The waveforms of the boxes of a vehicle, as the live vehicle publishes them."""
+def _vehicle_feed(signal: VehicleSignal) -> Feed:
+    """Return the waveforms of the boxes of a vehicle, as the live vehicle publishes them, with a block of every box in each bundle."""
+    waveforms = {box.name: VIBRATION.below(box.name) for box in signal.description.boxes}
+    thermometers = {name: [topic.below(name) for topic in (AMBIENT_TEMPERATURE, OUTER_RING_TEMPERATURE)] for name in signal.temperatures}
+    description = Message(VEHICLE_DESCRIPTION, 0, encode_text(signal.description.to_json()))
 
-    answer = VEHICLE_DIAGNOSIS
-
-    def __init__(self, signal: VehicleSignal) -> None:
-        self._signal = signal
-        self._waveforms = {box.name: VIBRATION.below(box.name) for box in signal.description.boxes}
-        self.awaited = tuple(self._waveforms.values())
-        self._thermometers = {
-            name: [topic.below(name) for topic in (AMBIENT_TEMPERATURE, OUTER_RING_TEMPERATURE)] for name in signal.temperatures
-        }
-        self.topics = (*self.awaited, *itertools.chain(*self._thermometers.values()), VEHICLE_DESCRIPTION)
-
-    def start(self) -> Iterable[Message]:
-        """Return the description of the vehicle."""
-        return [Message(VEHICLE_DESCRIPTION, 0, encode_text(self._signal.description.to_json()))]
-
-    def bundles(self) -> Iterator[Bundle]:
-        """Yield a block of every box at a time."""
-        rate, begin = self._signal.description.sampling_rate, 0
-        for blocks in self._signal.blocks():
+    def bundles() -> Iterator[Bundle]:
+        rate, begin = signal.description.sampling_rate, 0
+        for blocks in signal.blocks():
             messages = []
             for name, block in blocks.items():
                 angle = block.shaft_angle if block.shaft_angle is not None else np.full(len(block.acceleration), np.nan)
                 data = encode_waveform(block.index, rate, block.acceleration, angle, f"{name}/outer_ring")
-                messages.append(Message(self._waveforms[name], block.index * 1_000_000_000 // rate, data))
+                messages.append(Message(waveforms[name], block.index * 1_000_000_000 // rate, data))
             end = max(block.index + len(block.acceleration) for block in blocks.values()) * 1_000_000_000 // rate
-            for name, (air, ring) in self._thermometers.items():
-                for time, warm, ambient in self._signal.readings(name, begin * 1e-9, end * 1e-9):
+            for name, (air, ring) in thermometers.items():
+                for time, warm, ambient in signal.readings(name, begin * 1e-9, end * 1e-9):
                     at = round(time * 1e9)
                     messages += [
                         Message(topic, at, encode_temperature(at, value, 0.0, f"{name}/outer_ring"))
@@ -76,6 +63,10 @@ class _VehicleFeed:
             yield Bundle(begin, end, tuple(messages))
             begin = end
 
+    awaited = tuple(waveforms.values())
+    topics = (*awaited, *itertools.chain(*thermometers.values()), VEHICLE_DESCRIPTION)
+    return Feed(topics, awaited, VEHICLE_DIAGNOSIS, lambda: [description], bundles)
+
 
 class ExternalVehicleDetector(NodeProgram):
     """A detector of a vehicle given by its command as a candidate."""
@@ -83,5 +74,5 @@ class ExternalVehicleDetector(NodeProgram):
     def diagnose(self, signal: VehicleSignal) -> VehicleAnswers:
         """Return the diagnoses for the signals of one vehicle; see `play` for errors."""
         answers = VehicleAnswers(description=signal.description)
-        answers.failure = self.play(_VehicleFeed(signal), answers)
+        answers.failure = self.play(_vehicle_feed(signal), answers)
         return answers

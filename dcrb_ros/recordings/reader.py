@@ -13,8 +13,11 @@ from typing import TYPE_CHECKING, Any
 from mcap.records import Metadata
 
 from dcrb_ros.bearing.frequencies import Orders, characteristic_orders
+from dcrb_ros.bearing.history import StateHistory
+from dcrb_ros.bearing.tacho_pulses import TachoPulses
+from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.bearing.waveform import Piece, Waveform
-from dcrb_ros.messages.description import decode_range
+from dcrb_ros.messages.description import PULSES_PER_TURN, decode_range
 from dcrb_ros.messages.points import Vibration, decode_vibration
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topic import chosen_topics
@@ -23,26 +26,35 @@ from dcrb_ros.messages.topics import (
     GROUND_TRUTH,
     MANIFEST,
     NAMESPACE,
+    ROLLER_STATES,
     SENSOR,
     SIMULATED,
     VIBRATION,
     Message,
     Topic,
 )
-from dcrb_ros.recordings.arrays import RecordedVerdict, joined_waveform, verdicts_of
+from dcrb_ros.recordings.arrays import (
+    RecordedVerdict,
+    joined_waveform,
+    states_of,
+    tacho_of,
+    temperatures_of,
+    truths_of,
+    verdicts_of,
+)
 from dcrb_ros.recordings.digest import SampleDigests, samples_in, stated_samples
 from dcrb_ros.recordings.foreign_files import refuse_foreign
 from dcrb_ros.recordings.latched import described_manifest, in_order, of_one_bench
 from dcrb_ros.recordings.manifest import DAMAGE, OUTCOME, Outcome, not_understood, stated_bearing, stated_range, well_formed
-from dcrb_ros.recordings.recorded_run import RecordedRun
 from dcrb_ros.recordings.storage import StoredMessage, valid_files
 from dcrb_ros.recordings.vehicle_folder import box_of, boxes_in, record_name
 from dcrb_ros.schema.arguments import of_type, optional
+from dcrb_ros.schema.arrays import Floats, Integers, Samples
 from dcrb_ros.schema.numbers import sampling_rate
 from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import AlteredSamples, Refusal
 from dcrb_ros.settings.parameters import Bearing
-from dcrb_ros.simulation.ground_truth import commands_in
+from dcrb_ros.simulation.ground_truth import GroundTruth, commands_in
 from dcrb_ros.stream.event_text import decode_command
 from dcrb_ros.stream.events import TimedCommand
 from dcrb_ros.text.json import parsed_json
@@ -53,7 +65,7 @@ if TYPE_CHECKING:
     from dcrb_ros.settings.configuration import Configuration
 
 
-class Recording(RecordedRun):
+class Recording:
     """A recording of the bench, or of imported data: a rosbag2 folder or a single file of one.
 
     It has the attributes of a `SimulationResult` except ``clean``, which is not recorded. They are read from the file on first use.
@@ -274,6 +286,96 @@ class Recording(RecordedRun):
         <Waveform: 0.5 s at 51.2 kHz (25600 samples), shaft at 20.00 Hz>
         """
         return joined_waveform(self.pieces(), self.sampling_rate, self.orders, self.path, start, stop)
+
+    @cached_property
+    def states(self) -> StateHistory:
+        """The bodies over time: azimuth, speed and inner normal force, and the contacts where ``roller_contacts`` was recorded.
+
+        Raises
+        ------
+        Refusal
+            The recording has no ``roller_states``.
+        """
+        if (states := states_of(self.messages)) is None:
+            raise Refusal(f"{self!r} has no messages on {ROLLER_STATES.name}: record this topic too, or simulate it again")
+        return states
+
+    @cached_property
+    def truth(self) -> GroundTruth:
+        """The ground truth over time; of imported data it is empty."""
+        return GroundTruth(truths_of([message.data for message in self.messages((GROUND_TRUTH,))]))
+
+    @cached_property
+    def temperatures(self) -> TemperatureReadings:
+        """The readings of the temperature sensors [deg C]; empty if they were not recorded."""
+        thermal = self.manifest["configuration"].get("thermal") if self.configured else None
+        if isinstance(thermal, Mapping) and thermal.get("law") == "none":
+            return TemperatureReadings.none()  # without reading the file
+        return temperatures_of(self.messages)
+
+    @property
+    def pulses_per_turn(self) -> int:
+        """Pulses of the tacho per turn of the shaft; 0 without a tacho."""
+        pulses = self.manifest.get("sensor", {}).get(PULSES_PER_TURN, 0)
+        return pulses if isinstance(pulses, int) and pulses > 0 else 0
+
+    @cached_property
+    def tacho(self) -> TachoPulses:
+        """The pulses of the tacho; empty if they were not recorded."""
+        return tacho_of(self.messages, self.pulses_per_turn)
+
+    @cached_property
+    def _whole(self) -> Waveform:
+        return self.waveform()
+
+    @property
+    def acceleration(self) -> Samples:
+        """Acceleration in X and Y, shape (samples, 2) [m/s^2]; `Recording.waveform` reads a part of it."""
+        return self._whole.acceleration
+
+    @property
+    def shaft_angle(self) -> Samples:
+        """Rotation of the inner ring, wrapped to [0, 2 pi), shape (samples,) [rad]; NaN without a tacho."""
+        return self._whole.shaft_angle
+
+    @property
+    def index(self) -> Integers:
+        """Index of each sample since the start, shape (samples,); it jumps where samples were lost."""
+        return self._whole.index
+
+    @property
+    def sensor_range(self) -> float:
+        """Range of the sensor at the end [m/s^2]; 0 if unknown."""
+        return self._whole.sensor_range
+
+    @property
+    def time(self) -> Floats:
+        """Time of each sample since the start of the run, shape (samples,) [s]."""
+        return self._whole.time
+
+    @property
+    def duration(self) -> float:
+        """Time from the first sample to the end of the last [s]."""
+        return self._whole.duration
+
+    @property
+    def tracked(self) -> bool:
+        """Whether every sample has a shaft angle."""
+        return self._whole.tracked
+
+    @property
+    def turns(self) -> Floats:
+        """Turns of the shaft since the first sample, signed, shape (samples,) [-]; meaningless across lost samples."""
+        return self._whole.turns
+
+    @property
+    def shaft_frequency(self) -> float:
+        """Mean frequency of the shaft [Hz], 0 for a single sample; NaN without a shaft angle."""
+        return self._whole.shaft_frequency
+
+    def between(self, start: float | None = None, stop: float | None = None) -> Waveform:
+        """Return the samples with ``start <= time < stop`` [s], as `Recording.waveform` does."""
+        return self.waveform(start, stop)
 
     def verdicts(self) -> list[RecordedVerdict]:
         """Return the verdicts that a detector published during the recording; empty without a detector."""

@@ -22,7 +22,7 @@ from dcrb_ros.exam import evaluation, exam_scenarios, in_process, recording_cach
 from dcrb_ros.exam.case import Case
 from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.detector_run import PythonDetector, run_detector
-from dcrb_ros.exam.evaluation import NoDiagnosis, Outcome, Scenario, ScenarioSet, evaluate, named
+from dcrb_ros.exam.evaluation import NoDiagnosis, Outcome, ScenarioSet, bearing_scenario, evaluate, named
 from dcrb_ros.exam.exam_file import Exam, exam_of
 from dcrb_ros.exam.exam_scenarios import simulated_scenarios
 from dcrb_ros.exam.expectation import Expectation
@@ -303,7 +303,7 @@ def test_no_more_processes_are_started_than_there_are_calls(monkeypatch: pytest.
         return [(name, call()) for name, call in calls.items()]
 
     monkeypatch.setattr(evaluation, "in_processes", in_this_process)
-    scenarios = [Scenario(case.expectation, lambda: None, recorded=lambda: False) for case in CASES]
+    scenarios = [bearing_scenario(case.expectation, lambda: None, recorded=lambda: False) for case in CASES]
     for workers in (1, 2, 9):
         for parallel in (False, True):  # simulated apart, and evaluated apart
             evaluate(Mute(parallel=parallel), ScenarioSet("t", Criteria(), scenarios), workers=workers)
@@ -312,7 +312,7 @@ def test_no_more_processes_are_started_than_there_are_calls(monkeypatch: pytest.
 
 def test_a_candidate_that_fails_at_first_is_not_tried_again() -> None:
     mute = Mute(failure="it ended")
-    scenarios = [Scenario(case.expectation, lambda: None) for case in CASES]
+    scenarios = [bearing_scenario(case.expectation, lambda: None) for case in CASES]
     with pytest.raises(NoDiagnosis, match=r"the detector 'mute' failed on the first scenario \(Well 0!\): it ended"):
         evaluate(mute, ScenarioSet("t", Criteria(), scenarios))
     assert len(mute.signals) == 1
@@ -324,7 +324,7 @@ def test_a_later_failure_leaves_the_other_scenarios(tmp_path: Path) -> None:
             tired = super().diagnose(signal) and len(self.signals) == 2
             return Outcome([ReceivedDiagnosis(2.0 * k, "healthy") for k in range(6)], "it ended" if tired else "")
 
-    scenarios = [Scenario(case.expectation, lambda: None) for case in CASES]
+    scenarios = [bearing_scenario(case.expectation, lambda: None) for case in CASES]
     report = evaluate(Tiring(), ScenarioSet("t", Criteria(), scenarios))
     assert [result.flaw for result in report.results] == ["", "it ended", ""]
 
@@ -367,8 +367,8 @@ def test_processes_are_started_for_more_than_one_worker(tmp_path: Path, monkeypa
         return [(name, call()) for name, call in calls.items()]
 
     def scenarios(exam: Exam, folder: Path) -> ScenarioSet[None]:
-        one = Scenario(Expectation("well", "healthy", 5.0), lambda: None, recorded=lambda: False)
-        two = Scenario(Expectation("other", "healthy", 5.0), lambda: None, recorded=lambda: False)
+        one = bearing_scenario(Expectation("well", "healthy", 5.0), lambda: None, recorded=lambda: False)
+        two = bearing_scenario(Expectation("other", "healthy", 5.0), lambda: None, recorded=lambda: False)
         return ScenarioSet(exam.name, exam.criteria, [one, two])
 
     monkeypatch.setattr(evaluation, "in_processes", in_this_process)

@@ -7,7 +7,7 @@ any.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -17,7 +17,7 @@ from dcrb_ros.diagnosis.vehicle.detector import VehicleDetector
 from dcrb_ros.exam.credit import vehicle_detection
 from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.detector_process import STATUSES, BeginVehicle
-from dcrb_ros.exam.evaluation import CandidateRefusal, ScenarioSet
+from dcrb_ros.exam.evaluation import CandidateRefusal, Scenario, ScenarioSet
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.limits import Limits
 from dcrb_ros.exam.plugin_process import DetectorFailure, running_process
@@ -115,42 +115,22 @@ class ProcessVehicleDetector:
         return outcome
 
 
-@dataclass(frozen=True)
-class VehicleScenario:
-    """A vehicle, and the correct verdict on each of its boxes."""
-
-    case: VehicleCase
-    folder: Path
-    """Folder that keeps its signal."""
-    threads: int | None = None
-    """Threads of its simulation, one for each core by default [-]."""
-
-    @property
-    def name(self) -> str:
-        """Name of the scenario."""
-        return self.case.name
-
-    @property
-    def signal(self) -> Callable[[], VehicleSignal]:
-        """Returns the signal, simulated if it is missing."""
-        return partial(kept_signal, self.case.parameters, self.case.duration, self.folder, threads=self.threads)
-
-    @property
-    def recorded(self) -> Callable[[], bool]:
-        """Returns whether the signal has been simulated."""
-        return signal_path(self.case.parameters, self.case.duration, self.folder).is_file
-
-    def results(self, outcome: VehicleOutcome, criteria: Criteria) -> list[ScenarioResult]:
-        """Return the result of every box."""
-        return scored_boxes(self.case, described(self.case.vehicle()), outcome, criteria)
-
-
 def vehicle_scenarios(exam: VehicleExam, folder: Path, workers: int = 1) -> ScenarioSet[VehicleSignal]:
     """Return the scenarios of the exam of a vehicle, whose signals are kept in a folder; more ``workers`` than one have a thread each."""
     # Vehicles at one operating point have bearings in common.
     cases = sorted(exam.cases, key=lambda case: case.tags.get("point", ""))
-    scenarios = [VehicleScenario(case, folder, None if workers == 1 else 1) for case in cases]
+    scenarios = [_scenario(case, folder, None if workers == 1 else 1) for case in cases]
     return ScenarioSet(exam.name, exam.criteria, scenarios, exam.digest, exam.seal, exam.seeds)
+
+
+def _scenario(case: VehicleCase, folder: Path, threads: int | None) -> Scenario[VehicleSignal]:
+    """Return a vehicle with the correct verdict on each of its boxes; ``threads`` simulate it, None for one for each core."""
+    return Scenario(
+        case.name,
+        partial(kept_signal, case.parameters, case.duration, folder, threads=threads),
+        lambda outcome, criteria: scored_boxes(case, described(case.vehicle()), outcome, criteria),
+        lambda: signal_path(case.parameters, case.duration, folder).is_file(),
+    )
 
 
 def scored_boxes(case: VehicleCase, description: VehicleDescription, outcome: VehicleOutcome, criteria: Criteria) -> list[ScenarioResult]:
