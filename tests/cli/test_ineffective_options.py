@@ -79,7 +79,7 @@ LIST, RECORDED, VEHICLE = ("score", "smoke", "--list"), ("score", "bag"), ("dete
         (("score", "run"), ("--reference",), "is the recording of a vehicle, which cannot be scored"),
         (("score", "smoke", "--only", "a"), ("--only", "b"), "--only is given more than once"),
         (("simulate", "-o", "new1"), ("--output", "new2"), "--output is given more than once"),
-        (("simulate", "dry", "-o", "new", "--set", "operating.speed=100"), ("--set", "operating.speed=50"), "more than once, as 100 and 50"),
+        (("simulate", "dry", "-o", "new", "--set", "operating.speed=100"), ("--set", "operating.speed=50"), "once, as 100 and 50"),
         (("import", "a.csv", "--about", "mfpt", "-o", "new", "--set", "gap=1"), ("--set", "gap=2"), "--set gap is given more than once"),
         (("score", "smoke", "--entry", "new.json"), ("--junit", "./new.json"), "--junit and --entry both name new.json"),
         (("exam", "predictivity", "a.csv", "-o", "new.png"), ("--figure", "new.png"), "--output and --figure both name new.png"),
