@@ -1,12 +1,14 @@
-"""Commands that print their help texts literally, also in shell completion, and take an option of one value once.
+"""Commands that print their help texts literally, also in shell completion, and check what is given before they run.
 
-A unit in brackets is not read as markup.
+A unit in brackets is not read as markup. An option of one value is taken once, and an empty path is refused.
 """
 
 from __future__ import annotations
 
 import copy
 from collections import Counter
+from collections.abc import Mapping
+from pathlib import Path
 from typing import Any, TypeVar
 
 import typer
@@ -29,20 +31,33 @@ def _literal(part: Part) -> Part:
 
 
 class LiteralCommand(TyperCommand):
-    """A command whose help text is printed literally, and which refuses an option of one value that is given twice."""
+    """A command whose help text is printed literally, and which refuses an option of one value that is given twice, and an empty path."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Parse the arguments; of an option that is given twice, click would take the last value without a word.
 
         Raises:
-            Refusal: an option of one value is given more than once.
+            Refusal: an option of one value is given more than once, or a path is empty, which would be the current folder.
         """
-        if not ctx.resilient_parsing:
-            given = Counter(self.make_parser(ctx).parse_args(args=list(args))[2])
-            twice = next((option for option, count in given.items() if count > 1 and _has_one_value(option)), None)
-            if twice is not None:
-                raise Refusal(f"{max(twice.opts, key=len)} is given more than once, but has one value: give it once")
-        return TyperCommand.parse_args(self, ctx, args)
+        if ctx.resilient_parsing:
+            return TyperCommand.parse_args(self, ctx, args)
+        given, _, order = self.make_parser(ctx).parse_args(args=list(args))
+        twice = next((option for option, count in Counter(order).items() if count > 1 and _has_one_value(option)), None)
+        if twice is not None:
+            raise Refusal(f"{_longest_name(twice)} is given more than once, but has one value: give it once")
+        try:
+            rest = TyperCommand.parse_args(self, ctx, args)
+        except Exception as error:
+            _name_value(error, given)
+            raise
+        for parameter in self.params:
+            if (
+                parameter.param_type_name == "option"
+                and given.get(parameter.name) == ""
+                and isinstance(ctx.params.get(parameter.name), Path)
+            ):
+                raise Refusal(f"{_longest_name(parameter)} is empty: give a path, such as . for this folder, or leave it out")
+        return rest
 
     def format_help(self, ctx: Any, formatter: Any) -> None:
         TyperCommand.format_help(_literal(self), ctx, formatter)
@@ -55,6 +70,19 @@ def _has_one_value(parameter: Any) -> bool:
     """Return whether a parameter is an option whose later value replaces an earlier one; a flag that cannot be unset has no value."""
     option = parameter.param_type_name == "option" and not parameter.multiple and not parameter.count
     return option and (not parameter.is_flag or bool(parameter.secondary_opts))
+
+
+def _longest_name(option: Any) -> str:
+    """Return the longest name of an option, such as ``--output``."""
+    return str(max(option.opts, key=len))
+
+
+def _name_value(error: Any, given: Mapping[str, Any]) -> None:
+    """Put the value of an option into the message of an error about it, where the release of typer leaves it out."""
+    value = given.get(getattr(getattr(error, "param", None), "name", None) or "")
+    message = getattr(error, "message", "")
+    if isinstance(value, str) and message and not message.startswith(value) and repr(value) not in message:
+        error.message = f"{value!r}; {message[:1].lower()}{message[1:]}"
 
 
 class LiteralGroup(TyperGroup):

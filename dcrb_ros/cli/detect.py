@@ -63,6 +63,8 @@ def detect(
         check_free("--report", report, force=force)
     parameters = detector_parameters(detector)
     if baseline is not None:
+        if parameters.baseline:
+            raise Refusal(f"--baseline and the baseline {parameters.baseline} in --detector both give a baseline: leave out one of them")
         parameters = parameters.model_copy(update={"baseline": str(baseline)})
     vehicles = [bag for bag in bags if vehicle_boxes(bag)]
     if vehicles:

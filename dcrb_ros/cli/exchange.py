@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from dcrb_ros.cli.options import Bag, Force, warn_of_digest
+from dcrb_ros.cli.options import Bag, Force, each_once, warn_of_digest
 from dcrb_ros.cli.output_file import replacing
 from dcrb_ros.schema.refusal import Refusal
 
@@ -48,7 +48,11 @@ def import_(
     output: Annotated[Path | None, typer.Option("-o", "--output", help="New folder of the recording.")] = None,
     settings: Annotated[
         list[str] | None,
-        typer.Option("--set", help="Change the description, KEY=VALUE, such as speed_rpm=1797; null removes a key; may be repeated."),
+        typer.Option(
+            "--set",
+            callback=each_once,
+            help="Change the description, KEY=VALUE, such as speed_rpm=1797; null removes a key; may be repeated.",
+        ),
     ] = None,
     list_: Annotated[bool, typer.Option("--list", help="List the public data sets whose descriptions are shipped, and end.")] = False,
     show: Annotated[str, typer.Option(help="Print the description of a public data set, to be copied and changed, and end.")] = "",

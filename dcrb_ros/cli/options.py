@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dcrb_ros.cli import completion
-from dcrb_ros.schema.refusal import AlteredSamples, Refusal
+from dcrb_ros.schema.refusal import AlteredSamples, Refusal, repeated
 
 if TYPE_CHECKING:
     from dcrb_ros.diagnosis.parameters import DetectorParameters
@@ -32,10 +32,26 @@ Config = Annotated[
     ),
 ]
 Duration = Annotated[float, typer.Option(help="Simulated time [s], above 0 and up to 1e6.")]
+
+
+def each_once(settings: list[str] | None) -> list[str] | None:
+    """Return the values of --set, KEY=VALUE; of a key that is given twice, the last value would be taken without a word.
+
+    Raises:
+        Refusal: a key is given twice.
+    """
+    keys = [setting.partition("=")[0].strip() for setting in settings or ()]
+    if (twice := repeated(keys)) is not None:
+        values = " and ".join(setting.partition("=")[2] for setting, key in zip(settings or (), keys, strict=True) if key == twice)
+        raise Refusal(f"--set {twice} is given more than once, as {values}: give it once")
+    return settings
+
+
 Settings = Annotated[
     list[str] | None,
     typer.Option(
         "--set",
+        callback=each_once,
         help="Override a parameter, KEY=VALUE, such as operating.speed=100.0 [rad/s]; may be repeated.",
         autocompletion=completion.settings,
     ),

@@ -33,10 +33,19 @@ def check_output(option: str, file: Path, suffixes: Sequence[str] = ()) -> None:
 
 
 def check_outputs(*outputs: tuple[str, Path | None, Sequence[str]]) -> None:
-    """Check the files that are given, each with its option and its suffixes; see `check_output`."""
+    """Check the files that are given, each with its option and its suffixes; see `check_output`.
+
+    Raises:
+        Refusal: see `check_output`; or two options name one file, of which only the content written last would remain.
+    """
+    options = dict[Path, str]()
     for option, file, suffixes in outputs:
-        if file is not None:
-            check_output(option, file, suffixes)
+        if file is None:
+            continue
+        check_output(option, file, suffixes)
+        first = options.setdefault(file.resolve(), option)
+        if first != option:
+            raise Refusal(f"{first} and {option} both name {file}: give each its own file")
 
 
 def check_free(option: str, path: Path, *, force: bool) -> None:

@@ -71,7 +71,8 @@ def plot_waveform(
             ax.plot(time, values, color=AXES_COLOURS[name], linewidth=0.6, label=name.upper())
     if axis == "both":
         legend_above(ax)
-    ax.set_xlim(shown.time[0], shown.time[-1])
+    if len(shown) > 1:  # a single sample has no limits
+        ax.set_xlim(shown.time[0], shown.time[-1])
     return labelled(ax, "time [s]", f"acceleration {'' if axis == 'both' else axis.upper() + ' '}[m/s²]")
 
 

@@ -26,7 +26,9 @@ def prepare_standard_output() -> None:
     """Name the standard output in the errors of writing it, and escape the characters that its encoding does not have.
 
     Those of ``LC_ALL=C`` are all but ASCII. An output that is not a file of this process, as in a notebook or a test, keeps its errors.
+    What is printed to a closed one is discarded.
     """
+    _open_closed_streams()
     output = sys.stdout
     raw = getattr(output.buffer, "raw", output.buffer) if isinstance(output, io.TextIOWrapper) else None
     if isinstance(output, io.TextIOWrapper) and isinstance(raw, io.FileIO) and raw.fileno() == 1:
@@ -38,6 +40,16 @@ def prepare_standard_output() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
+
+
+def _open_closed_streams() -> None:
+    """Open the null device for each standard stream that is closed, as by ``>&-``.
+
+    Python has None for such a stream, and the next file that is opened would take its number.
+    """
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, os.fdopen(os.open(os.devnull, os.O_RDWR), mode, encoding="utf-8", closefd=False))
 
 
 def discard(stream: TextIO) -> None:

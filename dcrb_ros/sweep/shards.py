@@ -24,7 +24,7 @@ from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.parameter_field import first_problem
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.sweep.data_set import DIGESTS, known_inputs
+from dcrb_ros.sweep.data_set import ABOUT, DIGESTS, known_inputs
 from dcrb_ros.sweep.execution import common_settings, run_task
 from dcrb_ros.sweep.kinds import plan_of
 from dcrb_ros.sweep.label import DONE
@@ -99,7 +99,7 @@ def write_shards(data_set: Path, folder: Path, runs: int) -> list[str]:
     """
     plan, store = _plan(data_set), Store(str(data_set))
     sums = read_sums(store)
-    changed = next((name for name in RECIPE if sums is not None and store.sha256(name) != sums.get(name)), None)
+    changed = next((name for name in (*RECIPE, ABOUT) if sums is not None and store.sha256(name) != sums.get(name)), None)
     if changed is not None:
         raise Refusal(
             f"{data_set / changed} has been changed: its SHA-256 is not the one in {SUMS}; restore it, or make the data set again"

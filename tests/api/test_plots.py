@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import warnings
 from pathlib import Path
 from typing import Any, Literal
 
@@ -62,6 +63,12 @@ def test_waveform_is_drawn_sample_by_sample(run: SimulationResult) -> None:
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("time [s]", "acceleration Y [m/s²]")
     both = plot_waveform(run, stop=0.1, axis="both")
     assert [text.get_text() for text in both.get_legend().get_texts()] == ["Y", "X"]
+
+
+def test_a_single_sample_is_drawn_without_a_warning() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert len(plot_waveform(np.ones(1), 51_200).lines[0].get_xdata()) == 1
 
 
 def test_a_long_waveform_keeps_its_extremes() -> None:

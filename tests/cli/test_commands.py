@@ -86,3 +86,28 @@ def test_completion_shows_units(capsys: pytest.CaptureFixture[str], monkeypatch:
     monkeypatch.setenv("_TYPER_COMPLETE_ARGS", "dcrb simulate healthy --dur")
     assert dcrb() == 0
     assert '"--duration":"Simulated time [s], above 0' in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("command", "named"),
+    [
+        (("simulate", "healthy", "--duration", "1,5"), "'1,5'"),
+        (("simulate", "healthy", "--duration", "\N{MINUS SIGN}1"), "'\N{MINUS SIGN}1'"),
+        (("sweep", "two_hundred", "-o", "new", "--workers", "0"), "0"),
+        (("collect", "list.csv", "-o", "new", "--overlap", "1.5"), "1.5"),
+    ],
+)
+def test_an_error_about_an_option_names_its_value(command: tuple[str, ...], named: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert dcrb(*command) == 2
+    option = command[-2]
+    said = capsys.readouterr().err
+    assert option in said
+    assert named in said.partition(option)[2]
+
+
+@pytest.mark.parametrize(
+    "command", [("score", "smoke", "--list", "--recordings", ""), ("simulate", "dry", "-o", ""), ("exam", "table", ".", "-o", "")]
+)
+def test_an_empty_path_is_not_the_current_folder(command: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
+    assert dcrb(*command) == 2
+    assert " is empty: give a path" in capsys.readouterr().err

@@ -77,3 +77,23 @@ def test_a_warning_that_cannot_be_printed_is_a_failure() -> None:
     with open("/dev/full", "w") as full:
         done = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=full, timeout=600.0, check=False)
     assert done.returncode == 1
+
+
+@pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-", "<&- >&- 2>&-"])
+@pytest.mark.parametrize(("words", "status"), [("config list", 0), ("config show nothing", 2)])
+def test_a_closed_stream_changes_no_status(words: str, status: int, closed: str) -> None:
+    command = f"'{sys.executable}' -m dcrb_ros.cli.program {words} {closed}"
+    done = subprocess.run(command, shell=True, capture_output=True, text=True, timeout=600.0)
+    assert done.returncode == status
+    assert bool(done.stdout) == (status == 0 and closed in ("<&-", "2>&-"))
+    assert done.stderr.count("\n") == (1 if status and "2>&-" not in closed else 0)
+
+
+@pytest.mark.parametrize("words", ["config list", "--help", "config docs fault_detector", "score smoke --list"])
+def test_a_reader_that_leaves_early_changes_no_status(words: str) -> None:
+    reader, writer = os.pipe()
+    os.close(reader)
+    with os.fdopen(writer, "wb") as pipe:
+        command = [sys.executable, "-m", "dcrb_ros.cli.program", *words.split()]
+        done = subprocess.run(command, stdout=pipe, stderr=subprocess.PIPE, text=True, timeout=600.0)
+    assert (done.returncode, done.stderr) == (0, "")

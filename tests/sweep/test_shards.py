@@ -149,6 +149,7 @@ def test_something_else_in_place_of_an_index_is_refused(attack: str, data_set: P
         ("sweep.yaml", "160.0", "170.0"),
         ("sweep.yaml", "duration:", "split: {train: 0.2, validation: 0.2, test: 0.6}\nduration:"),  # the same runs in other splits
         ("base.yaml", "rollers_per_row: 16", "rollers_per_row: 15"),
+        ("sweep.json", '"digests": true', '"digests": false'),  # labels without a digest would count
     ],
 )
 def test_an_edited_recipe_of_a_data_set_is_not_packed(file: str, old: str, new: str, data_set: Path, tmp_path: Path) -> None:
