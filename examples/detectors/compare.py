@@ -17,7 +17,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 SHIPPED = "shipped detector"
 SHIPPED_CLASS = "dcrb_ros.exam.shipped_family:ShippedDetector"
-DCRB = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()"]
+DCRB = [sys.executable, "-m", "dcrb_ros.cli.program"]
 
 
 def families() -> dict[str, str]:
