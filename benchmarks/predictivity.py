@@ -23,6 +23,7 @@ from dcrb_ros.exam.predictivity_report import HEADS, Comparison, compare_entries
 from dcrb_ros.exam.recording_cache import checked_folder, default_folder
 from dcrb_ros.exam.replica import ReplicaPlan, replica_tree
 from dcrb_ros.recordings.manifest import model_fingerprint
+from dcrb_ros.runtime.linear_algebra import one_thread_each
 from dcrb_ros.text.markdown import table
 from dcrb_ros.text.writing import write_whole
 
@@ -91,6 +92,7 @@ def page(comparisons: dict[str, Comparison], source: str) -> str:
 
 def main() -> int:
     """Compare every variant and write the page and its figure."""
+    one_thread_each()  # of the processes in which detectors run
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("measured", type=Path)
     parser.add_argument("-o", "--output", type=Path, default=ROOT / "docs" / "results" / "predictivity.md")
