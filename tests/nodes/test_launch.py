@@ -247,9 +247,9 @@ def test_replay_takes_its_parameters_from_the_arguments(monkeypatch: pytest.Monk
     actions = description("replay", monkeypatch).generate_launch_description()
     assert [action.name for action in actions if isinstance(action, Argument) and action.default is None] == ["bag"]
     bag = str(ROOT / "bags" / "healthy")
-    replayer, detector = started("replay", monkeypatch, bag=bag, loop="True", rate="2", topics="diagnosis, outer_ring/vibration")
+    replayer, detector = started("replay", monkeypatch, bag=bag, loop="True", rate="2", topics="ground_truth, outer_ring/vibration")
     assert (replayer.executable, detector.executable) == ("replayer", "fault_detector")
-    assert configuration(replayer) == ReplayParameters(bag=bag, loop=True, rate=2.0, wait=30.0, topics="diagnosis, outer_ring/vibration")
+    assert configuration(replayer) == ReplayParameters(bag=bag, loop=True, rate=2.0, wait=30.0, topics="ground_truth, outer_ring/vibration")
     assert (replayer.namespace, detector.namespace) == ("dcrb", "dcrb")
 
 
