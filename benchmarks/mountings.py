@@ -24,13 +24,16 @@ from dcrb_ros.exam.evaluation import no_progress
 from dcrb_ros.exam.exam_file import MACHINE_TAG, read_exam
 from dcrb_ros.exam.measured import read_table
 from dcrb_ros.exam.predictivity_task import Task, measured_tasks, simulate_missing, simulated_tasks
+from dcrb_ros.runtime.processes import cores
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.text.markdown import table
 
 SECONDS = 3.0
 """Longest part of a recording [s]."""
 LOWEST, HIGHEST_SHARE = 500.0, 0.42
+"""Band [Hz, of the sampling rate]: above the harmonics of the shaft, and below the anti-alias filters of the recorders."""
 SEGMENT, LINES, TREND = 1024, 9, 81
+"""Samples of a window of Welch's method; lines over which spectra are averaged, and over which their trend is taken [-]."""
 
 
 class Spectrum(NamedTuple):
@@ -67,16 +70,16 @@ def pairs(spectra: Sequence[Spectrum]) -> Iterator[tuple[tuple[str, str], float,
         kind = "one bearing" if first.bearing == second.bearing else "two bearings"
         if (first.truth == "healthy") != (second.truth == "healthy"):
             kind = "healthy and faulty bearing"
-        fine = [smoothed(one.level, LINES) - smoothed(one.level, TREND) for one in (first, second)]
+        fine = [smoothed(spectrum.level, LINES) - smoothed(spectrum.level, TREND) for spectrum in (first, second)]
         yield (first.rig, kind), float(smoothed(first.level - second.level, LINES).std()), float(np.asarray(np.corrcoef(fine))[0, 1])
 
 
 def medians(spectra: Sequence[Spectrum]) -> dict[tuple[str, str], str]:
     """Return the median difference and correlation by rig and kind of pair."""
-    found = defaultdict(list)
+    by_kind = defaultdict(list)
     for key, *values in pairs(spectra):
-        found[key].append(values)
-    return {key: "{:.1f} dB, {:.2f}".format(*np.median(values, axis=0)) for key, values in found.items()}
+        by_kind[key].append(values)
+    return {key: "{:.1f} dB, {:.2f}".format(*np.median(values, axis=0)) for key, values in by_kind.items()}
 
 
 def main() -> None:
@@ -89,7 +92,7 @@ def main() -> None:
     known = read_table(given.measured / "recordings.csv", "lines")
     field = measured_tasks(known, SECONDS)
     simulated = simulated_tasks(read_exam(given.exam), known, given.recordings)
-    simulate_missing(simulated, 2, no_progress("", 0))
+    simulate_missing(simulated, cores(), no_progress("", 0))
     both = (
         medians([spectrum_of(task, task.original.machine) for task in field]),
         medians([spectrum_of(task, str(task.signal.recording.tags[MACHINE_TAG])) for task in simulated]),
