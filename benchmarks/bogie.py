@@ -9,8 +9,10 @@ only vehicles are diagnosed that are in the folder already.
 from __future__ import annotations
 
 import argparse
+import math
 from collections import Counter, defaultdict
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -35,16 +37,34 @@ GROUPS = {
 CAUSES = {verdict for kind in ("wheel", "sensor", "gear", "track") for verdict in VEHICLE_VERDICTS[kind]} | {UNDECIDED}
 """Verdicts of the comparing detector besides those on bearings; ``undecided`` bearings are counted, too."""
 DETECTORS = ("comparing", "each box alone", "loudest")
+TITLES = "with alarms on the damaged boxes and no other", "with an alarm on a healthy box", "whose damaged box has the most evidence"
+SUSPECTED = 2
+"""Number of the outcome that needs one damaged box: without a threshold, there is always a box with the most evidence."""
 
 
-Alarms = Mapping[str, Mapping[str, str]]
-"""Bearing alarms by detector and box."""
+@dataclass(frozen=True)
+class Answers:
+    """What the detectors say about a vehicle."""
+
+    alarms: Mapping[str, Mapping[str, str]]
+    """Bearing alarms by detector and box, raised at any time."""
+    evidence: Mapping[str, Mapping[str, float]]
+    """The largest evidence of a bearing fault by detector and box: the score, or the rms for the loudest box."""
+    causes: set[str]
+    """The other causes that the comparing detector named."""
+
+    def suspects(self, detector: str) -> set[str]:
+        """Return the box with the most evidence, or all that have as much."""
+        evidence = self.evidence[detector]
+        return {name for name, value in evidence.items() if value == max(evidence.values())}
 
 
-def alarms(signal: VehicleSignal) -> tuple[Alarms, set[str]]:
-    """Return the bearing alarms that each detector raised at any time, and the other causes that the comparing one named."""
+def answers(signal: VehicleSignal) -> Answers:
+    """Return what the detectors say about a vehicle."""
     detector = VehicleDetector(signal.description)
     found: dict[str, dict[str, str]] = {name: {} for name in DETECTORS}
+    evidence: dict[str, dict[str, float]] = {name: dict.fromkeys(signal.acceleration, -math.inf) for name in DETECTORS}
+    evidence["loudest"] = {name: float(np.square(values).mean()) for name, values in signal.acceleration.items()}
     causes: set[str] = set()
     for blocks, _, _ in pieces(signal):
         diagnosis = detector.add(blocks)
@@ -55,12 +75,16 @@ def alarms(signal: VehicleSignal) -> tuple[Alarms, set[str]]:
             continue
         found["comparing"].update(diagnosis.damaged())
         found["each box alone"].update({name: d.verdict for name, d in diagnosis.boxes.items() if d.verdict in BEARING_FAULTS})
+        for name, alone in diagnosis.boxes.items():
+            if alone.scores:
+                evidence["each box alone"][name] = max(evidence["each box alone"][name], *alone.scores.values())
+                evidence["comparing"][name] = max(evidence["comparing"][name], diagnosis.statuses[f"{name}/bearing"].score)
         causes |= {f"{kind_of(name)} {status.verdict}" for name, status in diagnosis.statuses.items() if status.verdict in CAUSES}
     named = found["each box alone"]
     if named:
-        loudest = max(named, key=lambda name: float(np.square(signal.acceleration[name]).mean()))
+        loudest = max(named, key=evidence["loudest"].__getitem__)
         found["loudest"] = {loudest: named[loudest]}
-    return found, causes
+    return Answers(found, evidence, causes)
 
 
 def row_of(case: VehicleCase) -> str:
@@ -72,10 +96,11 @@ def row_of(case: VehicleCase) -> str:
     return f"{row}, -{level}" if row.startswith("one") else row
 
 
-def outcome(found: Mapping[str, str], case: VehicleCase) -> tuple[bool, bool]:
-    """Return whether the alarms are on the damaged boxes and no other, and whether a healthy box has one."""
+def outcome(found: Answers, detector: str, case: VehicleCase) -> tuple[bool, bool, bool]:
+    """Return whether the alarms are on the damaged boxes only, whether a healthy box has one, and whether the suspect is damaged."""
     damaged = {name.replace(".", "/") for name, verdict in case.damaged.items() if verdict in BEARING_FAULTS}
-    return set(found) == damaged, bool(set(found) - damaged)
+    alarms = set(found.alarms[detector])
+    return alarms == damaged, bool(alarms - damaged), found.suspects(detector) == damaged
 
 
 def named_components(found: Mapping[str, str], case: VehicleCase) -> list[tuple[str, str]]:
@@ -91,33 +116,34 @@ def main() -> None:
     parser.add_argument("--kept", action="store_true")
     given = parser.parse_args()
     exam = read_vehicle_exam("bogie")
-    rows: dict[str, list[dict[str, tuple[bool, bool]]]] = defaultdict(list)
+    rows: dict[str, list[dict[str, tuple[bool, bool, bool]]]] = defaultdict(list)
     causes: dict[str, list[set[str]]] = defaultdict(list)
     names: Counter[tuple[str, str]] = Counter()
     for case in exam.cases:
         if given.kept and not signal_path(case.parameters, case.duration, given.recordings).is_file():
             continue
-        found, named = alarms(kept_signal(case.parameters, case.duration, given.recordings))
-        rows[row_of(case)].append({name: outcome(found[name], case) for name in DETECTORS})
-        causes[row_of(case)].append(named)
-        names.update(named_components(found["comparing"], case))
+        found = answers(kept_signal(case.parameters, case.duration, given.recordings))
+        rows[row_of(case)].append({name: outcome(found, name, case) for name in DETECTORS})
+        causes[row_of(case)].append(found.causes)
+        names.update(named_components(found.alarms["comparing"], case))
     print_tables(rows, causes)
     print("\nNumber of damaged boxes by the last component that the comparing detector named:\n")
     print(table(("damaged", "named", "boxes"), ((*pair, count) for pair, count in sorted(names.items()))))
 
 
-def print_tables(rows: Mapping[str, list[dict[str, tuple[bool, bool]]]], causes: Mapping[str, list[set[str]]]) -> None:
+def print_tables(rows: Mapping[str, list[dict[str, tuple[bool, bool, bool]]]], causes: Mapping[str, list[set[str]]]) -> None:
     """Print right boxes, wrong boxes, and the other causes that the comparing detector named."""
-    for number, title in enumerate(("vehicles with alarms on the damaged boxes and no other", "vehicles with an alarm on a healthy box")):
-        print(f"\nNumber of {title}, with its interval of 95 %:\n")
-        print(table(("scenario", "vehicles", *DETECTORS), (_counted(row, results, number) for row, results in rows.items())))
+    for number, title in enumerate(TITLES):
+        counted = (_counted(row, results, number) for row, results in rows.items() if number != SUSPECTED or row.startswith("one "))
+        print(f"\nNumber of vehicles {title}, with its interval of 95 %:\n")
+        print(table(("scenario", "vehicles", *DETECTORS), counted))
     columns = sorted({cause for vehicles in causes.values() for named in vehicles for cause in named})
     print("\nNumber of vehicles in which the comparing detector named a cause at any time:\n")
     cells = ((row, len(its), *(sum(cause in named for named in its) for cause in columns)) for row, its in causes.items())
     print(table(("scenario", "vehicles", *columns), cells))
 
 
-def _counted(row: str, results: list[dict[str, tuple[bool, bool]]], number: int) -> tuple[object, ...]:
+def _counted(row: str, results: list[dict[str, tuple[bool, bool, bool]]], number: int) -> tuple[object, ...]:
     """Return the cells of a row: the vehicles, and how many have one kind of outcome with each detector."""
     counts = [sum(result[name][number] for result in results) for name in DETECTORS]
     intervals = [share(count, len(results)) for count in counts]
