@@ -74,3 +74,9 @@ def test_what_a_killed_command_left_is_not_an_entry(folder: Path, capsys: pytest
     stopped_dcrb("SIGKILL", 1, "score", "bag", "--reference", "--entry", "entries/a.json")
     assert dcrb("exam", "table", "entries") == 2
     assert "entries has no .json file" in capsys.readouterr().err
+
+
+def test_an_import_that_is_stopped_at_its_start_leaves_nothing(folder: Path) -> None:
+    before = set(folder.iterdir())
+    assert stopped_dcrb("SIGTERM", 1, "import", "a.npz", "--about", "about.yaml", "-o", "imported").returncode == 130
+    assert set(folder.iterdir()) == before
