@@ -13,7 +13,7 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import to_described_yaml
 from dcrb_ros.text.files import LARGEST_TEXT, read_bytes
 from dcrb_ros.text.json import digest_of
-from dcrb_ros.text.writing import whole_file, write_whole
+from dcrb_ros.text.writing import whole_files
 from dcrb_ros.text.yaml import read_yaml, yaml_text
 
 if TYPE_CHECKING:
@@ -45,9 +45,9 @@ def write_calibration(calibration: Calibration, file: Path) -> Path:
     tree = _tree(calibration, file.name) | {CONFIGURATION_DIGEST: hashlib.sha256(content).hexdigest()}
     about = yaml_text(tree | {DIGEST: digest_of(tree, DIGEST)}, width=120)
     remarks = "".join(f"# Not identified: {sentence}.\n" for sentence in calibration.unidentified)
-    with whole_file(file) as temporary:
-        temporary.write_bytes(content)  # without other line ends on Windows
-        write_whole(beside, f"# Intervals of {file.name}: 'vary' can stand in a sweep file.\n{remarks}{about}")
+    with whole_files(file, beside) as (configuration, intervals):
+        configuration.write_bytes(content)  # without other line ends on Windows
+        intervals.write_bytes(f"# Intervals of {file.name}: 'vary' can stand in a sweep file.\n{remarks}{about}".encode())
     return beside
 
 

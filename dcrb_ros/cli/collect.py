@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 from typing import Annotated
 from warnings import catch_warnings, simplefilter
@@ -40,13 +39,7 @@ def collect(
         raise Refusal(f"-o {output} is a file: give an empty or a new folder")
     runs = (MeasuredRun(run.name, run.waveform, source=run.source, **run.fields) for run in listed_runs(table, about, rate))
     shape = Windows(length=window, overlap=overlap, kind="parquet")
-    fresh = not output.exists() or (output.is_dir() and not any(output.iterdir()))
-    try:
-        counts = write_measured_set(runs, Store(str(output)), title=title, licence=licence, windows=shape)
-    except BaseException:
-        if fresh:  # otherwise the same command would refuse its own remains
-            shutil.rmtree(output, ignore_errors=True)
-        raise
+    counts = write_measured_set(runs, Store(str(output)), title=title, licence=licence, windows=shape)
     with catch_warnings(record=True) as warned:
         simplefilter("always")
         DataSet(output)  # reads what was written, and compares it with its hashes

@@ -16,7 +16,7 @@ from dcrb_ros.cli.options import Force
 from dcrb_ros.cli.output_file import replacing
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.counts import counted
-from dcrb_ros.text.writing import whole_file, write_whole
+from dcrb_ros.text.writing import whole_files, write_whole
 
 app = Commands(help="Seal, open and verify exams drawn from a secret seed; make a leaderboard; compare an exam with measured recordings.")
 Sealed = Annotated[Path, typer.Argument(help="The sealed exam, which has been published.")]
@@ -46,11 +46,14 @@ def seal(
         raise Refusal(f"{template}, {published} and {kept} must be three files: give --output and --secret other names")
     seed = new_secret()
     sealed = sealed_exam(read_yaml(checked_path(template)), seed, str(template))
-    with replacing("--output", published, force=force), replacing("--secret", kept, force=force):
-        write_whole(published, yaml_text(sealed.model_dump()))
-        with whole_file(kept) as temporary:
-            temporary.chmod(0o600)
-            temporary.write_text(f"{seed}\n", encoding="utf-8")
+    with (
+        replacing("--output", published, force=force),
+        replacing("--secret", kept, force=force),
+        whole_files(published, kept) as (public, private),
+    ):
+        public.write_bytes(yaml_text(sealed.model_dump()).encode())
+        private.chmod(0o600)
+        private.write_text(f"{seed}\n", encoding="utf-8")
     print(f"publish {published}, whose hash is {sealed.sealed}")
     print(f"keep {kept} secret until the exam is over")
 

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import os
 import shutil
-import tempfile
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.files import checked_path
+from dcrb_ros.text.temporary import abandoned, new_locked, remove, remove_abandoned
 
 PICTURES = (".png", ".svg", ".pdf")
 """Suffixes of the pictures that matplotlib writes."""
+ASIDE = ".replaced-"
+"""Beginning of the names of folders with what is being replaced."""
 
 
 def check_output(option: str, file: Path, suffixes: Sequence[str] = ()) -> None:
@@ -72,13 +74,20 @@ def check_force(outputs: str, *given: object, force: bool) -> None:
 def replacing(option: str, path: Path, *, force: bool, source: Path | None = None) -> Iterator[None]:
     """Refuse an existing file or recording; with ``force`` replace it by what is written in the context.
 
-    The old one is put aside meanwhile, and comes back if the work fails or writes nothing.
+    The old one is put aside meanwhile, and comes back if the work fails or writes nothing. If this process is killed, the next call brings
+    it back, or removes it once something else has replaced it.
 
     Raises:
         Refusal: ``path`` exists and ``force`` is not given, or it contains ``source``, which is read, or a folder that is not a recording.
         RuntimeError: the old one could not come back; the message says where it is.
     """
-    if not os.path.lexists(checked_path(path)):
+    folder, name = checked_path(path).absolute().parent, path.absolute().name
+    for aside in abandoned(folder, ASIDE):
+        if not os.path.lexists(path):
+            with suppress(OSError):
+                (aside / name).rename(path)
+                aside.rmdir()
+    if not os.path.lexists(path):
         yield
         return
     if source is not None and path.resolve() in (source.resolve(), *source.resolve().parents):
@@ -86,35 +95,34 @@ def replacing(option: str, path: Path, *, force: bool, source: Path | None = Non
     check_free(option, path, force=force)
     if path.is_dir():
         _check_recording(option, path)
-    old = _put_aside(option, path)
-    try:
-        yield
-    except BaseException:
-        _bring_back(old, path)
-        raise
-    if not os.path.lexists(path):
-        _bring_back(old, path)
-    shutil.rmtree(old.parent, ignore_errors=True)
-
-
-def _put_aside(option: str, path: Path) -> Path:
-    """Move a file or a folder into a new folder beside it, which is not removed by itself; return its new path."""
-    try:
-        aside = Path(tempfile.mkdtemp(dir=path.absolute().parent, prefix=".replaced-"))
+    with ExitStack() as stack:
         try:
-            return path.rename(aside / "old")
+            aside = stack.enter_context(new_locked(folder, ASIDE))
+            try:
+                old = path.rename(aside / name)
+            except BaseException:
+                aside.rmdir()
+                raise
+        except OSError as error:
+            raise Refusal(f"{option} {path} cannot be replaced: {error.strerror}; give another name") from None
+        try:
+            yield
         except BaseException:
-            aside.rmdir()
+            _bring_back(old, path)
             raise
-    except OSError as error:
-        raise Refusal(f"{option} {path} cannot be replaced: {error.strerror}; give another name") from None
+        if not os.path.lexists(path):
+            _bring_back(old, path)
+        remove(aside)
+    for aside in abandoned(folder, ASIDE):
+        if not set(os.listdir(aside)) - {name}:
+            remove(aside)
 
 
 def _bring_back(old: Path, path: Path) -> None:
     """Move the old file or folder back to its place, and remove what a failed command has written there."""
     try:
         if os.path.lexists(path):
-            path.rename(old.with_name("failed"))
+            path.rename(old.with_name(f"{old.name}.failed"))
         old.rename(path)
     except OSError as error:
         raise RuntimeError(f"the old {path} is kept as {old}: it cannot come back ({error.strerror}); move it yourself") from None
@@ -122,7 +130,8 @@ def _bring_back(old: Path, path: Path) -> None:
 
 
 def _check_recording(option: str, folder: Path) -> None:
-    """Refuse a folder that contains anything but a recording."""
+    """Refuse a folder that contains anything but a recording, and what a killed process has left."""
+    remove_abandoned(folder)
     other = next((entry for entry in sorted(folder.iterdir()) if entry.name != "metadata.yaml" and entry.suffix != ".mcap"), None)
     if other is not None:
         raise Refusal(f"{option} {folder} contains {other.name}, which is not part of a recording: remove it or give another name")

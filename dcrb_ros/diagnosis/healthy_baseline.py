@@ -137,7 +137,7 @@ def read_baseline(path: Path) -> HealthyBaseline:
     """Return the baseline in a YAML file.
 
     Raises:
-        Refusal: the file cannot be read, is no baseline, or was changed. One of an earlier version has no digest and is not checked.
+        Refusal: the file cannot be read, is no baseline, was changed, or has no digest.
     """
     tree = read_yaml(path)
     if not isinstance(tree, dict):
@@ -147,7 +147,9 @@ def read_baseline(path: Path) -> HealthyBaseline:
     except ValidationError as error:
         problem = first_problem(error)
         raise Refusal(f"{path} is not a baseline: {problem.key}: {problem.reason}; learn it again") from None
-    if tree.get(DIGEST) not in (None, digest_of(tree, DIGEST)):
+    if tree.get(DIGEST) is None:
+        raise Refusal(f"{path} has no {DIGEST}, so that a change would not be found: learn the baseline again")
+    if tree[DIGEST] != digest_of(tree, DIGEST):
         raise Refusal(f"{path} was changed: its digest does not match; learn the baseline again")
     return baseline
 

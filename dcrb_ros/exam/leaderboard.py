@@ -79,7 +79,7 @@ def read_entries(folder: Path) -> list[Entry]:
     """
     if not checked_path(folder).is_dir():
         raise Refusal(f"there is no folder {folder}: give a folder with entries of dcrb score --entry")
-    files = sorted(folder.glob("*.json"))
+    files = sorted(file for file in folder.glob("*.json") if not file.name.startswith("."))
     if not files:
         raise Refusal(f"{folder} has no .json file: make entries with dcrb score EXAM --entry {folder}/NAME.json")
     return [read_entry(file) for file in files]

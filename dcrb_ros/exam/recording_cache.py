@@ -10,9 +10,7 @@ import hashlib
 import json
 import os
 import re
-import shutil
 import tempfile
-import time
 from pathlib import Path
 
 import platformdirs
@@ -28,10 +26,9 @@ from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.scenario import scheduled_changes
 from dcrb_ros.text.files import open_regular, read_text
 from dcrb_ros.text.json import parsed_json
-from dcrb_ros.text.writing import write_whole
+from dcrb_ros.text.temporary import remove_abandoned, temporary
+from dcrb_ros.text.writing import sync, write_whole
 
-ABANDONED = 86400.0
-"""Age at which an unfinished recording is deleted [s]."""
 RECORDED: tuple[SimulatedTopic, ...] = (VIBRATION, GROUND_TRUTH)
 """Topics of every recording."""
 CONTENT = "content.json"
@@ -55,10 +52,7 @@ def checked_folder(folder: Path) -> Path:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             pass
-        for unfinished in folder.glob(".making-*"):
-            with contextlib.suppress(FileNotFoundError):  # another process may have finished it
-                if time.time() - unfinished.stat().st_mtime > ABANDONED:
-                    shutil.rmtree(unfinished, ignore_errors=True)
+        remove_abandoned(folder)
         return folder
     except OSError as error:
         raise Refusal(f"{folder} cannot hold the exam's recordings: {error.strerror}; give another folder with --recordings") from None
@@ -92,22 +86,21 @@ def cached_recording(case: Case, folder: Path) -> Path:
         if not flaw:
             return path
         _report(f"scenario '{case.expectation.name}': {path} {flaw}; it is simulated again")
-    making = Path(tempfile.mkdtemp(prefix=".making-", dir=folder))
     try:
-        _simulate(case, making / path.name)
-        _write_content(case, making / path.name)
-        if os.path.lexists(path) and recording_flaw(case, path):
-            with contextlib.suppress(FileNotFoundError):  # another process may have moved it
-                os.rename(path, making / "damaged")
-        try:
-            os.rename(making / path.name, path)
-        except OSError:
-            if not path.is_dir():  # another process may have recorded the same case
-                raise
+        with temporary(folder) as making:
+            _simulate(case, making / path.name)
+            _write_content(case, making / path.name)
+            if os.path.lexists(path) and recording_flaw(case, path):
+                with contextlib.suppress(FileNotFoundError):  # another process may have moved it
+                    os.rename(path, making / "damaged")
+            try:
+                os.rename(making / path.name, path)
+                sync(folder)
+            except OSError:
+                if not path.is_dir():  # another process may have recorded the same case
+                    raise
     except OSError as error:
         raise Refusal(f"{path} cannot be written: {error.strerror or error}; give another folder with --recordings") from None
-    finally:
-        shutil.rmtree(making, ignore_errors=True)
     return path
 
 

@@ -21,7 +21,7 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.axes import AXES
 from dcrb_ros.stream.block import Truth
 from dcrb_ros.text.files import checked_path
-from dcrb_ros.text.writing import whole_file, write_whole
+from dcrb_ros.text.writing import whole_files
 from dcrb_ros.text.yaml import yaml_text
 
 WITH_FURTHER_ARRAYS = (".npz", ".mat")
@@ -60,9 +60,9 @@ def export(recording: Recording, path: Path, *, notes: list[str] | None = None) 
     columns, extra, labels, block_size = _collect(recording, notes, rate, whole=path.suffix.lower() in WITH_FURTHER_ARRAYS)
     about = {"manifest": recording.manifest, "outcome": recording.outcome, "labels": labels}
     description = _description(recording, path, rate, {**columns, **extra}, labels, block_size)
-    with whole_file(path) as temporary:
-        writer(temporary, columns, extra, rate, about)
-        write_whole(described, yaml_text(description))
+    with whole_files(path, described) as (waveform, text):
+        writer(waveform, columns, extra, rate, about)
+        text.write_bytes(yaml_text(description).encode())
     return described
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -18,6 +17,7 @@ from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.parameters import Recording as RecordingSettings
 from dcrb_ros.text.files import checked_path
+from dcrb_ros.text.temporary import temporary
 from dcrb_ros.text.writing import remedy_of, sync
 
 SECOND = 1_000_000_000
@@ -72,8 +72,10 @@ class Bag:
         try:
             self._file = self._begin_file(0)
             self._write_metadata()
-        except OSError as error:
+        except BaseException as error:
             shutil.rmtree(self.path, ignore_errors=True)
+            if not isinstance(error, OSError):
+                raise
             raise Refusal(f"{self.path} cannot be written: {error.strerror}; {remedy_of(error)} or give another folder") from None
 
     @property
@@ -167,11 +169,8 @@ class Bag:
         """Stop writing; the files remain readable."""
         self.open = False
         self._file.abandon()
-        try:
+        with suppress(OSError):  # the metadata written at the last split remain; `dcrb recover` writes new ones
             self._write_metadata()
-        except OSError:
-            # The metadata written at the last split remain; `dcrb recover` writes new ones.
-            (self.path / f".{METADATA}").unlink(missing_ok=True)
 
     def _reached(self) -> float:
         return max((file.span.last_ns for file in self._all()), default=0) / SECOND
@@ -203,12 +202,12 @@ class Bag:
 
     def _write_metadata(self) -> None:
         """Replace metadata.yaml atomically."""
-        temporary = self.path / f".{METADATA}"
         document = {"rosbag2_bagfile_information": self._metadata(self._all())}
-        temporary.write_text(yaml.safe_dump(document, sort_keys=False), encoding="utf-8")
-        sync(temporary)
-        os.replace(temporary, self.path / METADATA)
-        sync(self.path)
+        with temporary(self.path, ".yaml") as written:
+            written.write_text(yaml.safe_dump(document, sort_keys=False), encoding="utf-8")
+            sync(written)
+            written.replace(self.path / METADATA)
+            sync(self.path)
 
 
 def _topic(channel: Channel, count: int) -> dict[str, Any]:

@@ -23,12 +23,13 @@ from dcrb_ros.sweep.division import REMEDIES, in_several, warnings_of
 from dcrb_ros.sweep.identity import TRUTH
 from dcrb_ros.sweep.label import DONE
 from dcrb_ros.sweep.schema import CARD, DESCRIPTION, SPLITS, healthy_first, write_about
-from dcrb_ros.sweep.store import Store
+from dcrb_ros.sweep.store import Store, StoreFailed
 from dcrb_ros.sweep.sums import write_sums
 from dcrb_ros.sweep.sweep_file import Windows
 from dcrb_ros.sweep.table import LABELS, table_of
 from dcrb_ros.sweep.windows import cut_windows, waveform_file, window_starts, windows_file
 from dcrb_ros.text.markdown import table
+from dcrb_ros.text.writing import check_empty, whole_folder
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,8 +77,20 @@ def write_measured_set(
     Raises:
         Refusal: the store is not empty, there is no run, two have the same name, or a bearing is in two splits.
     """
-    if any(True for _ in store.names("")):
-        raise Refusal(f"{store.address} contains files: give an empty or a new folder")
+    if store.folder is None:
+        if any(True for _ in store.names("")):
+            raise Refusal(f"{store.address} contains files: give an empty or a new folder")
+        return _write(runs, store, title, licence, windows)
+    check_empty(store.folder)
+    with whole_folder(store.folder, LABELS) as written:
+        try:
+            return _write(runs, Store(str(written)), title, licence, windows)
+        except StoreFailed as failure:
+            raise StoreFailed(str(failure).replace(str(written), store.address)) from None
+
+
+def _write(runs: Iterable[MeasuredRun], store: Store, title: str, licence: str, windows: Windows) -> Counter[tuple[str, str]]:
+    """Write a data set to an empty store."""
     labels: list[dict[str, Any]] = []
     sources: dict[str, Mapping[str, Any]] = {}
     split_of: dict[str, str] = {}

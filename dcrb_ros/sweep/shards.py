@@ -37,7 +37,7 @@ from dcrb_ros.sweep.vehicles.sweep import VEHICLE
 from dcrb_ros.sweep.verification import flaw, read_label
 from dcrb_ros.text.files import read_text
 from dcrb_ros.text.json import LARGEST, parsed_json
-from dcrb_ros.text.writing import write_whole
+from dcrb_ros.text.writing import check_empty, whole_folder, write_whole
 from dcrb_ros.text.yaml import read_yaml
 
 INDEX = "index.json"
@@ -104,26 +104,16 @@ def write_shards(data_set: Path, folder: Path, runs: int) -> list[str]:
         raise Refusal(
             f"{data_set / changed} has been changed: its SHA-256 is not the one in {SUMS}; restore it, or make the data set again"
         )
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        full = any(folder.iterdir())
-    except OSError as error:
-        raise Refusal(f"{folder} cannot be used: {error.strerror}; give an empty or a new folder that can be written") from None
-    if full:
-        raise Refusal(f"{folder} contains files: give an empty or a new folder")
     entries: dict[str, dict[str, object]] = {}
-    try:
+    check_empty(folder)
+    with whole_folder(folder, INDEX) as written:
         for shard in shards(plan, runs):
             data = packed(store, shard)
-            write_whole(folder / shard.name, data)
+            (written / shard.name).write_bytes(data)
             entries[shard.name] = {**file_record(data), "runs": [run.name for task in shard.tasks for run in task]}
         recipe = {name: (data_set / name).read_text(encoding="utf-8") for name in RECIPE}
         about = {"dcrb_ros": __version__, "model": model_fingerprint(), "software": software(), "plan": plan.name, "runs_per_shard": runs}
-        write_whole(folder / INDEX, json.dumps({**about, "recipe": recipe, "shards": entries}, indent=1))
-    except BaseException:
-        for name in entries:
-            (folder / name).unlink(missing_ok=True)
-        raise
+        (written / INDEX).write_text(json.dumps({**about, "recipe": recipe, "shards": entries}, indent=1))
     return list(entries)
 
 

@@ -1,17 +1,17 @@
-"""Files that are written whole or not at all."""
+"""Files and folders that are written whole or not at all."""
 
 from __future__ import annotations
 
 import contextlib
 import errno
 import os
-import secrets
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.files import checked_path, special_kind
+from dcrb_ros.text.temporary import remove_abandoned, temporary
 
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 """Errors of a disk without space, and of a file beyond the largest size."""
@@ -21,39 +21,79 @@ FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 def whole_file(path: Path) -> Iterator[Path]:
     """Yield the name of a temporary file beside ``path``; at the end of the context it is on the disk and replaces ``path`` in one step.
 
-    If the context raises, or the disk is full, ``path`` stays as it was and the temporary file is removed. The temporary name ends like
-    ``path``, for libraries that choose a format by the suffix. A link stays, and what it points to is replaced. A device or a pipe is
-    written directly.
+    If the context raises, or the disk is full, ``path`` stays as it was and the temporary file is removed; that of a killed process is
+    removed by the next one that writes to the folder. The temporary name ends like ``path``, for libraries that choose a format by the
+    suffix. A link stays, and what it points to is replaced. A device or a pipe is written directly.
 
     Raises:
         Refusal: the file cannot be written.
     """
-    target = checked_path(path).absolute()
-    if special_kind(target):
-        with _refused(path):
-            yield target
-        return
-    with _refused(path):
-        target = target.resolve()
-        temporary = target.with_name(f".writing-{secrets.token_hex(8)}{target.suffix}")
-        os.close(os.open(temporary, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
-        try:
-            yield temporary
-            sync(temporary)
-            temporary.replace(target)
-            sync(target.parent)
-        finally:
-            with contextlib.suppress(OSError):
-                temporary.unlink(missing_ok=True)
+    with whole_files(path) as (temporary,):
+        yield temporary
 
 
 @contextmanager
-def _refused(path: Path) -> Iterator[None]:
-    """Turn an error of the operating system into a sentence on the file."""
+def whole_files(*paths: Path) -> Iterator[tuple[Path, ...]]:
+    """Yield temporary names of files that belong together; all are on the disk before the first one is replaced. See `whole_file`."""
+    given = [checked_path(path).absolute() for path in paths]
+    with _refused(paths[0]), ExitStack() as stack:
+        targets = [target if special_kind(target) else target.resolve() for target in given]
+        files = {target: stack.enter_context(temporary(target.parent, target.suffix)) for target in targets if not special_kind(target)}
+        yield tuple(files.get(target, target) for target in targets)
+        for written in files.values():
+            sync(written)
+        for target, written in files.items():
+            written.replace(target)
+        for parent in {target.parent for target in files}:
+            sync(parent)
+
+
+@contextmanager
+def whole_folder(folder: Path, last: str) -> Iterator[Path]:
+    """Yield a temporary folder in ``folder``, which is made if it does not exist; at the end of the context its entries move up.
+
+    The entry ``last``, without which the others are not used, moves last. If the context raises, ``folder`` stays as it was.
+
+    Raises:
+        Refusal: the folder cannot be written.
+    """
+    with _refused(folder, "folder"):
+        new = not folder.exists()
+        folder.mkdir(parents=True, exist_ok=True)
+        try:
+            with temporary(folder) as written:
+                yield written
+                for path in written.rglob("*"):
+                    sync(path)
+                for path in sorted(written.iterdir(), key=lambda path: path.name == last):
+                    path.replace(folder / path.name)
+                sync(folder)
+        except BaseException:
+            if new:
+                with contextlib.suppress(OSError):
+                    folder.rmdir()
+            raise
+
+
+def check_empty(folder: Path) -> None:
+    """Refuse a folder with content; what a killed process has left there is removed.
+
+    Raises:
+        Refusal: the folder contains files, is no folder or cannot be read.
+    """
+    with _refused(folder, "folder"):
+        remove_abandoned(folder)
+        if folder.exists() and any(folder.iterdir()):
+            raise Refusal(f"{folder} contains files: give an empty or a new folder")
+
+
+@contextmanager
+def _refused(path: Path, kind: str = "file") -> Iterator[None]:
+    """Turn an error of the operating system into a sentence on the file or folder."""
     try:
         yield
     except OSError as error:
-        raise Refusal(f"{path} cannot be written: {error.strerror or error}; {remedy_of(error)} or give another file") from None
+        raise Refusal(f"{path} cannot be written: {error.strerror or error}; {remedy_of(error)} or give another {kind}") from None
 
 
 def remedy_of(error: OSError) -> str:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
@@ -11,6 +9,8 @@ from typing import Any, NamedTuple
 
 from dcrb_ros.runtime.processes import in_processes
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.temporary import remove_abandoned
+from dcrb_ros.text.writing import whole_folder
 from dcrb_ros.validation.balls import ball_rows
 from dcrb_ros.validation.dry_bench import dry_bench_rows
 from dcrb_ros.validation.faults import fault_rows
@@ -94,6 +94,7 @@ def report_folder(folder: Path) -> Path:
     """
     if folder.exists() and not folder.is_dir():
         raise Refusal(f"{folder} is a file: give the report another folder with -o")
+    remove_abandoned(folder)
     if folder.exists() and any(folder.iterdir()) and not (folder / REPORT).exists():
         raise Refusal(f"{folder} contains files that are not a report: give another folder with -o")
     try:
@@ -109,13 +110,7 @@ def write_report(folder: Path, comparisons: Sequence[ReportRow], runs: PaperRuns
     Raises:
         Refusal: the folder cannot be written.
     """
-    try:
-        with tempfile.TemporaryDirectory(dir=folder, prefix=".unfinished-") as unfinished:
-            temporary = Path(unfinished)
-            names = write_figures(runs, temporary)
-            (temporary / REPORT).write_text(markdown(comparisons, [*run_specs(), *oiled_specs()], names), encoding="utf-8")
-            for name in (*names, REPORT):
-                os.replace(temporary / name, folder / name)
-    except OSError as error:
-        raise Refusal(f"{folder} cannot be written: {error.strerror}; give another folder with -o") from None
+    with whole_folder(folder, REPORT) as written:
+        names = write_figures(runs, written)
+        (written / REPORT).write_text(markdown(comparisons, [*run_specs(), *oiled_specs()], names), encoding="utf-8")
     return folder / REPORT

@@ -13,6 +13,7 @@ from dcrb_ros.recordings.recovery import plain_files
 from dcrb_ros.recordings.vehicle_folder import vehicle_boxes
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.files import checked_path
+from dcrb_ros.text.temporary import temporary
 from dcrb_ros.text.writing import whole_file
 from dcrb_ros.viewer.content import Content
 from dcrb_ros.viewer.reader import read_content
@@ -62,8 +63,8 @@ def save_document(recording: Recording, content: Content | VehicleContent, path:
     Raises:
         Refusal: the file cannot be written.
     """
-    with whole_file(path) as part, tempfile.TemporaryDirectory(dir=path.absolute().parent, prefix=".dcrb-view-") as folder:
-        write(content, part, native=plain_files(recording, Path(folder)))
+    with whole_file(path) as part, temporary(path.absolute().parent) as folder:
+        write(content, part, native=plain_files(recording, folder))
 
 
 def take_picture(content: Content | VehicleContent, path: Path) -> None:

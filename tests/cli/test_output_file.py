@@ -136,7 +136,7 @@ def test_the_old_one_is_never_deleted_unless_it_is_replaced(bag: Path, tmp_path:
     monkeypatch.setattr(Path, "rename", interrupted)
     with pytest.raises(KeyboardInterrupt):
         half_done(bag, RuntimeError)
-    (kept,) = tmp_path.glob(".replaced-*/old")
+    (kept,) = tmp_path.glob(".replaced-*/bag")
     assert entries(kept) == before
 
 
@@ -149,6 +149,24 @@ def test_an_old_one_that_cannot_come_back_is_named(bag: Path, tmp_path: Path, mo
         return rename(source, target)
 
     monkeypatch.setattr(Path, "rename", refused)
-    with pytest.raises(RuntimeError, match=r"the old .*/bag is kept as .*/\.replaced-.*/old: .*Permission denied") as failure:
+    with pytest.raises(RuntimeError, match=r"the old .*/bag is kept as .*/\.replaced-.*/bag: .*Permission denied") as failure:
         half_done(bag, RuntimeError)
     assert Path(str(failure.value).split(" is kept as ")[1].split(":")[0]).is_dir()
+
+
+def test_the_old_one_of_a_killed_process_comes_back(bag: Path, tmp_path: Path) -> None:
+    before = entries(bag)
+    (tmp_path / ".replaced-abc").mkdir()
+    bag.rename(tmp_path / ".replaced-abc" / "bag")
+    with pytest.raises(Refusal, match="bag exists: give another name, or --force"), replacing("-o", bag, force=False):
+        pytest.fail("the work began")
+    assert entries(bag) == before
+    assert entries(tmp_path) == {"bag"}
+
+
+def test_the_old_one_of_a_killed_process_is_removed_once_it_is_replaced(bag: Path, tmp_path: Path) -> None:
+    recorded(tmp_path / ".replaced-abc" / "bag", 1)
+    recorded(tmp_path / ".replaced-def" / "other", 1)
+    with replacing("-o", bag, force=True):
+        recorded(bag, 1)
+    assert entries(tmp_path) == {"bag", ".replaced-def"}

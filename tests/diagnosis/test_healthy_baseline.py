@@ -139,6 +139,14 @@ def test_another_number_in_a_saved_baseline_is_found(baseline: HealthyBaseline, 
         read_baseline(path)
 
 
+@pytest.mark.parametrize("left", [{}, {DIGEST: None}], ids=["removed", "null"])
+def test_a_baseline_without_its_digest_is_refused(left: dict[str, None], baseline: HealthyBaseline, tmp_path: Path) -> None:
+    path = tmp_path / "mine.yaml"
+    path.write_text(yaml.safe_dump(baseline.model_dump(mode="json") | left))
+    with pytest.raises(Refusal, match=r"mine\.yaml has no sha256, so that a change would not be found: learn the baseline again"):
+        read_baseline(path)
+
+
 def test_a_baseline_signed_with_fewer_fields_is_read(baseline: HealthyBaseline, tmp_path: Path) -> None:
     """A version that knew no remark signed the other fields; an edit of one is found nevertheless."""
     path, tree = tmp_path / "mine.yaml", baseline.model_dump(mode="json", exclude={"remark"})
@@ -165,7 +173,8 @@ def test_a_baseline_signed_with_fewer_fields_is_read(baseline: HealthyBaseline, 
 )
 def test_a_baseline_of_something_else_is_refused(changes: dict[str, Any], sentence: str, baseline: HealthyBaseline, tmp_path: Path) -> None:
     path = tmp_path / "mine.yaml"
-    path.write_text(yaml.safe_dump(baseline.model_dump(mode="json") | changes))
+    tree = baseline.model_dump(mode="json") | changes
+    path.write_text(yaml.safe_dump(tree | {DIGEST: digest_of(tree, DIGEST)}))
     with pytest.raises(Refusal, match=sentence):
         judged(loud(2)[: 3 * RATE], baseline=str(path))
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import errno
 import os
 import shutil
-import time
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import replace
@@ -28,7 +27,6 @@ from dcrb_ros.exam.exam_scenarios import simulated_scenarios
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.recorded_case import RecordedCase, RecordedDiagnoses, diagnosed_scenarios, read_recorded_case
 from dcrb_ros.exam.recording_cache import (
-    ABANDONED,
     CONTENT,
     cache_path,
     cached_recording,
@@ -43,6 +41,7 @@ from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.block import Truth
+from dcrb_ros.text.temporary import temporary
 
 EXAM = exam_of({"exam": "t", "scenarios": [{"name": f"Well {k}!", "verdict": "healthy"} for k in range(3)]}, "t")
 CASES = EXAM.cases
@@ -90,16 +89,14 @@ def test_the_path_of_a_recording_has_a_readable_name(tmp_path: Path) -> None:
     assert len(cache_path(long, tmp_path).name) == 60 + 1 + 16
 
 
-@pytest.mark.parametrize(("age", "kept"), [(ABANDONED - 600.0, True), (ABANDONED + 600.0, False)])
-def test_unfinished_recordings_are_deleted_after_a_day(age: float, kept: bool, tmp_path: Path) -> None:
-    assert ABANDONED == 24 * 3600.0
-    unfinished, other = tmp_path / ".making-abc", tmp_path / "finished"
+def test_unfinished_recordings_of_killed_processes_are_deleted(tmp_path: Path) -> None:
+    unfinished, other = tmp_path / ".writing-abc", tmp_path / "finished"
     for folder in (unfinished, other):
         folder.mkdir()
-        os.utime(folder, (time.time() - age,) * 2)
-    assert checked_folder(tmp_path) == tmp_path
-    assert unfinished.is_dir() is kept
-    assert other.is_dir()
+    with temporary(tmp_path) as running:
+        assert checked_folder(tmp_path) == tmp_path
+        assert running.is_dir()
+    assert list(tmp_path.iterdir()) == [other]
     assert checked_folder(tmp_path / "new" / "deep").is_dir()
 
 
@@ -234,11 +231,6 @@ def test_a_recording_has_temperatures_where_the_bench_has_them(law: str, tempera
     assert named - own == ({"outer_ring/temperature", "box/temperature", "ambient/temperature"} if temperatures else set())
 
 
-def test_an_unfinished_recording_may_vanish_while_the_folder_is_checked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Path, "glob", lambda self, pattern: iter([self / ".making-finished"]))
-    assert checked_folder(tmp_path) == tmp_path
-
-
 def test_a_recording_that_cannot_be_put_in_its_place_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def simulate(case: Any, target: Path) -> None:
         target.mkdir()
@@ -250,7 +242,7 @@ def test_a_recording_that_cannot_be_put_in_its_place_is_refused(tmp_path: Path, 
     monkeypatch.setattr(os, "rename", rename)
     with pytest.raises(Refusal, match=r"well-0.* cannot be written: Permission denied; give another folder with --recordings"):
         cached_recording(CASES[0], tmp_path)
-    assert not list(tmp_path.glob(".making-*"))
+    assert not list(tmp_path.glob(".writing-*"))
 
 
 class Mute:

@@ -428,7 +428,7 @@ def test_recordings_are_simulated_once_and_twins_differ_from_the_onset_on(tmp_pa
     written = (first / "metadata.yaml").stat().st_mtime_ns
     assert cached_recording(spall, tmp_path) == first == cache_path(spall, tmp_path)
     assert (first / "metadata.yaml").stat().st_mtime_ns == written
-    assert not list(tmp_path.glob(".making-*"))
+    assert not list(tmp_path.glob(".writing-*"))
     faulty, healthy = (np.concatenate([b.acceleration for b in Recording(bag).vibrations()]) for bag in (first, second))
     parted = int(np.flatnonzero((faulty != healthy).any(axis=1))[0])
     assert parted / 51200 == pytest.approx(0.1, abs=0.005)  # the same samples until the fault comes

@@ -164,14 +164,16 @@ def test_an_edited_recipe_of_a_data_set_is_not_packed(file: str, old: str, new: 
 
 
 def test_a_missing_run_and_a_full_folder_are_refused(data_set: Path, tmp_path: Path) -> None:
+    (tmp_path / "shards" / ".writing-abc").mkdir(parents=True)  # left by a process that was killed
     write_shards(data_set, tmp_path / "shards", 3)
+    assert not (tmp_path / "shards" / ".writing-abc").exists()
     with pytest.raises(Refusal, match="an empty or a new folder"):
         write_shards(data_set, tmp_path / "shards", 3)
     with pytest.raises(Refusal, match=r"has no sweep\.yaml"):
         write_shards(tmp_path, tmp_path / "more", 3)
     (tmp_path / "file").touch()
     for place in (tmp_path / "file", tmp_path / "file" / "below"):
-        with pytest.raises(Refusal, match=r"file.* cannot be used: .*; give an empty or a new folder that can be written"):
+        with pytest.raises(Refusal, match=r"file.* cannot be written: Not a directory; .* or give another folder"):
             write_shards(data_set, place, 3)
 
 
