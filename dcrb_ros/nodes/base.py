@@ -71,10 +71,10 @@ class BenchNode(ParameterNode):
         return ActionServer(self, kind, name, execute, callback_group=callback_group, cancel_callback=lambda _: CancelResponse.ACCEPT)
 
     def start_with_subscribers(self, wait: SubscriberWait, start: Callable[[], None]) -> None:
-        """Call ``start`` once the subscribers to the waveform have joined, or after the longest wait without them."""
+        """Call ``start`` once the subscribers have joined, or after the longest wait without them."""
         if wait.listeners:
             plural = "" if wait.listeners == 1 else "s"
-            self.get_logger().info(f"waiting for {wait.listeners} subscriber{plural} to {wait.waveform.name}, at most {wait.timeout:g} s")
+            self.get_logger().info(f"waiting for {wait.listeners} subscriber{plural} to {wait.topic.name}, at most {wait.timeout:g} s")
 
         def poll() -> None:
             if wait.over():
