@@ -23,13 +23,16 @@ POLL_PERIOD = 0.05
 
 
 class BenchNode(ParameterNode):
-    """A node with the life cycle that `dcrb_ros.nodes.ros.run_node` drives: construct, `start`, spin until `ended`, `close`."""
+    """A node with the life cycle that `dcrb_ros.nodes.ros.run_node` drives: construct, `load`, `start`, spin until `ended`, `close`."""
 
     purpose = "node"
     """Name of what the node runs, for the message about its failure."""
 
     def __init__(self, name: str) -> None:
         super().__init__(name, NAMESPACE)
+
+    def load(self) -> None:
+        """Do what takes long and leaves nothing behind if a signal interrupts it."""
 
     def start(self) -> None:
         """Start the work of the node; its callbacks are not served yet."""
