@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import math
 import signal
 import threading
 
@@ -14,7 +15,16 @@ from sensor_msgs.msg import JointState
 
 def diagnosis_json(message: DiagnosticArray) -> str:
     status = message.status[0]
-    return json.dumps({"time": seconds(message), "verdict": status.message, **{pair.key: pair.value for pair in status.values}})
+    return json.dumps({"time": seconds(message), "verdict": status.message, **{pair.key: value_of(pair.value) for pair in status.values}})
+
+
+def value_of(text: str) -> float | str:
+    """Return the number in a text; one that is not finite stays a text, since JSON has none."""
+    try:
+        number = float(text)
+    except ValueError:
+        return text
+    return number if math.isfinite(number) else text
 
 
 def features_json(message: JointState) -> str:

@@ -21,7 +21,9 @@ def replay(
         str,
         typer.Option(help="Topics to publish, such as 'outer_ring/vibration, diagnosis'. Default: all topics of the simulator."),
     ] = "",
-    listeners: Annotated[int, typer.Option(help="Subscribers to the waveform to wait for before the first block, 0 to 1000.")] = 1,
+    listeners: Annotated[
+        int, typer.Option(help="Subscribers to wait for before the first block, to the waveform or else to the first topic, 0 to 1000.")
+    ] = 1,
     wait: Annotated[float, typer.Option(help="Longest time in seconds to wait for them, 0 to 1e4.")] = 3.0,
 ) -> None:
     """Publish a recording on the topics of the bench, as the simulator did.

@@ -78,7 +78,7 @@ def sweep(
     plan = plan_of(read_sweep(sweep, machine))
     if plan.conditions < 3 and not quiet:
         missing = "validation split" if plan.conditions == 2 else "validation or test split"
-        typer.echo(f"too few {plan.unit} ({plan.conditions}) for a {missing}: {plan.remedy} to get more", err=True)
+        typer.echo(f"too few {plan.unit}s ({plan.conditions}) for a {missing}: {plan.remedy} to get more", err=True)
     if not quiet:
         for sentence in warnings_of(plan.shared).values():
             typer.echo(f"warning: {sentence}", err=True)
@@ -221,7 +221,7 @@ def _estimate(plan: Plan, workers: int, *, as_json: bool) -> None:
         }
         print(json.dumps(about, indent=2))
         return
-    print(f"{counted(cost.runs, 'run')} of {cost.duration:g} s in {counted(plan.conditions, plan.unit.removesuffix('s'))}")
+    print(f"{counted(cost.runs, 'run')} of {cost.duration:g} s in {counted(plan.conditions, plan.unit)}")
     print(table(heads, cases))
     print(
         f"about {_span(cost.seconds(workers))} on {counted(workers, 'worker')} of this machine ({cost.factor:.1f} x real time each, plus "

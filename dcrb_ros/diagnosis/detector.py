@@ -259,6 +259,7 @@ class FaultDetector:
         severity = self._severity(evidence, confirmed)
         if self.learner is not None:
             self.learner.add(evidence, self.rules, verdict, time)
+        spectrum_remark = f"the squared envelope spectrum is that of the band from {selected.band}"
         return dataclasses.replace(
             self._without_verdict(last, verdict, self._reason(verdict, findings, least)),
             confidence=confidence(verdict, confirmed, excess),
@@ -269,7 +270,8 @@ class FaultDetector:
             lines={str(component): lines for component, finding in findings.items() if (lines := found_lines(finding)) is not None},
             severity=severity,
             trend=self._trend.slope(time, verdict, severity),
-            remarks=self._remarks(f"the squared envelope spectrum is that of the band from {selected.band}"),
+            remarks=self._remarks(spectrum_remark),
+            spectrum_remark=spectrum_remark,
         )
 
     def _least_evidence(self) -> dict[Component, float]:

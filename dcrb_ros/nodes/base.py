@@ -23,13 +23,16 @@ POLL_PERIOD = 0.05
 
 
 class BenchNode(ParameterNode):
-    """A node with the life cycle that `dcrb_ros.nodes.ros.run_node` drives: construct, `start`, spin until `ended`, `close`."""
+    """A node with the life cycle that `dcrb_ros.nodes.ros.run_node` drives: construct, `load`, `start`, spin until `ended`, `close`."""
 
     purpose = "node"
     """Name of what the node runs, for the message about its failure."""
 
     def __init__(self, name: str) -> None:
         super().__init__(name, NAMESPACE)
+
+    def load(self) -> None:
+        """Do what takes long and leaves nothing behind if a signal interrupts it."""
 
     def start(self) -> None:
         """Start the work of the node; its callbacks are not served yet."""
@@ -71,10 +74,10 @@ class BenchNode(ParameterNode):
         return ActionServer(self, kind, name, execute, callback_group=callback_group, cancel_callback=lambda _: CancelResponse.ACCEPT)
 
     def start_with_subscribers(self, wait: SubscriberWait, start: Callable[[], None]) -> None:
-        """Call ``start`` once the subscribers to the waveform have joined, or after the longest wait without them."""
+        """Call ``start`` once the subscribers have joined, or after the longest wait without them."""
         if wait.listeners:
             plural = "" if wait.listeners == 1 else "s"
-            self.get_logger().info(f"waiting for {wait.listeners} subscriber{plural} to {wait.waveform.name}, at most {wait.timeout:g} s")
+            self.get_logger().info(f"waiting for {wait.listeners} subscriber{plural} to {wait.topic.name}, at most {wait.timeout:g} s")
 
         def poll() -> None:
             if wait.over():

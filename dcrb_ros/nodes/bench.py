@@ -324,8 +324,8 @@ def _watch(
 
 def _conclude(observer: Observer, recorded: str, console: Console, status: int) -> int:
     """Print verdicts, recording and how to open it; return the ``status`` of a node that failed, or 1 if there is no verdict."""
-    if recorded:
-        path = Path(recorded)
+    path = Path(recorded)
+    if recorded and path.exists():  # a recording without a block is removed
         print(f"recording: {path}")
         print(f"open it with: {shlex.join(('dcrb', 'view', str(path)))}   or: {shlex.join(('rerun', str(path / f'{path.name}_0.mcap')))}")
     if observer.refused:

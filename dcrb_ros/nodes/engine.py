@@ -82,6 +82,8 @@ class Engine:
         self.computed = False
         """Whether the source has yielded a bundle since the start or the last reset."""
         self._source, self._sinks, self._loop = source, sinks, loop
+        self._loaded: Sequence[Message] | None = None
+        """What `load` keeps for `prepare`."""
         self._thread = NamedThread(name, self._run)
 
     @property
@@ -99,9 +101,14 @@ class Engine:
         """Whether the work has ended by itself, not because the gate was closed."""
         return self.ended and not self.gate.closed
 
+    def load(self) -> None:
+        """Start the source, which may take minutes, and pass nothing on yet."""
+        self._loaded = self._source.start()
+
     def prepare(self) -> None:
-        """Start the source and pass the messages that precede the first bundle to the sinks; call it before `start`."""
-        messages = self._source.start()
+        """Start the source unless `load` has, and pass the messages that precede the first bundle to the sinks; call it before `start`."""
+        messages = self._source.start() if self._loaded is None else self._loaded
+        self._loaded = None
         for sink in self._sinks:
             sink.start(messages)
 

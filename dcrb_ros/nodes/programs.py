@@ -1,7 +1,7 @@
 """The nodes as programs, for `ros2 run`, launch files and `python -m dcrb_ros.nodes`.
 
 Importing a node takes up to a second, in which a termination signal ends the program at once; this module itself imports next to nothing
-before the signals are handled. Once the node runs, a signal ends it in order (`dcrb_ros.nodes.ros.stop_on_signals`).
+before the signals are handled. Until the node starts its work, a signal interrupts it; then one ends it in order (`dcrb_ros.nodes.ros`).
 """
 
 from __future__ import annotations

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import threading
 import time
 from collections.abc import Iterable, Sequence
@@ -65,6 +66,8 @@ class RecordingSwitch:
         self._recorder: RecorderThread | None = None
         self._closing: list[RecorderThread] = []
         """Recorders that receive nothing more and may still be writing."""
+        self._empty = True
+        """Whether the present recording has no block yet."""
         self._failure = ""
         self.first_failure = ""
         """Why the first recording that failed did, also if later ones were finished; empty if none failed."""
@@ -108,8 +111,9 @@ class RecordingSwitch:
                     self._log.info(f"{self._wanted} exists and is kept: recording to {path}")
         self._started = True
         if finished is not None and self._wanted is not None:
+            kept = f"{finished} is finished, " if finished.exists() else ""
             try:
-                self._log.info(f"reset: {finished} is finished, {self.record(self._wanted)} records from the start")
+                self._log.info(f"reset: {kept}{self.record(self._wanted)} records from the start")
             except Refusal as refusal:
                 self._fail(f"no recording since the reset: {refusal}")
 
@@ -128,6 +132,7 @@ class RecordingSwitch:
     def _begin(self, path: Path) -> Path:
         """Begin a recording, with the lock held."""
         self._recorder, self._failure = self._create(path, commands=self._commands, start_ns=self._time_ns), ""
+        self._empty = True
         if self._latched:  # the recorder describes the bench as it started
             self._write([replace(message, time_ns=self._time_ns) for message in self._latched.values()])
         return path
@@ -136,6 +141,7 @@ class RecordingSwitch:
         """Record a bundle, if a recording is running."""
         with self._lock:
             self._write(bundle.messages)
+            self._empty = False
             self._latched |= {message.topic: message for message in bundle.messages if message.topic.latched}
             self._time_ns = bundle.end_ns
             self._commands += bundle.commands
@@ -157,12 +163,14 @@ class RecordingSwitch:
     def stop(self) -> Path | None:
         """Finish the running recording and wait for earlier ones that are still being written; return its folder.
 
-        Only the caller waits for the disk; `write` does not.
+        A recording without a block is removed. Only the caller waits for the disk; `write` does not.
         """
         with self._lock:
-            recorder = self._retire()
+            recorder, empty = self._retire(), self._empty
             closing = tuple(self._closing)
         self._close(closing)
+        if recorder and empty and not recorder.writing:
+            shutil.rmtree(recorder.path, ignore_errors=True)
         return recorder.path if recorder else None
 
     def _retire(self) -> RecorderThread | None:

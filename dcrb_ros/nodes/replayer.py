@@ -53,23 +53,20 @@ class ReplayerNode(BenchNode):
         gate = Gate(Pacer(self._settings.rate, time.monotonic), time.monotonic)
         sinks: list[Sink] = [*clocks, self._publisher, self._progress]
         diagnosis = VEHICLE_DIAGNOSIS if self._replay.latched == VEHICLE_DESCRIPTION else DIAGNOSIS
-        answered = bool(self._replay.waveforms) and diagnosis not in self._replay.topics
+        answered = self._replay.awaited in self._replay.waveforms and diagnosis not in self._replay.topics
         self._answers = self.follow_detector(diagnosis) if answered else None
         source = AnsweredSource(self._replay, self._answers, gate) if self._answers else self._replay
         self._engine = Engine("replay", source, sinks, gate, loop=self._settings.loop)
 
     def start(self) -> None:
-        """Publish the sensor description; wait for subscribers to the waveform."""
+        """Publish the sensor description; wait for subscribers."""
         self._engine.prepare()
-        waveform = self._replay.waveforms[:1]
-        self._others = self.watch_publishers(*waveform, *([CLOCK] if self._settings.clock else []))
+        awaited = self._replay.awaited
+        self._others = self.watch_publishers(awaited, *([CLOCK] if self._settings.clock else []))
         self.repeat(1.0, self._publish_status)
-        if waveform:
-            topics = waveform[0], self._replay.latched
-            wait = SubscriberWait(self._publisher, self._settings.listeners, self._settings.wait, topics=topics)
-            self.start_with_subscribers(wait, self._engine.start)
-        else:
-            self._engine.start()
+        topics = awaited, self._replay.latched
+        wait = SubscriberWait(self._publisher, self._settings.listeners, self._settings.wait, topics=topics)
+        self.start_with_subscribers(wait, self._engine.start)
 
     @property
     def ended(self) -> bool:
@@ -113,7 +110,8 @@ class ReplayerNode(BenchNode):
             "other_publishers": ", ".join(others),
         }
         mixed = "others publish on the same topics" if others else ""
-        message = "behind the recorded pace" if behind else mixed or (damage[0] if damage else "replaying")
+        state = "replaying" if self._engine.started else "waiting"
+        message = "behind the recorded pace" if behind else mixed or (damage[0] if damage else state)
         status = Status(self.get_fully_qualified_name(), WARN if behind or mixed or damage else OK, message, values)
         self._publisher.write_messages([self.diagnostics(status, time_ns, self._replay.frame)])
 

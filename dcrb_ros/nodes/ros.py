@@ -17,7 +17,7 @@ from types import FrameType
 from typing import TYPE_CHECKING
 
 from dcrb_ros.recordings.splitting import RecordingFailed
-from dcrb_ros.runtime.signals import accept_termination, handle_termination, restore_ignored_signals
+from dcrb_ros.runtime.signals import accept_termination, handle_termination, interrupt, restore_ignored_signals
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.files import is_file
 
@@ -94,23 +94,33 @@ def run_node(create: Callable[[], BenchNode], arguments: Sequence[str]) -> int:
     from rclpy.signals import SignalHandlerOptions
     from rclpy.utilities import try_shutdown
 
-    stop = stop_on_signals()
     limit_discovery()
-    with _understood(arguments):
-        rclpy.init(args=list(arguments), signal_handler_options=SignalHandlerOptions.NO)
     try:
-        node = create()
-        try:
-            if not stop.is_set():
-                node.start()
-                spin(node, lambda: node.ended, stop)
-        finally:
-            node.close()
-        status = _status(node)
-        node.destroy_node()
-        return status
+        interrupt()  # building the model and compiling its kernels may take minutes
+        with _understood(arguments):
+            rclpy.init(args=list(arguments), signal_handler_options=SignalHandlerOptions.NO)
+        return _run(create())
+    except KeyboardInterrupt:  # before the node was started
+        return 0
     finally:
         try_shutdown()
+
+
+def _run(node: BenchNode) -> int:
+    """Load and start a node, and serve it until its work ends or a termination signal arrives; return the exit status."""
+    try:
+        try:
+            node.load()
+        finally:  # from here on, a signal interrupts nothing
+            stop = stop_on_signals()
+        if not stop.is_set():
+            node.start()
+            spin(node, lambda: node.ended, stop)
+    finally:
+        node.close()
+    status = _status(node)
+    node.destroy_node()
+    return status
 
 
 @contextmanager

@@ -116,6 +116,8 @@ class Services:
             path = self._recording.stop()
             if path and self._recording.failed:
                 raise Refusal(self._recording.state)
-            return f"{path} is finished at {self._now()}" if path else "no recording runs"
+            if path is None:
+                return "no recording runs"
+            return f"{path} is finished at {self._now()}" if path.exists() else f"{path} is removed: it has no block"
         wanted = wanted_path(self._node.configuration.recording.path, self._node.get_namespace())
         return f"recording to {self._recording.record(wanted)}"

@@ -113,9 +113,13 @@ class SimulatingNode(BenchNode):
         self._compiling = sentence
         self.get_logger().info(sentence)
 
+    def load(self) -> None:
+        """Build the model, and compile its kernels if they are not."""
+        announce_compilation(self._announce)
+        self.engine.load()
+
     def start(self) -> None:
         """Start the simulation and the configured recording."""
-        announce_compilation(self._announce)
         self.engine.prepare()
         self.receive()
         services = Services(self)

@@ -1,4 +1,4 @@
-"""Waiting for subscribers to the waveform before the first block, so that they miss no sample."""
+"""Waiting for subscribers to the waveform, or to another topic, before the first block, so that they miss no sample."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ SETTLING_TIME = 0.5
 
 
 class SubscriberWait:
-    """Tells when the first block may be sent: once enough subscribers to the waveform have joined, or the longest wait is over.
+    """Tells when the first block may be sent: once enough subscribers to a topic have joined, or the longest wait is over.
 
-    A publisher discovers a subscriber before the subscriber discovers it. A subscriber has discovered the publisher of the waveform when it
+    A publisher discovers a subscriber before the subscriber discovers it. A subscriber has discovered the publisher of the topic when it
     has acknowledged the sensor description, whose publisher is created later.
     """
 
@@ -28,15 +28,15 @@ class SubscriberWait:
         *,
         topics: tuple[Topic, Topic] = (VIBRATION, SENSOR),
     ) -> None:
-        """Wait for ``listeners`` subscribers, at most ``timeout`` [s] on ``clock``; ``topics`` are the waveform and its description."""
+        """Wait for ``listeners`` subscribers, at most ``timeout`` [s] on ``clock``; ``topics`` are their topic and the description."""
         self._publisher, self.listeners, self.timeout, self._clock = publisher, listeners, timeout, clock
-        self.waveform, self._description = topics
+        self.topic, self._description = topics
         self._subscribers = 0
         self._since = self._changed_at = clock()
 
     def over(self) -> bool:
         """Return whether the wait is over; it must be called repeatedly."""
-        now, count = self._clock(), self._publisher.subscribers(self.waveform)
+        now, count = self._clock(), self._publisher.subscribers(self.topic)
         if count != self._subscribers:
             self._subscribers, self._changed_at = count, now
         settled = now - self._changed_at >= SETTLING_TIME and self._publisher.delivered(self._description)
@@ -48,6 +48,6 @@ class SubscriberWait:
         if self._subscribers >= self.listeners:
             return ""
         return (
-            f"{self._subscribers} of {self.listeners} subscribers to {self.waveform.name} have joined within {self.timeout:g} s; "
+            f"{self._subscribers} of {self.listeners} subscribers to {self.topic.name} have joined within {self.timeout:g} s; "
             "the others miss the first blocks: lower the number of listeners or raise the wait"
         )

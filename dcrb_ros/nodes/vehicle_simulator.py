@@ -6,6 +6,7 @@ import argparse
 import sys
 from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -139,10 +140,12 @@ class VehicleSimulatorNode(SimulatingNode):
         for box in self._vehicle.boxes:
             present = flatten(box.configuration.model_dump())
             present |= {f"wheel.{key}": value for key, value in box.wheel.model_dump().items()}
-            self._fields |= {f"{box.name}.{field.key}": field for field in (*OF_BOX, *OF_WHEEL)}
-            values |= {f"{box.name}.{field.key}": present[field.key] for field in (*OF_BOX, *OF_WHEEL)}
+            for field in (*OF_BOX, *OF_WHEEL):
+                key = f"{box.name}.{field.key}"
+                self._fields[key], values[key] = replace(field, key=key), present[field.key]
         for axle in self._vehicle.axles:
-            self._fields[f"{axle.name}.slide"], values[f"{axle.name}.slide"] = SLIDE, axle.slide
+            key = f"{axle.name}.slide"
+            self._fields[key], values[key] = replace(SLIDE, key=key), axle.slide
         for key, field in self._fields.items():
             self.declare_field(key, field, values[key])
 
@@ -241,7 +244,7 @@ class VehicleSimulatorNode(SimulatingNode):
         if field is not None:
             wrong = wrong_type(field, value)
             if wrong:
-                raise Refusal(f"parameters: {key}: {wrong}")
+                raise Refusal(f"parameters: {wrong}")
             return
         group, _, name = key.partition(".")
         if group == "vehicle" and name in VEHICLE_COMMANDS:

@@ -37,8 +37,6 @@ TOGETHER = 64
 """Blocks of a recording that are measured together [-]."""
 LIBRARIES = ("numpy", "scipy", "matplotlib")
 """Libraries whose versions the page states."""
-OTHER_SPECTRUM = "the squared envelope spectrum is that of the band from"
-"""Begin of the remark on the spectrum of a diagnosis. The page has another one, in the band of the evidence."""
 LIMITS = (
     "The verdict is not a measurement of damage: the severity is the strength of the lines in the envelope, not a size.",
     "A healthy verdict means that no rule found evidence in this signal. A small or unloaded defect can stay below every threshold.",
@@ -163,7 +161,8 @@ def _section(number: int, entry: DiagnosedRecording) -> dict[str, Any]:
         "confidence": f"{last.confidence:.2f}",
         "since": f"{entry.result.since:.2f}",
         "reason": printable(last.reason),
-        "remarks": [printable(remark) for remark in last.remarks if not remark.startswith(OTHER_SPECTRUM)],
+        # The page has another spectrum, in the band of the evidence.
+        "remarks": [printable(remark) for remark in last.remarks if remark != last.spectrum_remark],
         "lines": [_line_row(component, last) for component in COMPONENTS],
         "judged": str(entry.judged),
         "figures": _figures(entry, content),

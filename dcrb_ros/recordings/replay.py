@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Generator, Sequence
 from contextlib import closing
+from functools import cached_property
 from itertools import islice
 from pathlib import Path
 
@@ -37,7 +38,7 @@ class ReplayParameters(Group):
     offset: float = quantity(0.0, "s", "Recorded time to skip at the beginning", 0.0, 1e6)
     clock: bool = choice(False, "Publish /clock, the recorded time")
     topics: str = choice("", "Topics to replay, such as 'outer_ring/vibration, diagnosis'; empty for what the simulator publishes")
-    listeners: int = quantity(1, "-", "Subscribers to the waveform to wait for before the first block", 0, 1000)
+    listeners: int = quantity(1, "-", "Subscribers to wait for before the first block, to the waveform or else to the first topic", 0, 1000)
     wait: float = quantity(3.0, "s", "Longest wall time to wait for them", 0.0, 1e4)
 
 
@@ -62,7 +63,10 @@ class Replay:
         if names:
             if isinstance(self.recording, VehicleRecording):
                 _refuse_beside_boxes(names, self.recording)
-            chosen = sorted(chosen_topics(parameters.topics, "topics"), key=lambda topic: topic.name)
+            known = {topic.name: topic for topic in chosen_topics(parameters.topics, "topics")}
+            chosen = [known[name] for name in dict.fromkeys((SENSOR.name, *names))]
+            if chosen == [SENSOR]:
+                raise Refusal(f"topics: {SENSOR.name} is replayed beside every other topic: name another one, such as {VIBRATION.name}")
         if isinstance(self.recording, VehicleRecording):
             below = [(topic, topic.below(box_path(name)), box) for name, box in self.recording.boxes.items() for topic in chosen]
             detected = VEHICLE_DETECTED if set(chosen) & set(DETECTED) else ()
@@ -88,6 +92,18 @@ class Replay:
         self.latched = VEHICLE_DESCRIPTION if boxes else SENSOR
         """The latched topic that is published last."""
 
+    @cached_property
+    def awaited(self) -> Topic:
+        """The topic whose subscribers are waited for: the waveform of the first box, or else the first topic that has messages.
+
+        Raises:
+            Refusal: the recording has no message on the topics.
+        """
+        for topic in sorted(self.topics, key=lambda topic: topic not in self._boxes):
+            if not topic.latched and next(self.recording.messages([topic]), None) is not None:
+                return topic
+        raise Refusal(f"{self.recording.path} has no message on the topics to replay: dcrb info lists the topics that it has")
+
     def check(self) -> None:
         """Read the first bundle, which `bundles` yields again.
 
@@ -97,6 +113,7 @@ class Replay:
         absent = sorted(name for name, topics in self._named.items() if next(self.recording.messages(topics), None) is None)
         if absent:
             raise Refusal(f"topics: {self.recording.path} has no message on {', '.join(absent)}: dcrb info lists the topics that it has")
+        _ = self.awaited
         descriptions = dict(self._descriptions)
         with closing(self.bundles()) as bundles:
             next(bundles)
@@ -113,7 +130,7 @@ class Replay:
         """Yield the bundles in the order of time, with the sensor description where it is recorded again, or differs.
 
         Raises:
-            Refusal: the recording has no message on the topics, or the offset skips all of them.
+            Refusal: the offset skips all messages.
         """
         begin = end = start = None
         waiting: dict[Topic, tuple[Message, bool]] = {}
@@ -140,8 +157,6 @@ class Replay:
             for topic in list(waiting):
                 collected += self._unsent(*waiting.pop(topic))
             collected.append(message)
-        if start is None:
-            raise Refusal(f"{self.recording.path} has no message on the topics to replay: dcrb info lists the topics that it has")
         if begin is None or end is None:
             raise Refusal(f"{self.recording.path} has no message later than {self._offset_ns * 1e-9:g} s after its start: lower the offset")
         yield Bundle(begin, end, tuple(collected))

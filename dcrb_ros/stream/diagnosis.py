@@ -69,6 +69,8 @@ class Diagnosis:
     """Which baseline of a healthy bearing was used, in words; empty for none."""
     remarks: tuple[str, ...] = ()
     """Peculiarities of the signal that do not prevent a verdict."""
+    spectrum_remark: str = ""
+    """The one of ``remarks`` that names the band of ``spectrum``; empty without a spectrum."""
 
     @property
     def time_ns(self) -> int:

@@ -60,8 +60,8 @@ Task = tuple[PlannedRun, ...]
 class Plan:
     """The runs of a sweep, in a fixed order and without duplicates."""
 
-    unit, remedy = "conditions", "vary speed or load"
-    """Name of the units that are divided into splits, and how to get more of them."""
+    unit, remedy = "condition", "vary speed or load"
+    """Name of one of the units that are divided into splits, and how to get more of them."""
 
     def __init__(self, sweep: Sweep) -> None:
         self.sweep = sweep

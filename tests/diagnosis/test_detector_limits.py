@@ -164,7 +164,8 @@ def test_remarks_count_irregularities() -> None:
         "3 samples are not finite numbers",
     )
     assert found.gaps == 1
-    assert found.remarks[-1].startswith("the squared envelope spectrum is that of the band from ")
+    assert found.remarks[-1] == found.spectrum_remark
+    assert found.spectrum_remark.startswith("the squared envelope spectrum is that of the band from ")
 
 
 def test_a_shaft_too_fast_for_the_orders_is_answered_with_the_number_of_bins(monkeypatch: pytest.MonkeyPatch) -> None:

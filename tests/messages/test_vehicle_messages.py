@@ -196,3 +196,9 @@ def test_every_path_of_the_foxglove_layout_leads_to_a_field() -> None:
                 about = about[0][1] if isinstance(about[0], tuple) else about[0]
             kind = about
     assert any(VEHICLE_DIAGNOSIS.name in path for path in paths)
+
+
+def test_the_foxglove_layout_has_a_verdict_on_every_part_of_the_shipped_bogie() -> None:
+    parts = {f"{box}/{part}" for box in BOXES for part in ("bearing", "wheel", "sensor")}
+    gears = {f"{axle.name}/gear" for axle in read_vehicle("bogie").axles if axle.gear.teeth}
+    assert set(re.findall(r'\{name=="([^"]+)"\}', json.dumps(LAYOUT).replace('\\"', '"'))) == {*parts, *gears, "track"}

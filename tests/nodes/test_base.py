@@ -177,6 +177,13 @@ def test_a_parameter_that_no_vehicle_has_is_called_unknown(vehicle: VehicleSimul
     assert result.reason.startswith(f"parameters: unknown parameter '{key}'")
 
 
+def test_a_vehicle_names_a_parameter_of_a_wrong_type_once(vehicle: VehicleSimulatorNode) -> None:
+    for key, words in (("time_scale", "0 .. 1000"), ("axle_1.left.faults.outer_1.width", "0 .. 0.05 m"), ("axle_1.slide", "0 .. 0.2")):
+        reason = vehicle.set_parameters_atomically([Parameter(key, value="x")]).reason
+        assert reason.startswith(f"parameters: {key} = 'x'")
+        assert reason.endswith(f" is not a number within {words}")
+
+
 def check_pending_reset(node: SimulatorNode | VehicleSimulatorNode, key: str) -> None:
     """Check that a node refuses to set a parameter of the simulation while a reset is pending."""
     assert not node.engine.gate.reset(0.0)  # nobody finishes it yet

@@ -135,7 +135,12 @@ def test_mqtt_carries_every_diagnosis_and_feature_of_the_nodes(tmp_path: Path) -
         # Once both subscribers are connected, no message is lost, repeated or late.
         assert_same_tail(received.values(BLOCKS), blocks, 150)
         assert_same_tail([(value["time"], value["verdict"]) for value in received.values(DIAGNOSES)], verdicts, 4)
-        assert received.values(DIAGNOSES)[-1]["verdict"] == "outer_ring"
+        last, published = received.values(DIAGNOSES)[-1], decode_diagnostics(client.received[DIAGNOSIS][-1])[1][0].values
+        texts = {"verdict", "reason", "remarks"}
+        assert {key: last[key] for key in texts} == {key: published[key] for key in texts}
+        numbers = {key: value for key, value in last.items() if key not in {"time", *texts}}
+        assert numbers == {key: float(published[key]) for key in published.keys() - texts}
+        assert last["verdict"] == "outer_ring"
         assert not any(retained for messages in received.received.values() for _, retained in messages)
 
         # Who comes later is told the last diagnosis, and nothing else.

@@ -140,13 +140,15 @@ def test_a_recording_begun_later_starts_with_the_present_description(tmp_path: P
     switch = RecordingSwitch(fast, Log())
     switch.start([])
     encoder = BlockEncoder(Configuration(), BODIES)
-    for block in blocks(3):
-        narrow = replace(block, range=20.0)
-        switch.write(Bundle(block.stamp_ns, block.end_ns, tuple(encoder.encode(narrow)), narrow))
+    narrow = [replace(block, range=20.0) for block in blocks(4)]
+    *earlier, last = (Bundle(block.stamp_ns, block.end_ns, tuple(encoder.encode(block)), block) for block in narrow)
+    for bundle in earlier:
+        switch.write(bundle)
     switch.record(tmp_path / "bag")
+    switch.write(last)
     switch.stop()
-    *_, last = Recording(tmp_path / "bag").messages((SENSOR,))
-    assert (decode_range(last.data), last.time_ns) == (20.0, 60_000_000)
+    *_, described = Recording(tmp_path / "bag").messages((SENSOR,))
+    assert (decode_range(described.data), described.time_ns) == (20.0, 60_000_000)
 
 
 def test_a_reset_continues_in_a_new_recording_without_the_earlier_commands(tmp_path: Path) -> None:
@@ -163,6 +165,21 @@ def test_a_reset_continues_in_a_new_recording_without_the_earlier_commands(tmp_p
     assert Recording(tmp_path / "bag-2").commands() == []
     switch.start([])  # nothing was recorded, so nothing is
     assert (switch.path, switch.state) == (None, "off")
+
+
+def test_a_recording_without_a_block_is_removed(tmp_path: Path) -> None:
+    log = Log()
+    switch = RecordingSwitch(fast, log, tmp_path / "bag")
+    switch.start([])
+    switch.start([])  # a reset before the first block
+    assert log.messages == [f"reset: {tmp_path / 'bag'} records from the start"]
+    (bundle,) = bundles(1)
+    switch.write(bundle)
+    assert switch.stop() == tmp_path / "bag"
+    assert switch.record(tmp_path / "bag") == tmp_path / "bag-2"  # a description precedes its first block
+    assert switch.stop() == tmp_path / "bag-2"
+    assert [path.name for path in tmp_path.iterdir()] == ["bag"]
+    assert not log.errors
 
 
 def test_a_path_is_free_with_the_next_number(tmp_path: Path) -> None:

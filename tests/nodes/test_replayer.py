@@ -93,6 +93,22 @@ def test_a_replay_waits_until_its_subscriber_knows_it(tmp_path: Path) -> None:
             assert replayer.process.wait(PATIENCE) == 0, replayer.output
 
 
+def test_a_replay_without_the_waveform_waits_for_a_subscriber_to_its_first_topic(tmp_path: Path) -> None:
+    bag, number = recorded(tmp_path / "bag", 20), domain()
+    given = parameters(bag=str(bag), rate=0.0, topics="outer_ring/features, ground_truth", listeners=2, wait=PATIENCE)
+    with node("replayer", given, environment(number), tmp_path / "log") as replayer, graph_client(number) as client:
+
+        def state() -> str:
+            return decode_diagnostics(client.received[BENCH_DIAGNOSTICS][-1])[1][0].message
+
+        client.until(lambda: state() == "waiting", "the status")
+        assert "waiting for 2 subscribers to outer_ring/features" in replayer.output
+        client.node.create_subscription(message_class(FEATURES), "outer_ring/features", lambda data: None, qos(FEATURES), raw=True)
+        client.until(lambda: len(client.received[FEATURES]) == 20, "every message")
+        assert replayer.process.wait(PATIENCE) == 0, replayer.output
+    assert not client.received[VIBRATION]
+
+
 def test_a_replay_keeps_the_recorded_pace_times_its_rate(tmp_path: Path) -> None:
     bag, number = recorded(tmp_path / "bag", 150), domain()
     with graph_client(number) as client:

@@ -75,7 +75,7 @@ def test_the_page_states_verdict_reason_conditions_limits_and_versions() -> None
 def test_the_only_band_of_a_squared_envelope_spectrum_is_that_of_the_figure() -> None:
     entry = diagnosed("healthy")
     *remarks, other = entry.result.last.remarks
-    assert other.startswith("the squared envelope spectrum is that of the band from 6.32 to 11.2 kHz")
+    assert other == entry.result.last.spectrum_remark == "the squared envelope spectrum is that of the band from 6.32 to 11.2 kHz"
     text = Page(detection_report([entry])).text
     assert re.findall(r"squared envelope spectrum [^.]*?band (?:from )?(\S+ to \S+)", text, re.IGNORECASE) == ["2000 to 20000"]
     assert remarks

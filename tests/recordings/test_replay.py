@@ -129,11 +129,33 @@ def test_the_command_refuses_such_an_offset_before_it_starts_ros(
     assert "has no message later than 9 s after its start: lower the offset" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("topics", ["", "diagnosis"])
-def test_a_recording_without_the_topics_is_refused(topics: str, tmp_path: Path) -> None:
-    replay = replay_of(tmp_path / "bag", [] if not topics else at(50, 70), topics=topics)
+def test_a_recording_without_the_topics_is_refused(tmp_path: Path) -> None:
     with pytest.raises(Refusal, match="has no message on the topics to replay: dcrb info lists the topics that it has"):
-        list(replay.bundles())
+        replay_of(tmp_path / "bag", []).check()
+
+
+def test_the_description_of_the_sensor_alone_is_refused(tmp_path: Path) -> None:
+    bag = str(recorded(tmp_path / "bag", 3))
+    with pytest.raises(
+        Refusal, match="topics: outer_ring/sensor is replayed beside every other topic: name another one, such as outer_ring/v"
+    ):
+        Replay(ReplayParameters(bag=bag, topics="outer_ring/sensor"))
+
+
+@pytest.mark.parametrize(
+    ("topics", "awaited"),
+    [
+        ("", VIBRATION),
+        ("ground_truth, outer_ring/vibration", VIBRATION),
+        ("outer_ring/sensor, outer_ring/features, ground_truth", FEATURES),
+    ],
+)
+def test_the_waveform_is_awaited_or_else_the_first_topic(topics: str, awaited: object, tmp_path: Path) -> None:
+    assert Replay(ReplayParameters(bag=str(recorded(tmp_path / "bag", 3)), topics=topics)).awaited == awaited
+
+
+def test_a_topic_without_messages_is_not_awaited(tmp_path: Path) -> None:
+    assert replay_of(tmp_path / "bag", at(50, 70)).awaited == FEATURES
 
 
 @pytest.mark.parametrize(
@@ -149,7 +171,7 @@ def test_only_chosen_topics_are_replayed(topics: str, expected: list[object], tm
     found = {message.topic for bundle in replay.bundles() for message in bundle.messages}
     assert found == set(expected)
     assert [topic.name for topic in replay.topics] == (
-        [topic.name for topic in SIMULATED] if not topics else sorted([*topics.split(", "), SENSOR.name])
+        [topic.name for topic in SIMULATED] if not topics else [SENSOR.name, *topics.split(", ")]
     )
 
 

@@ -26,7 +26,7 @@ COLDEST_AND_HOTTEST = (-40.0, 60.0)
 class LifePlan(Plan):
     """The runs of a sweep of lives; a bearing is in one split with all its inspections."""
 
-    unit, remedy = "bearings", "increase lives"
+    unit, remedy = "bearing", "increase lives"
 
     def __init__(self, sweep: LifeSweep) -> None:
         # The parts of the sweep are lives, not points.

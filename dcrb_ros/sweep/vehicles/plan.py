@@ -26,7 +26,7 @@ TRUTH: Mapping[str, tuple[type, str]] = {
 class VehiclePlan(Plan):
     """The runs of a sweep over vehicles; a vehicle is in one split with all its boxes."""
 
-    unit, remedy = "vehicles", "vary vehicle.seed"
+    unit, remedy = "vehicle", "vary vehicle.seed"
 
     def __init__(self, sweep: VehicleSweep) -> None:
         super().__init__(sweep)
