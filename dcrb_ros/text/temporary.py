@@ -20,6 +20,8 @@ except ImportError:  # Windows
 
 WRITING = ".writing-"
 """Beginning of the names of temporary files and folders."""
+DIGITS = 16
+"""Hexadecimal digits that follow it; files of users whose names begin alike are left alone."""
 ABANDONED = 86400.0
 """Age of what is abandoned where nothing can be locked: on Windows, and on some file systems of a network [s]."""
 
@@ -43,7 +45,7 @@ def temporary(folder: Path, suffix: str | None = None) -> Iterator[Path]:
 def new_locked(folder: Path, prefix: str, suffix: str | None = None) -> Iterator[Path]:
     """Yield a new folder in ``folder``, or a new file if a ``suffix`` is given, which is locked until the end of the context."""
     while True:
-        path = folder / f"{prefix}{secrets.token_hex(8)}{suffix or ''}"
+        path = folder / f"{prefix}{secrets.token_hex(DIGITS // 2)}{suffix or ''}"
         if suffix is None:
             path.mkdir()
         else:
@@ -65,9 +67,9 @@ def remove_abandoned(folder: Path) -> None:
 
 
 def abandoned(folder: Path, prefix: str) -> Iterator[Path]:
-    """Yield what begins with ``prefix`` in a folder and was left by a killed process, locked until the next one."""
+    """Yield what `new_locked` made with ``prefix`` in a folder and a killed process has left, locked until the next one."""
     with suppress(OSError):
-        for path in sorted(folder.glob(f"{prefix}*")):
+        for path in sorted(folder.glob(f"{prefix}{'[0-9a-f]' * DIGITS}*")):
             with suppress(OSError):
                 descriptor = _lock(path)
                 if descriptor is not None or time.time() - path.stat().st_mtime > ABANDONED:

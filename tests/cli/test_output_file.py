@@ -156,8 +156,8 @@ def test_an_old_one_that_cannot_come_back_is_named(bag: Path, tmp_path: Path, mo
 
 def test_the_old_one_of_a_killed_process_comes_back(bag: Path, tmp_path: Path) -> None:
     before = entries(bag)
-    (tmp_path / ".replaced-abc").mkdir()
-    bag.rename(tmp_path / ".replaced-abc" / "bag")
+    (tmp_path / ".replaced-0123456789abcdef").mkdir()
+    bag.rename(tmp_path / ".replaced-0123456789abcdef" / "bag")
     with pytest.raises(Refusal, match="bag exists: give another name, or --force"), replacing("-o", bag, force=False):
         pytest.fail("the work began")
     assert entries(bag) == before
@@ -165,8 +165,8 @@ def test_the_old_one_of_a_killed_process_comes_back(bag: Path, tmp_path: Path) -
 
 
 def test_the_old_one_of_a_killed_process_is_removed_once_it_is_replaced(bag: Path, tmp_path: Path) -> None:
-    recorded(tmp_path / ".replaced-abc" / "bag", 1)
-    recorded(tmp_path / ".replaced-def" / "other", 1)
+    recorded(tmp_path / ".replaced-0123456789abcdef" / "bag", 1)
+    recorded(tmp_path / ".replaced-fedcba9876543210" / "other", 1)
     with replacing("-o", bag, force=True):
         recorded(bag, 1)
-    assert entries(tmp_path) == {"bag", ".replaced-def"}
+    assert entries(tmp_path) == {"bag", ".replaced-fedcba9876543210"}

@@ -90,7 +90,7 @@ def test_the_path_of_a_recording_has_a_readable_name(tmp_path: Path) -> None:
 
 
 def test_unfinished_recordings_of_killed_processes_are_deleted(tmp_path: Path) -> None:
-    unfinished, other = tmp_path / ".writing-abc", tmp_path / "finished"
+    unfinished, other = tmp_path / ".writing-0123456789abcdef", tmp_path / "finished"
     for folder in (unfinished, other):
         folder.mkdir()
     with temporary(tmp_path) as running:

@@ -164,9 +164,9 @@ def test_an_edited_recipe_of_a_data_set_is_not_packed(file: str, old: str, new: 
 
 
 def test_a_missing_run_and_a_full_folder_are_refused(data_set: Path, tmp_path: Path) -> None:
-    (tmp_path / "shards" / ".writing-abc").mkdir(parents=True)  # left by a process that was killed
+    (tmp_path / "shards" / ".writing-0123456789abcdef").mkdir(parents=True)  # left by a process that was killed
     write_shards(data_set, tmp_path / "shards", 3)
-    assert not (tmp_path / "shards" / ".writing-abc").exists()
+    assert not (tmp_path / "shards" / ".writing-0123456789abcdef").exists()
     with pytest.raises(Refusal, match="an empty or a new folder"):
         write_shards(data_set, tmp_path / "shards", 3)
     with pytest.raises(Refusal, match=r"has no sweep\.yaml"):

@@ -15,14 +15,15 @@ from dcrb_ros.text.temporary import ABANDONED, remove_abandoned, temporary
 
 @pytest.mark.parametrize("suffix", [None, ".json"], ids=["folder", "file"])
 def test_what_is_in_use_stays(suffix: str | None, tmp_path: Path) -> None:
-    other = tmp_path / "finished"
-    other.touch()
+    others = {tmp_path / name for name in ("finished", ".writing-notes", ".writing-0123.json")}
+    for other in others:
+        other.touch()
     with temporary(tmp_path, suffix) as path:
         assert path.is_dir() == (suffix is None)
-        (tmp_path / ".writing-abc").touch()
+        (tmp_path / ".writing-0123456789abcdef").touch()
         with temporary(tmp_path, ".json") as second:
-            assert set(tmp_path.iterdir()) == {other, path, second}
-    assert list(tmp_path.iterdir()) == [other]
+            assert set(tmp_path.iterdir()) == {*others, path, second}
+    assert set(tmp_path.iterdir()) == others
 
 
 @pytest.mark.parametrize(("age", "kept"), [(0.0, True), (ABANDONED - 600.0, True), (ABANDONED + 600.0, False)])
@@ -37,7 +38,7 @@ def test_without_locks_what_is_older_than_a_day_is_removed(
         monkeypatch.setattr(module, "fcntl", None)
     else:
         monkeypatch.setattr(module.fcntl, "flock", flock)
-    left = tmp_path / ".writing-abc"
+    left = tmp_path / ".writing-0123456789abcdef"
     left.mkdir()
     os.utime(left, (time.time() - age,) * 2)
     remove_abandoned(tmp_path)

@@ -147,5 +147,5 @@ def test_a_folder_with_other_files_is_refused(tmp_path: Path) -> None:
         report_folder(tmp_path / "thesis.txt" / "report")
     (tmp_path / REPORT).write_text("an earlier report")
     assert report_folder(tmp_path) == tmp_path
-    (tmp_path / "killed" / ".writing-abc").mkdir(parents=True)
+    (tmp_path / "killed" / ".writing-0123456789abcdef").mkdir(parents=True)
     assert not list(report_folder(tmp_path / "killed").iterdir())
