@@ -11,7 +11,8 @@ from dcrb_ros.recordings.manifest import model_fingerprint
 
 HERE = Path(__file__).parent
 SOURCES = (
-    *("impact_priors.py", "impact_trains.py", "line_ratio.py", "signal_draws.py", "signal_machines.py", "signal_statistics.py"),
+    *("drawn_machines.py", "impact_trains.py", "line_ratio.py", "signal_machines.py", "signal_statistics.py"),
+    *("../dcrb_ros/exam/replica.py", "../dcrb_ros/exam/replica_geometry.py", "../dcrb_ros/exam/replica_priors.py"),
     *("sim_to_real_data.py", "sim_to_real_trainings.py", "spectrum_shares.py", "../dcrb_ros/validation/realism.py"),
 )
 """Sources beside those of the model and of the detector, which draw machines and take statistics and features."""

@@ -40,7 +40,7 @@ SIM_TO_REAL = (
     "bench ball_bearing_6205",
     "samples balls",
     "samples balls_outer",
-    "drawing benchmarks/signal_draws.py",
+    "drawing dcrb_ros/exam/replica_priors.py",
     "drawing benchmarks/sim_to_real_figure.py",
 )
 DRAWN_ROW = "drawing benchmarks/realism.py:draw_row"
@@ -48,7 +48,7 @@ REALISM = ("samples oiled_healthy", "samples oiled_outer_ring_defect", DRAWN_ROW
 SIGNALS = (
     "bench ball_bearing_6205",
     "samples balls_outer",
-    "drawing benchmarks/signal_draws.py",
+    "drawing dcrb_ros/exam/replica_priors.py",
     "drawing dcrb_ros/measurement/housing_priors.py",
     DRAWN_ROW,
 )

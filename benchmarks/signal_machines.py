@@ -8,15 +8,16 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from drawn_machines import TRUTHS, Machine, drawn_machines
 from line_ratio import kurtogram_ratio, line_ratio
 from scipy import signal
-from signal_draws import DRAWS
 from signal_statistics import SignalStatistics, signal_statistics
 
-from dcrb_ros.bearing.frequencies import Orders
+from dcrb_ros.bearing.frequencies import Orders, characteristic_orders
 from dcrb_ros.diagnosis.detection import detect
 from dcrb_ros.exam.measured import read_measured
 from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.run import SimulationResult, simulate
 from dcrb_ros.text.writing import write_whole
 from dcrb_ros.validation.realism import lines_of, squared_envelope
@@ -27,7 +28,7 @@ HEALTHY = {"CWRU": ("cw48_N_0",), "HIT": ("hitself_Normal_600", "hitself_Normal_
 """The healthy recordings of a rig with the same bearing; those of HIT have three speeds."""
 SETTLING, DURATION = 0.2, 3.0
 """Simulated time before the statistics, and of them [s]."""
-SPALL = {"kind": "spall", "width": 0.5e-3, "depth": 1e-4, "share": 1.0}
+SPALL = {"width": 0.5e-3, "depth": 1e-4, "share": 1.0, "azimuth": 0.0}
 DEFECTS: dict[str, dict[str, dict[str, Any]]] = {
     "6205": {
         "healthy": {},
@@ -38,9 +39,10 @@ DEFECTS: dict[str, dict[str, dict[str, Any]]] = {
     "axle box": {"healthy": {}, "outer": {"outer_1": {**SPALL, "width": 0.8e-3, "depth": 6e-5, "share": 0.35}}},
 }
 """Faults by bearing and kind."""
-BENCHES = {"6205": ("ball_bearing_6205", "laboratory", 9), "axle box": ("healthy", "axle_box", 16)}
-"""Configuration, kind of housing and rolling elements of a row, by bearing."""
-TRUTHS = {"outer": "outer_ring", "inner": "inner_ring", "ball": "roller", "healthy": "healthy"}
+BENCHES = {"6205": "ball_bearing_6205", "axle box": "healthy"}
+"""Configuration of each bearing; the one in an axle box has the load of its configuration."""
+DRAWN: dict[str, tuple[str, ...]] = {"equal": ("impacts", "background"), "drawn": ()}
+"""Parts without which machines are drawn."""
 
 
 class Case(NamedTuple):
@@ -127,34 +129,41 @@ def row_of(case: Case, healthy: Case | None, kind: str, verdict: str = "") -> Ro
     return Row(case.name, found, found.ratio / ratio, found.kurtogram_ratio / kurtogram, verdict)
 
 
-def settings_of(bearing: str, kind: str, seed: int, drawing: str) -> dict[str, Any]:
-    """Return the settings of a simulated machine with a defect: its bearing, housing and run follow from the seed."""
-    bench, housing, _ = BENCHES[bearing]
+def machines_of(bearing: str, drawing: str, machines: int) -> list[Machine]:
+    """Return simulated machines at the speed and sampling rate of a bench; ``drawing`` is a key of `DRAWN`."""
+    bench = load_configuration(BENCHES[bearing])
+    return drawn_machines(
+        BENCHES[bearing],
+        characteristic_orders(bench.bearing),
+        bench.sensor.sampling_rate,
+        (bench.operating.speed * 30.0 / np.pi,),
+        machines,
+        load=None if bearing == "6205" else bench.operating.load,
+        without=DRAWN[drawing],
+    )
+
+
+def run_of(bearing: str, machine: Machine, kind: str) -> SimulationResult:
+    """Return the run of a simulated machine with a defect of `DEFECTS`, with its settling time."""
     faults = {f"faults.{name}.{key}": value for name, fault in DEFECTS[bearing][kind].items() for key, value in fault.items()}
-    seeds = {"surfaces.seed": seed, "simulation.seed": seed, "structure.seed": seed, "structure.housing": housing, "sensor.range": 1e4}
-    return {**seeds, **DRAWS[drawing](bench, seeds, kind, seed), **faults}
+    return simulate(BENCHES[bearing], SETTLING + DURATION, settings={**machine[kind, 0], **faults})
 
 
-def run_of(bearing: str, kind: str, seed: int, drawing: str) -> SimulationResult:
-    """Return the run of a simulated machine, with its settling time; ``drawing`` is one of `signal_draws.DRAWS`."""
-    return simulate(BENCHES[bearing][0], SETTLING + DURATION, settings=settings_of(bearing, kind, seed, drawing))
-
-
-def case_of(run: SimulationResult, name: str, elements: int, *, ring: bool) -> Case:
+def case_of(run: SimulationResult, name: str, *, ring: bool) -> Case:
     """Return the acceleration in Y of a run after its settling time, at the outer ring or at the sensor."""
     values = (run.clean if ring else run.acceleration)[round(SETTLING * run.sampling_rate) :, 1].astype(np.float64)
     shaft = run.configuration.operating.speed / (2.0 * np.pi)
-    return Case(name, values, float(run.sampling_rate), shaft, run.orders, elements)
+    return Case(name, values, float(run.sampling_rate), shaft, run.orders, run.configuration.bearing.rollers_per_row)
 
 
-def simulated_rows(bearing: str, seed: int, drawing: str) -> Iterator[tuple[str, str, Row]]:
+def simulated_rows(bearing: str, machine: Machine, name: str) -> Iterator[tuple[str, str, Row]]:
     """Yield the place (ring or sensor), the kind of defect and the statistics of a simulated machine."""
     healthy: dict[str, Case] = {}
     for kind in DEFECTS[bearing]:
-        run = run_of(bearing, kind, seed, drawing)
+        run = run_of(bearing, machine, kind)
         verdict = detect(run).verdict if kind == "healthy" else ""
         for place in ("ring", "sensor"):
-            case = case_of(run, f"{bearing} {kind} {seed}", BENCHES[bearing][2], ring=place == "ring")
+            case = case_of(run, f"{bearing} {kind} {name}", ring=place == "ring")
             yield place, kind, row_of(case, healthy.get(place), kind, verdict if place == "sensor" else "")
             if kind == "healthy":
                 healthy[place] = case

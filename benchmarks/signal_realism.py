@@ -16,15 +16,15 @@ from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
 
+from drawn_machines import TRUTHS
 from kept_results import digest_of
 from realism import draw
 from signal_machines import (
-    BENCHES,
     RIGS,
-    TRUTHS,
     Case,
     Row,
     case_of,
+    machines_of,
     measured_rows,
     order_of,
     read_rows,
@@ -52,7 +52,7 @@ VARIANTS = {
 """The parts of the model by drawing and place: housing, impacts that differ, and background."""
 SHOWN = tuple(name for names in VARIANTS.values() for name in names.values())
 PICTURED = {"outer": (("6205", 1), ("6205", 2), ("axle box", 1)), "inner": (("6205", 1), ("6205", 2))}
-"""Bearing and seed of the simulated machines by kind of defect."""
+"""Bearing and number of the simulated machines by kind of defect."""
 MARKS = re.compile(r"(<!-- begin of the tables -->\n).*(<!-- end of the tables -->)", re.DOTALL)
 
 
@@ -64,14 +64,14 @@ def key(bearing: str, variant: str, kind: str) -> str:
 def simulated(folder: Path, bearing: str, machines: int) -> dict[str, list[Row]]:
     """Return the rows of all variants of a simulated bearing, continued from a folder."""
     groups: dict[str, list[Row]] = defaultdict(list)
-    for seed, (drawing, variants) in itertools.product(range(1, machines + 1), VARIANTS.items()):
-        path = folder / f"{bearing.replace(' ', '-')}-{drawing}-{seed}-{digest_of()}.json"
+    for number, (drawing, variants) in itertools.product(range(machines), VARIANTS.items()):
+        path = folder / f"{bearing.replace(' ', '-')}-{drawing}-{number + 1}-{digest_of()}.json"
         if not path.exists():
             found: dict[str, list[Row]] = defaultdict(list)
-            for place, kind, row in simulated_rows(bearing, seed, drawing):
+            for place, kind, row in simulated_rows(bearing, machines_of(bearing, drawing, machines)[number], str(number + 1)):
                 found[key(bearing, variants[place], kind)].append(row)
             write_rows(path, found)
-            print(f"{bearing}, {drawing}, machine {seed}", flush=True)
+            print(f"{bearing}, {drawing}, machine {number + 1}", flush=True)
         for name, rows in read_rows(path).items():
             groups[name] += rows
     return groups
@@ -114,9 +114,9 @@ def draw_pictures(folder: Path, pictures: Path) -> None:
     """Draw the recordings with the median R of each rig beside the first simulated machines, a picture for each kind of defect."""
     for kind in PICTURED:
         cases = [typical(folder, rig, kind) for rig in RIGS]
-        for bearing, seed in PICTURED[kind]:
-            run = run_of(bearing, kind, seed, "drawn")
-            cases.append(case_of(run, f"simulated: {bearing}, machine {seed}", BENCHES[bearing][2], ring=False))
+        for bearing, number in PICTURED[kind]:
+            run = run_of(bearing, machines_of(bearing, "drawn", number)[-1], kind)
+            cases.append(case_of(run, f"simulated: {bearing}, machine {number}", ring=False))
         line = "BPFO" if kind == "outer" else "BPFI"
         draw(pictures / f"signals-{kind}.png", cases, [order_of(case.orders, kind) for case in cases], line)
 

@@ -1,26 +1,24 @@
-"""Training sets beside the sweeps: drawn machines of a laboratory, and runs at the ring in the noise of the machine.
+"""Training sets beside the sweeps: machines drawn as those of a replica, and runs at the ring in the noise of the machine.
 
-Speed, load, bearing, housing, impacts and background of a drawn machine are random. In the noise of the machine, which is Gaussian and has
-the spectrum of the healthy recording, the bearing of each simulated machine has a share of the power from 1 to 100 %.
+In the noise of the machine, which is Gaussian and has the spectrum of the healthy recording, the bearing of each simulated machine has a
+share of the power from 1 to 100 %.
 """
 
 from __future__ import annotations
 
 import json
-import math
-from collections.abc import Mapping
 from itertools import groupby
 from pathlib import Path
-from typing import Any
 
 import numpy as np
+from drawn_machines import TRUTHS, Machine, drawn_machines
 from kept_results import digest_of
 from scipy import signal
-from scipy.stats import qmc
-from signal_draws import drawn
-from sim_to_real_data import Measured, Rig, Windows, conditions, defects, features, runs_of, saved, settings_of
+from sim_to_real_data import RPM, Measured, Rig, Windows, features, runs_of, saved, settings_of
 
+from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.run import simulate
 
 SHARES = (-2.0, 0.0)
@@ -28,24 +26,19 @@ SHARES = (-2.0, 0.0)
 SEGMENT = 8192
 SETTLING = 0.45
 """Simulated time before the windows [s]."""
-WAVINESS = {"low": 3e-9, "high": 3e-8, "scale": "log"}
-"""Waviness of the raceways of drawn machines [m], as of `dcrb_ros.exam.replica_priors`."""
-LOUDER = 10.0
-"""Level of the background of drawn machines over that of `housing_priors.LABORATORY`, whose raceways are rougher by as much [dB]."""
-KINDS = {"healthy": "healthy", "outer": "outer_ring", "inner": "inner_ring", "ball": "roller"}
-"""Class by kind of defect."""
+SPEEDS = 3
+"""Speeds of a drawn machine, evenly over the range of its rig [-]."""
 
 
 def drawn_windows(rig: Rig, bench: str, folder: Path, machines: int, seconds: float) -> Windows:
-    """Return the windows of drawn machines, which are simulated or continued in a folder."""
-    ranges = conditions(rig) | {"surfaces.waviness": WAVINESS}
-    strata = qmc.LatinHypercube(len(ranges), seed=1).random(machines)
+    """Return the windows of the rig's bearing on machines drawn as those of a replica, which are simulated or continued in a folder."""
+    orders = characteristic_orders(load_configuration(bench, settings_of(rig)).bearing)
+    speeds = tuple(float(value) for value in np.linspace(*rig.speed, SPEEDS) / RPM)
     parts = []
-    for number, quantiles in enumerate(strata):
-        machine = {key: within(one, share) for (key, one), share in zip(ranges.items(), quantiles, strict=True)}
-        path = folder / f"machine-{number}-{digest_of(bench, settings_of(rig), machine, seconds)}.npz"
+    for number, machine in enumerate(drawn_machines(bench, orders, rig.rate, speeds, machines)):
+        path = folder / f"machine-{number}-{digest_of(bench, [[*key, one] for key, one in machine.items()], seconds)}.npz"
         if not path.exists():
-            saved(machine_windows(rig, bench, machine, number, seconds), path)
+            saved(machine_windows(bench, machine, number, seconds), path)
             print(f"{rig.name}, machine {number}", flush=True)
         with np.load(path) as content:
             names, truth, recording = json.loads(str(content["about"]))
@@ -54,27 +47,15 @@ def drawn_windows(rig: Rig, bench: str, folder: Path, machines: int, seconds: fl
     return Windows(parts[0].names, np.concatenate([part.values for part in parts]), truth, recording)
 
 
-def machine_windows(rig: Rig, bench: str, machine: Mapping[str, Any], number: int, seconds: float) -> Windows:
-    """Return the windows of one machine, healthy and with a defect of each component."""
-    random, parts = np.random.default_rng([number, 4]), []
-    seeds = {"structure.housing": "laboratory", "structure.seed": number + 1, "simulation.seed": number + 1}
-    settings = {**settings_of(rig), **machine, **seeds}
-    for kind, truth in KINDS.items():
-        faults = {key: within(value, random.random()) if isinstance(value, dict) else value for key, value in defects(kind).items()}
-        laboratory = drawn(bench, settings, kind, number + 1)
-        louder = {"structure.background": laboratory["structure.background"] + LOUDER}
-        run = simulate(bench, SETTLING + seconds, settings={**settings, **laboratory, **louder, **faults})
+def machine_windows(bench: str, machine: Machine, number: int, seconds: float) -> Windows:
+    """Return the windows of one machine, healthy and with a defect of each component, at all its speeds."""
+    parts = []
+    for (kind, _), settings in machine.items():
+        run = simulate(bench, SETTLING + seconds, settings=settings)
         values = run.acceleration[round(SETTLING * run.sampling_rate) :, 1].astype(np.float64)
         angle = np.unwrap(run.shaft_angle[-len(values) :].astype(np.float64))
-        parts.append((features(values - values.mean(), run.sampling_rate, angle, run.orders), truth, str(number)))
+        parts.append((features(values - values.mean(), run.sampling_rate, angle, run.orders), TRUTHS[kind], str(number)))
     return Windows.of(parts)
-
-
-def within(one: Mapping[str, Any], share: float) -> Any:
-    """Return the value at a share of a range, of a logarithmic scale or of whole numbers."""
-    low, high = one["low"], one["high"]
-    value = math.exp(math.log(low) + share * math.log(high / low)) if one.get("scale") == "log" else low + share * (high - low)
-    return round(value) if isinstance(low, int) else value
 
 
 def surrogate(healthy: Floats, count: int, rate: int, random: np.random.Generator) -> Floats:

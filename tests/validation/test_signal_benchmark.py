@@ -10,27 +10,28 @@ import pytest
 
 sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
 
-import signal_draws
+import drawn_machines
 import signal_machines
 import signal_page
 from signal_statistics import SignalStatistics
 
+from dcrb_ros.exam import replica
 from dcrb_ros.settings.files import load_configuration
 
 
 @pytest.mark.parametrize("bearing", list(signal_machines.BENCHES))
-def test_drawn_machines_are_valid_and_differ_in_the_floor_alone_between_defects(bearing: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(signal_draws, "healthy_level", lambda *_, **__: 2.0)
-    bench, spreads = signal_machines.BENCHES[bearing][0], []
-    for seed in range(1, 41):
-        healthy = signal_machines.settings_of(bearing, "healthy", seed, "drawn")
-        faulty = signal_machines.settings_of(bearing, "outer", seed, "drawn")
-        assert {key for key in faulty if faulty[key] != healthy.get(key) and not key.startswith("faults.")} == {"structure.floor"}
-        load_configuration(bench, faulty)
-        spreads.append(healthy["impacts.spread"])
-    prior = signal_draws.IMPACTS[signal_machines.BENCHES[bearing][1]]
-    assert max(spreads) <= prior.spread.most
-    assert np.median(spreads) == pytest.approx(prior.spread.median, rel=0.35)
+def test_drawn_machines_are_valid_and_keep_what_a_part_left_out_does_not_concern(bearing: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(replica, "healthy_level", lambda *_, **__: 2.0)
+    equal, whole = (signal_machines.machines_of(bearing, drawing, 8) for drawing in ("equal", "drawn"))
+    for all_parts, fewer in zip(whole, equal, strict=True):
+        assert {kind for kind, _ in all_parts} == set(drawn_machines.TRUTHS)
+        for kind, settings in all_parts.items():
+            load_configuration(signal_machines.BENCHES[bearing], settings)
+            assert {key: settings[key] for key in fewer[kind]} == fewer[kind]
+            assert all(key.startswith(("impacts.", "structure.")) for key in settings.keys() - fewer[kind].keys())
+        mountings = [settings["structure.mounting"] for settings in all_parts.values()]
+        assert len(set(mountings)) == len(mountings), "each kind of defect is on another bearing"
+        assert len({settings["structure.seed"] for settings in all_parts.values()}) == 1
 
 
 def row(name: str, verdict: str = "", **values: float) -> signal_machines.Row:
