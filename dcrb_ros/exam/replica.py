@@ -16,7 +16,7 @@ from typing import Any
 from dcrb_ros.exam.criteria import UNLIMITED
 from dcrb_ros.exam.exam_file import GAIN_TAG, MACHINE_TAG, exam_of
 from dcrb_ros.exam.measured import FOUND, KNOWN, MeasuredRecording, read_table
-from dcrb_ros.exam.replica_geometry import bearing_settings, geometry_of
+from dcrb_ros.exam.replica_geometry import bearing_settings, geometry_of, longest_step
 from dcrb_ros.exam.replica_priors import (
     AZIMUTH,
     BACKGROUND,
@@ -154,10 +154,8 @@ def _counterparts(
             "check the column of speeds, or leave it out of the table"
         )
     try:
-        fixed = {
-            **bearing_settings(geometry_of(recording.orders), bench, recording.pitch_radius),
-            **rates(recording.rate, bench.simulation.step),
-        }
+        bearing = bearing_settings(geometry_of(recording.orders), bench, recording.pitch_radius)
+        fixed = {**bearing, **rates(recording.rate, longest_step(bearing, bench))}
     except Refusal as refusal:
         raise Refusal(f"{table}, {recording.name}: {refusal}") from None
     if recording.truth == "healthy":
@@ -182,22 +180,27 @@ def _counterparts(
                 MACHINE_TAG: machine,
                 **({GAIN_TAG: KNOWN} if recording.gain_known else {}),
             },
-            "set": {**fixed, **_drawn_settings(recording, machine, bench, plan, partial(levels.level, machine, fixed))},
+            "set": {**fixed, **_drawn_settings(recording, machine, bearing, bench, plan, partial(levels.level, machine, fixed))},
         }
 
 
 def _drawn_settings(
     recording: MeasuredRecording,
     machine: str,
+    bearing: Mapping[str, Any],
     bench: Configuration,
     plan: ReplicaPlan,
     levels: Callable[[float, Mapping[str, Any]], float],
 ) -> dict[str, Any]:
-    """Return what is drawn for a recording of a simulated machine; ``levels`` returns its healthy level at a speed, for its parameters."""
+    """Return what is drawn for a recording of a simulated machine with a ``bearing``, whose load grows with the square of its pitch radius.
+
+    ``levels`` returns its healthy level at a speed, for its parameters.
+    """
     truth, kind = recording.truth, "balls" if bench.contact.law == BALLS else "rollers"
     of_machine = drawn("machine", truth, kind, generator_of(plan.seed, machine), plan.left_out)
     of_bearing = drawn("bearing", truth, kind, generator_of(plan.seed, machine, recording.bearing), plan.left_out)
-    gain, load = of_bearing.pop(GAIN), of_machine.pop(LOAD) * bench.operating.load
+    scale = bearing["bearing.pitch_radius"] / bench.bearing.pitch_radius
+    gain, load = of_bearing.pop(GAIN), of_machine.pop(LOAD) * bench.operating.load * scale**2
     gain = 1.0 if recording.gain_known else gain
     fault = {name: of_bearing.pop(name) for name in (WIDTH, DEPTH, SHARE, AZIMUTH) if name in of_bearing}
     speed = 2.0 * math.pi * recording.speed
@@ -217,7 +220,7 @@ def _drawn_settings(
         "sensor.range": max(1.0, RANGE * gain),
         "sensor.adc_bits": 0,
         "sensor.noise_density": of_machine["sensor.noise_density"] * gain,
-        **dict(_fault_settings(truth, fault, recording, bench)),
+        **dict(_fault_settings(truth, fault, bearing)),
     }
 
 
@@ -235,13 +238,11 @@ class _HealthyLevels:
         return self._known[machine] * abs(speed)
 
 
-def _fault_settings(
-    truth: str, fault: Mapping[str, float], recording: MeasuredRecording, bench: Configuration
-) -> Iterator[tuple[str, Any]]:
+def _fault_settings(truth: str, fault: Mapping[str, float], bearing: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     """Yield the parameters of the defect."""
     if truth == "healthy":
         return
-    diameter = 2.0 * geometry_of(recording.orders).ratio * bench.bearing.pitch_radius
+    diameter = 2.0 * bearing["bearing.roller_radius"] / math.cos(bearing.get("bearing.contact_angle", 0.0))
     key = f"faults.{FAULTS[truth]}"
     yield f"{key}.width", fault[WIDTH] * diameter
     yield f"{key}.depth", fault[DEPTH]

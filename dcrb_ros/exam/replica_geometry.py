@@ -20,6 +20,13 @@ SMALLEST_ANGLE = 0.05
 LARGEST_RATIO = 0.6
 """Largest ratio of the diameters of rolling elements and pitch circle [-]."""
 
+SMALLEST_SIZE = 0.75
+"""Smallest size of rolling elements of an unknown scale, relative to those of the bench [-]: bearings with more elements are larger."""
+STEPPED_ALIKE = 0.9
+"""Smallest size of rolling elements for which the step of the bench is short enough, relative to those of the bench [-]."""
+SHORTEST = 1e-3
+"""Shortest contact of a rolling element, as of `bearing.roller_length` [m]."""
+
 
 @dataclass(frozen=True)
 class RollerGeometry:
@@ -69,26 +76,33 @@ def geometry_of(orders: Orders) -> RollerGeometry:
 
 
 def bearing_settings(geometry: RollerGeometry, bench: Configuration, pitch_radius: float | None = None) -> Mapping[str, Any]:
-    """Return the parameters of a bearing of a geometry, scaled from that of a bench; by default with its pitch radius [m].
+    """Return the parameters of a bearing of a geometry, scaled from that of a bench.
 
     Lengths grow with the rolling elements, their masses with the cube and inertias with the fifth power of their size. The masses of rings
-    and cage grow with the cube of the pitch radius. The clearance is that of the bench.
+    and cage grow with the cube of the pitch radius, and the clearance of a larger bearing with the pitch radius.
+
+    Args:
+        geometry: of the bearing.
+        bench: the configuration that is scaled.
+        pitch_radius: of the bearing [m]. By default that of the bench, or larger if the rolling elements were smaller than `SMALLEST_SIZE`.
     """
     known = bench.bearing
-    pitch = known.pitch_radius if pitch_radius is None else pitch_radius
-    radius = geometry.ratio * pitch
-    size, scale = radius / known.roller_radius, pitch / known.pitch_radius
+    own = known.own_roller_radius
+    pitch = max(known.pitch_radius, SMALLEST_SIZE * own / geometry.ratio) if pitch_radius is None else pitch_radius
+    size, scale = geometry.ratio * pitch / own, pitch / known.pitch_radius
+    radius = geometry.ratio * pitch * math.cos(geometry.contact_angle)
     gap = 0.5 * (
         (known.outer_raceway_radius - known.pitch_radius - known.roller_radius)
         + (known.pitch_radius - known.roller_radius - known.inner_raceway_radius)
     )
+    gap *= max(1.0, scale)
     settings = {
         "bearing.rollers_per_row": geometry.elements,
         "bearing.roller_radius": radius,
         "bearing.pitch_radius": pitch,
         "bearing.inner_raceway_radius": pitch - radius - gap,
         "bearing.outer_raceway_radius": pitch + radius + gap,
-        "bearing.roller_length": known.roller_length * size,
+        "bearing.roller_length": max(known.roller_length * size, SHORTEST),
         "bearing.roller_mass": known.roller_mass * size**3,
         "bearing.roller_inertia": known.roller_inertia * size**5,
         "bearing.outer_ring_mass": known.outer_ring_mass * scale**3,
@@ -97,3 +111,13 @@ def bearing_settings(geometry: RollerGeometry, bench: Configuration, pitch_radiu
         "bearing.cage_inertia": known.cage_inertia * scale**5,
     }
     return settings if geometry.contact_angle == 0.0 else {**settings, "bearing.contact_angle": geometry.contact_angle}
+
+
+def longest_step(bearing: Mapping[str, Any], bench: Configuration) -> float:
+    """Return the longest time step [s] for a bearing of `bearing_settings`: that of the bench, or shorter for smaller rolling elements.
+
+    The stiffness of a contact grows with the root of the size of a rolling element and its mass with the cube, so natural frequencies fall
+    with the power 1.25 of the size. The exponent 1.5 leaves a margin for cages.
+    """
+    size = (bearing["bearing.roller_mass"] / bench.bearing.roller_mass) ** (1.0 / 3.0)
+    return float(bench.simulation.step * min(1.0, (size / STEPPED_ALIKE) ** 1.5))

@@ -14,13 +14,14 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from same_process import dcrb
 
-from dcrb_ros.bearing.frequencies import Orders
+from dcrb_ros.bearing.frequencies import Orders, characteristic_orders
 from dcrb_ros.exam.exam_file import exam_of
 from dcrb_ros.exam.replica import ReplicaPlan, replica_tree
-from dcrb_ros.exam.replica_geometry import bearing_settings, geometry_of
+from dcrb_ros.exam.replica_geometry import bearing_settings, geometry_of, longest_step
 from dcrb_ros.exam.replica_priors import PRIORS, described, drawn, generator_of
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.settings.measured_rate import rates
 
 ORDERS = {"FTF": "0.39828", "BPFO": "3.5848", "BPFI": "5.4152", "BSF": "2.35695"}
 """Of the 6205 of Case Western Reserve, as in its publication."""
@@ -144,6 +145,35 @@ def test_the_geometry_is_that_which_makes_the_orders(elements: int, ratio: float
     assert found.elements == elements
     assert found.ratio == pytest.approx(ratio)
     assert found.contact_angle == pytest.approx(angle, abs=1e-6)
+
+
+@settings(deadline=None)
+@given(
+    elements=st.integers(6, 40),
+    filling=st.floats(0.5, 0.9),
+    angle=st.sampled_from([0.0, 0.1, 0.26, 0.7]),
+    pitch=st.none() | st.floats(0.02, 0.3),
+    rate=st.sampled_from([8192, 12000, 20000, 48828, 51200, 97656]),
+)
+def test_every_usual_bearing_is_a_valid_bench_with_the_orders_of_the_table(
+    elements: int, filling: float, angle: float, pitch: float | None, rate: int
+) -> None:
+    ratio = min(0.4, filling * math.sin(math.pi / elements))
+    gamma = ratio * math.cos(angle)
+    orders = Orders(0.5 * (1 - gamma), 0.5 * elements * (1 - gamma), 0.5 * elements * (1 + gamma), (1 - gamma**2) / (2 * ratio))
+    bench = load_configuration("ball_bearing_6205")
+    bearing = bearing_settings(geometry_of(orders), bench, pitch)
+    scaled = load_configuration("ball_bearing_6205", {**bearing, **rates(rate, longest_step(bearing, bench))})
+    assert characteristic_orders(scaled.bearing).as_dict() == pytest.approx(orders.as_dict(), rel=1e-6)
+    assert scaled.bearing.pitch_radius == pytest.approx(pitch) if pitch else scaled.bearing.pitch_radius >= bench.bearing.pitch_radius
+
+
+def test_loads_and_widths_of_defects_grow_with_a_bearing_of_stated_size(tmp_path: Path) -> None:
+    trees = [replica_tree(table(tmp_path, pitch_diameter_mm=pitch), PLAN) for pitch in ("39.04", "195.2")]
+    for small, large in zip(*(tree["scenarios"] for tree in trees), strict=True):
+        assert large["set"]["operating.load"] == pytest.approx(25.0 * small["set"]["operating.load"])
+        if small["verdict"] == "outer_ring":
+            assert large["set"]["faults.outer_1.width"] == pytest.approx(5.0 * small["set"]["faults.outer_1.width"])
 
 
 def test_a_bearing_of_the_bench_is_that_of_the_bench() -> None:
