@@ -36,7 +36,7 @@ from dcrb_ros.exam.replica_priors import (
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import fields_by_key, load_configuration
+from dcrb_ros.settings.files import changed, fields_by_key, load_configuration
 from dcrb_ros.settings.measured_rate import rates
 from dcrb_ros.settings.parameters import rpm
 from dcrb_ros.simulation.healthy_level import healthy_level
@@ -156,6 +156,7 @@ def _counterparts(
     try:
         bearing = bearing_settings(geometry_of(recording.orders), bench, recording.pitch_radius)
         fixed = {**bearing, **rates(recording.rate, longest_step(bearing, bench))}
+        changed(bench, fixed, "its bearing")
     except Refusal as refusal:
         raise Refusal(f"{table}, {recording.name}: {refusal}") from None
     if recording.truth == "healthy":

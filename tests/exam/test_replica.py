@@ -203,6 +203,7 @@ def test_every_prior_is_described_and_draws_values_within_its_words() -> None:
     [
         ({"BPFO": "3.2"}, "is not a whole number of rolling elements"),
         ({"FTF": "0.6"}, "FTF = 0.6 contradicts BPFO"),
+        ({"FTF": "0.35", "BPFO": "1.75", "BPFI": "3.25", "BSF": "1.5167"}, "calm_1: its bearing: bearing.rollers_per_row = 5 is outside"),
         ({"BSF": "0.4"}, "BSF = 0.4 gives rolling elements"),
         ({"sampling_rate": "12007"}, "has no divisor from 10 to 1000 Hz"),
         ({"sampling_rate": "400000"}, "400000"),
