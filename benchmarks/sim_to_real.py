@@ -126,7 +126,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("measured", type=Path)
     parser.add_argument("-o", "--output", type=Path, default=Path("sim_to_real"))
-    parser.add_argument("--machines", type=int, default=16)
+    parser.add_argument("--machines", type=int, default=32)
     parser.add_argument("--seconds", type=float, default=2.0)
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--rigs", nargs="+", default=[rig.name for rig in RIGS], choices=[rig.name for rig in RIGS])
