@@ -40,35 +40,24 @@ DIAGNOSIS = "dcrb_ros.diagnosis"
 FAULTS = ("outer_ring", "inner_ring", "roller")
 
 
-def without_significance(lines: Any, least_depth: float, false_alarm: float, price: float) -> float:
-    """Return the excess of depth alone [dB]."""
-    return decibels(ratio(lines.depth, least_depth))
-
-
-def unmasked(search: LineSearch) -> Any:
-    """Return the values that are no evidence if harmonics of the shaft are."""
-    return search.orders <= GUARD * search.step
-
-
-def at_once(confirm: int, release: int, release_margin: float, persist: int, least: float) -> Hysteresis:
-    """Return a hysteresis for which weak evidence need not last."""
-    return Hysteresis(confirm, release, release_margin, 1, least)
-
-
 def rows() -> Iterator[tuple[str, dict[str, Any], list[Any]]]:
     """Yield name, changed parameters and patches of each row."""
     depths = ("outer_depth", "inner_depth", "roller_depth", "cage_depth")
-    shaft = functools.cached_property(unmasked)
-    shaft.__set_name__(LineSearch, "_masked")
+    shaft = functools.cached_property(lambda search: np.where(search.orders <= GUARD * search.step, np.float32(0.0), np.float32(1.0)))
+    shaft.__set_name__(LineSearch, "_kept")
     yield "all rules", {}, []
     yield "search of 0.4 % instead of 2 %", {"slip": 0.004}, []
     yield "whole band only", {"band": "fixed"}, []
     yield "depth of 0.34 instead of 0.17", dict.fromkeys(depths, 0.34), []
     yield "depth of 0.05", dict.fromkeys(depths, 0.05), []
-    yield "no significance", {}, [patch(f"{DIAGNOSIS}.rule.modulation_excess", without_significance)]
+    yield (
+        "no significance",
+        {},
+        [patch(f"{DIAGNOSIS}.rule.modulation_excess", lambda lines, least, *_: decibels(ratio(lines.depth, least)))],
+    )
     yield "no joint explanation", {}, [patch(f"{DIAGNOSIS}.combination.explains", lambda *_: False)]
     yield "explained only if left without lines", {"shadow": 0.0}, []
-    yield "harmonics of the shaft are evidence", {}, [patch.object(LineSearch, "_masked", shaft)]
+    yield "harmonics of the shaft are evidence", {}, [patch.object(LineSearch, "_kept", shaft)]
     yield "no contrast of BPFO to FTF", {"cage_contrast": 0.0}, []
     yield "no limit of 2 BPFO", {"outer_double": 20.0}, []
     without_clusters = [
@@ -89,7 +78,8 @@ def rows() -> Iterator[tuple[str, dict[str, Any], list[Any]]]:
     ]
     yield "rollers at their kinematic spin only", {}, as_they_should
     yield "a monitored bearing is named at the threshold", {"alarm_evidence": 0.0}, []
-    yield "the same, and weak evidence need not last", {"alarm_evidence": 0.0}, [patch(f"{DIAGNOSIS}.detector.Hysteresis", at_once)]
+    at_once = patch(f"{DIAGNOSIS}.detector.Hysteresis", lambda confirm, release, margin, persist: Hysteresis(confirm, release, margin, 1))
+    yield "the same, and weak evidence need not last", {"alarm_evidence": 0.0}, [at_once]
 
 
 def measured(folder: Path, parameters: DetectorParameters) -> str:

@@ -8,15 +8,13 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from dcrb_ros.core.laws.lubricants import lubricant_of
 from dcrb_ros.core.laws.viscosity import kinematic_viscosity
-from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.text.markdown import table
 from dcrb_ros.validation.friction_moment import friction_moment
+from dcrb_ros.validation.oiled_bench import BORE, OUTSIDE
 
 LUBRICANTS = ("grease", "vg100")
 SPEEDS = (150, 300, 600, 1200, 1800, 2500)
@@ -27,8 +25,6 @@ TEMPERATURES = (20, 50, 70, 90)
 """Temperatures of the oil [deg C]."""
 SETTLING, DURATION = 0.3, 0.4
 """Simulated time before the mean of the power, and of it [s]."""
-BORE, OUTSIDE = 0.130, 0.250
-"""Diameters of NJ(P)3226X1 [m]."""
 
 
 def ratio(lubricant: str, rpm: float, load: float, temperature: float) -> float:
@@ -49,18 +45,13 @@ def ratio(lubricant: str, rpm: float, load: float, temperature: float) -> float:
     return (after - before) / (end - start) / speed / (2.0 * friction_moment(BORE, OUTSIDE, 0.5 * load, speed, viscosity))
 
 
-def range_of(ratios: Floats) -> str:
-    """Return the least and the largest ratio."""
-    return f"{ratios.min():.2f} to {ratios.max():.2f}"
-
-
 def main() -> None:
     """Print a table for each lubricant: the range of the ratio over the loads."""
     for lubricant in LUBRICANTS:
         rows = []
         for rpm in SPEEDS:
-            ratios = np.array([[ratio(lubricant, rpm, 1e3 * load, temperature) for load in LOADS] for temperature in TEMPERATURES])
-            rows.append((f"{rpm}", *(range_of(each) for each in ratios)))
+            ratios = [[ratio(lubricant, rpm, 1e3 * load, temperature) for load in LOADS] for temperature in TEMPERATURES]
+            rows.append((f"{rpm}", *(f"{min(each):.2f} to {max(each):.2f}" for each in ratios)))
         print(f"\n{lubricant}\n", table(("speed [rpm]", *(f"{t} deg C" for t in TEMPERATURES)), rows), sep="\n", flush=True)
 
 

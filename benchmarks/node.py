@@ -9,10 +9,9 @@ from __future__ import annotations
 import argparse
 import os
 import statistics
-import struct
 import tempfile
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -21,12 +20,13 @@ import numpy as np
 import rclpy
 from process import observing, processor_times, resident
 from rclpy.executors import SingleThreadedExecutor
-from real_time import kernel
+from real_time import kernel_factor
 
+from dcrb_ros.messages.cdr import stamps
 from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, NAMESPACE, SIMULATED, VIBRATION, Topic
 from dcrb_ros.nodes.bench import node_process
-from dcrb_ros.nodes.publisher import message_class, qos
+from dcrb_ros.nodes.publisher import subscribe
 from dcrb_ros.settings.configuration import Configuration
 
 PATIENCE = 120.0
@@ -82,16 +82,12 @@ class Subscriber:
     def __init__(self, node: Any, pid: int, topics: Iterable[Topic], viewer: int | None) -> None:
         self._pid, self._viewer, self.reports = pid, viewer, list[Report]()
         self.arrivals: list[tuple[float, float]] = []
-        self._subscribe(node, BENCH_DIAGNOSTICS, self._on_report)
+        subscribe(node, BENCH_DIAGNOSTICS, self._on_report)
         for topic in topics:
-            self._subscribe(node, topic, self._on_block if topic is VIBRATION else len)
-
-    def _subscribe(self, node: Any, topic: Topic, callback: Callable[[bytes], object]) -> None:
-        node.create_subscription(message_class(topic), topic.resolved(NAMESPACE), callback, qos(topic), raw=True)
+            subscribe(node, topic, self._on_block if topic is VIBRATION else lambda _: None)
 
     def _on_block(self, data: bytes) -> None:
-        seconds, nanoseconds = struct.unpack_from("<iI", data, 4)  # after the four bytes of the CDR header
-        self.arrivals.append((time.monotonic(), seconds + nanoseconds * 1e-9))
+        self.arrivals.append((time.monotonic(), int(stamps([data])[0]) * 1e-9))
 
     def _on_report(self, data: bytes) -> None:
         values = decode_diagnostics(data)[1][0].values
@@ -134,17 +130,6 @@ def measured(seconds: float, topics: Iterable[Topic], *settings: str, view: Path
     return subscriber.interval()
 
 
-def kernel_factor(duration: float, runs: int) -> float:
-    """Return simulated over processor time of the kernel alone [-], the median of runs of ``duration`` [s]."""
-    run, speeds = kernel(Configuration()), list[float]()
-    run(0.2)
-    for _ in range(runs):
-        processor = time.process_time()
-        run(duration)
-        speeds.append(duration / (time.process_time() - processor))
-    return statistics.median(speeds)
-
-
 def full_speed(seconds: float, folder: Path) -> None:
     """Print the speed of the node in several set-ups, each measured for a wall time [s]."""
     setups: dict[str, tuple[tuple[Topic, ...], list[str]]] = {
@@ -155,7 +140,7 @@ def full_speed(seconds: float, folder: Path) -> None:
     }
     print("| `dry` as fast as possible | simulated seconds per second | speed relative to the kernel |\n|---|---|---|")
     for name, (topics, settings) in setups.items():
-        alone = kernel_factor(0.5, 5)
+        alone = kernel_factor(Configuration(), 0.5, 5)
         measurement = measured(seconds, topics, "time_scale:=0.0", *settings)
         speed = measurement.simulated / sum(measurement.processor.values())
         print(f"| {name} | {speed:.1f} | {100 * speed / alone:.0f} % |", flush=True)

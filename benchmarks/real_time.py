@@ -135,6 +135,11 @@ def rounds(runs: dict[str, Run], durations: dict[str, float], number: int) -> li
     return measured
 
 
+def kernel_factor(configuration: Configuration, duration: float, number: int = 1) -> float:
+    """Return simulated over processor time of the kernel alone [-], the median of runs of ``duration`` [s]."""
+    return statistics.median(1.0 / times["kernel"] for times in rounds({"kernel": kernel(configuration)}, {"kernel": duration}, number))
+
+
 def relative(measured: list[dict[str, float]], name: str, to: str) -> float:
     """Return the median ratio of two runs of a round [-]."""
     return statistics.median(times[name] / times[to] for times in measured)

@@ -27,6 +27,7 @@ from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.validation.friction_moment import friction_moment
+from dcrb_ros.validation.oiled_bench import BORE, OUTSIDE
 from dcrb_ros.validation.realism import Statistics, lines_of, squared_envelope, statistics
 
 BENCHES = {"healthy": "healthy", "outer_ring": "outer_ring_defect"}
@@ -39,8 +40,6 @@ SETTLING, DURATION = 0.2, 3.0
 """Simulated time before the statistics, and of them [s]."""
 SHOWN = ("cw48_N_0", "hitself_Normal_1200", "mfpt_O3", "hitself_OR5_1200")
 """Measured recordings in the pictures: two of healthy bearings, two of outer-ring faults."""
-BORE, OUTSIDE = 0.130, 0.250
-"""Diameters of NJ(P)3226X1 [m]."""
 ROW_NAMES = ("time [ms], acceleration over its rms [-]", "frequency [kHz], power density over the power [1/Hz]")
 """First axes of a row of a picture."""
 POINTS = (

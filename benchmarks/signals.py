@@ -15,21 +15,15 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-import rclpy
-from rclpy.context import Context
-from rclpy.executors import SingleThreadedExecutor
-from rclpy.utilities import try_shutdown
-
 from dcrb_ros.messages.cdr import stamps
-from dcrb_ros.messages.topics import NAMESPACE, VIBRATION
-from dcrb_ros.nodes.publisher import message_class, qos
-from dcrb_ros.nodes.ros import limit_discovery
+from dcrb_ros.messages.topics import VIBRATION
+from dcrb_ros.nodes.publisher import subscribe
+from dcrb_ros.nodes.ros import node_in
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.schema.refusal import Refusal
 
@@ -123,82 +117,38 @@ def await_end(mark: str) -> list[int]:
     return remaining
 
 
-@contextmanager
-def listening(domain: int) -> Iterator[Listener]:
-    """Yield a listener to the waveform in a ROS domain."""
-    context = Context()
-    rclpy.init(context=context, domain_id=domain, args=[])
-    listener = Listener(context)
-    try:
-        yield listener
-    finally:
-        listener.close()
-        try_shutdown(context=context)
-
-
-class Listener:
-    """Notes the time of the last block that was published."""
-
-    def __init__(self, context: Context) -> None:
-        self.heard = 0.0
-        """Time of the first sample of that block [s]."""
-        self._node = rclpy.create_node("signals", namespace=NAMESPACE, context=context)
-        self._node.create_subscription(message_class(VIBRATION), VIBRATION.name, self._receive, qos(VIBRATION), raw=True)
-        self._executor = SingleThreadedExecutor(context=context)
-        self._executor.add_node(self._node)
-
-    def _receive(self, data: bytes) -> None:
-        self.heard = int(stamps([data])[0]) * 1e-9
-
-    def listen(self, seconds: float) -> None:
-        """Receive blocks for a time [s]."""
-        end = time.monotonic() + seconds
-        while (remaining := end - time.monotonic()) > 0.0:
-            self._executor.spin_once(timeout_sec=remaining)
-
-    def close(self) -> None:
-        """Leave the ROS graph."""
-        self._executor.shutdown()
-        self._node.destroy_node()
-
-
 def fire(shot: Shot, folder: Path, domain: int) -> Outcome:
     """Start a program, send the signal, and check its end."""
-    with listening(domain) as listener:
-        return _fire(shot, folder, domain, listener)
-
-
-def _fire(shot: Shot, folder: Path, domain: int, listener: Listener) -> Outcome:
     mark, temporary, log = f"{os.getpid()}-{folder.name}", folder / "tmp", folder / "log"
     temporary.mkdir()
     ros = {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
     environment = {**os.environ, **ros, MARK: mark, "TMPDIR": str(temporary)}
-    with log.open("wb") as output:
+    blocks: deque[bytes] = deque(maxlen=1)
+    with node_in("signals", domain) as (node, spin), log.open("wb") as output:
+        subscribe(node, VIBRATION, blocks.append)
+        command = command_of(shot.program, folder)
         process = subprocess.Popen(
-            command_of(shot.program, folder),
-            env=environment,
-            stdin=subprocess.DEVNULL,
-            stdout=output,
-            stderr=subprocess.STDOUT,
-            start_new_session=True,
+            command, env=environment, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT, start_new_session=True
         )
-    try:
-        listener.listen(shot.instant)
-        heard, started, sent = listener.heard, handles_signals(process.pid), time.monotonic()
-        process.send_signal(shot.kind)
-        if shot.second is not None:
-            time.sleep(shot.second)
+        begin = time.monotonic()
+        try:
+            while (remaining := begin + shot.instant - time.monotonic()) > 0.0:
+                spin(remaining)
+            heard, started, sent = sum(stamps(blocks)) * 1e-9, handles_signals(process.pid), time.monotonic()
             process.send_signal(shot.kind)
-        process.wait(PATIENCE)
-    except subprocess.TimeoutExpired:
-        pass
-    finally:
-        remaining = await_end(mark)
-        process.wait()
+            if shot.second is not None:
+                time.sleep(shot.second)
+                process.send_signal(shot.kind)
+            process.wait(PATIENCE)
+        except subprocess.TimeoutExpired:
+            pass
+        finally:
+            unended = await_end(mark)
+            process.wait()
     words = log.read_text(errors="replace")
     flaws = ending_flaws(shot, process.returncode, words) if started else []
     flaws += recording_flaws(shot, folder / "bag", heard)
-    flaws += [f"{len(remaining)} processes remained"] if remaining else []
+    flaws += [f"{len(unended)} processes remained"] if unended else []
     flaws += [f"{', '.join(path.name for path in temporary.iterdir())} remained"] if any(temporary.iterdir()) else []
     return Outcome(tuple(flaws), started, time.monotonic() - sent, words)
 
@@ -281,7 +231,6 @@ def main() -> int:
     parser.add_argument("--program", choices=PROGRAMS, action="append", help="only this program; may be repeated")
     parser.add_argument("--latest", type=float, default=LATEST, help="latest instant [s]")
     options = parser.parse_args()
-    limit_discovery()
     signal.signal(signal.SIGINT, signal.default_int_handler)  # in the background it would be ignored, also by the programs
     print(f"seed {options.seed}", flush=True)
     counts: Counter[str] = Counter()

@@ -10,13 +10,12 @@ from __future__ import annotations
 import argparse
 import math
 import random
-import struct
 import subprocess
 import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -30,9 +29,10 @@ from stalls import Stall, StallMonitor, monitor_stalls
 from std_msgs.msg import Float64
 from std_srvs.srv import SetBool
 
+from dcrb_ros.messages.cdr import stamps
 from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, CLOCK, FEATURES, GROUND_TRUTH, NAMESPACE, ROLLER_STATES, VIBRATION, Topic
-from dcrb_ros.nodes.publisher import message_class, qos
+from dcrb_ros.nodes.publisher import subscribe
 
 RATE, BLOCK = 51200, 1024
 LEAK = 0.2
@@ -59,24 +59,17 @@ class Monitor:
         """Late blocks, with the wall times of the reports before and after them [s]."""
         self.seen = self._reported = time.monotonic()
         for topic in (VIBRATION, FEATURES, ROLLER_STATES, GROUND_TRUTH, CLOCK):
-            self._subscribe(node, topic, self._on_message(topic))
-        self._subscribe(node, BENCH_DIAGNOSTICS, self._on_report)
+            subscribe(node, topic, partial(self._on_message, topic))
+        subscribe(node, BENCH_DIAGNOSTICS, self._on_report)
 
-    def _subscribe(self, node: Any, topic: Topic, callback: Callable[[bytes], None]) -> None:
-        node.create_subscription(message_class(topic), topic.resolved(NAMESPACE), callback, qos(topic), raw=True)
-
-    def _on_message(self, topic: Topic) -> Callable[[bytes], None]:
-        def check(data: bytes) -> None:
-            seconds, nanoseconds = struct.unpack_from("<iI", data, 4)  # after the four bytes of the CDR header
-            stamp, self.seen = seconds * 1_000_000_000 + nanoseconds, time.monotonic()
-            if topic is VIBRATION:
-                self.blocks += 1
-                index, expected = round(stamp * RATE / 1e9), round(self.last.get(topic.name, stamp) * RATE / 1e9) + BLOCK
-                self.gaps += topic.name in self.last and index != expected
-            self.backwards[topic.name] += stamp < self.last.get(topic.name, 0)
-            self.last[topic.name] = stamp
-
-        return check
+    def _on_message(self, topic: Topic, data: bytes) -> None:
+        stamp, self.seen = int(stamps([data])[0]), time.monotonic()
+        if topic is VIBRATION:
+            self.blocks += 1
+            index, expected = round(stamp * RATE / 1e9), round(self.last.get(topic.name, stamp) * RATE / 1e9) + BLOCK
+            self.gaps += topic.name in self.last and index != expected
+        self.backwards[topic.name] += stamp < self.last.get(topic.name, 0)
+        self.last[topic.name] = stamp
 
     def _on_report(self, data: bytes) -> None:
         before, now = int(self.values.get("late_blocks", 0)), time.monotonic()
@@ -97,15 +90,12 @@ class Monitor:
         """
         unexplained = 0
         for begin, end, count in self.late:
-            stalled = sum(last - first for first, last in stalls if first < end + NEAR and _caught_up(first, last) > begin)
+            stalled = sum(
+                last - first for first, last in stalls if begin - NEAR < last + CATCHING_UP * (last - first) and first < end + NEAR
+            )
             explained = math.ceil((1.0 + CATCHING_UP) * stalled * RATE / BLOCK) if stalled > BLOCK / RATE else 0
             unexplained += max(0, count - explained)
         return unexplained
-
-
-def _caught_up(begin: float, end: float) -> float:
-    """Return the time by which the last block delayed by a stall has been reported [s]."""
-    return end + CATCHING_UP * (end - begin) + NEAR
 
 
 class RandomCommands:

@@ -11,12 +11,11 @@ import statistics
 import tempfile
 import time
 import tracemalloc
-from collections.abc import Iterator
 from functools import partial
 from typing import Any
 
 import psutil
-from real_time import kernel
+from real_time import kernel_factor
 
 from dcrb_ros.runtime.processes import in_processes
 from dcrb_ros.settings.files import load_configuration
@@ -35,19 +34,10 @@ def plan(joint: str, runs: int, duration: float, **more: Any) -> Plan:
     return Plan(sweep_of({**tree, "duration": duration, **more}, "benchmark"))
 
 
-def kernel_factor(joint: str, duration: float) -> float:
-    """Return simulated over processor time of the kernel alone [-]."""
-    run = kernel(load_configuration("healthy", [f"cage.joint={joint}"]))
-    run(0.2)
-    begin = time.process_time()
-    run(duration)
-    return duration / (time.process_time() - begin)
-
-
-def kernels(joint: str, duration: float, workers: int) -> Iterator[float]:
-    """Yield the factor of each of ``workers`` kernels that run in parallel [-]."""
-    for _, factor in in_processes({k: partial(kernel_factor, joint, duration) for k in range(workers)}, workers):
-        yield factor
+def kernels(joint: str, workers: int) -> list[float]:
+    """Return the factor of each of ``workers`` kernels that run in parallel for 3 s [-]."""
+    bench = load_configuration("healthy", [f"cage.joint={joint}"])
+    return [factor for _, factor in in_processes({k: partial(kernel_factor, bench, 3.0) for k in range(workers)}, workers)]
 
 
 def processor_time(workers: LocalWorkers) -> float:
@@ -58,7 +48,7 @@ def processor_time(workers: LocalWorkers) -> float:
 def measured(joint: str, runs: int, duration: float) -> str:
     """Return a row of the table."""
     workers = os.cpu_count() or 1
-    before = list(kernels(joint, 3.0, workers))
+    before = kernels(joint, workers)
     with tempfile.TemporaryDirectory() as folder, local_workers(workers, "auto") as processes:
         with open_data_set(plan(joint, 2 * workers, 0.1), Store(f"{folder}/warm")) as data_set:
             data_set.make(processes, lambda _: None)
@@ -66,7 +56,7 @@ def measured(joint: str, runs: int, duration: float) -> str:
             spent = processor_time(processes)
             tally = data_set.make(processes, lambda _: None)
             spent = processor_time(processes) - spent
-    alone = statistics.mean([*before, *kernels(joint, 3.0, workers)])
+    alone = statistics.mean([*before, *kernels(joint, workers)])
     factor = tally.seconds / spent
     return f"| {joint} | {runs} of {duration:g} s | {alone:.2f} | {factor:.2f} | {factor / alone:.2f} |"
 

@@ -8,7 +8,7 @@ The levels are on the page docs/explanation/vehicle.md, the times on docs/result
 
 from __future__ import annotations
 
-import sys
+import argparse
 import time
 from collections import defaultdict
 from collections.abc import Callable
@@ -109,21 +109,16 @@ def cost(seconds: float) -> None:
     print(table(("part", "ms per 20 ms", "share"), [*rows, ("all", f"{whole / seconds * 20.0:.2f}", "")]))
 
 
-def main(arguments: list[str]) -> int:
-    """Print the tables that were asked for."""
-    if not 1 <= len(arguments) <= 2 or arguments[0] not in ("levels", "cost"):
-        print(__doc__, file=sys.stderr)
-        return 2
-    try:
-        seconds = float(arguments[1]) if len(arguments) == 2 else 10.0
-    except ValueError:
-        seconds = 0.0
-    if not 1.0 <= seconds <= 1000.0:
-        print(f"SECONDS = {arguments[1]} is not a duration of 1 .. 1000 s", file=sys.stderr)
-        return 2
-    (levels if arguments[0] == "levels" else cost)(seconds)
-    return 0
+def main() -> None:
+    """Print the table that was asked for."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("table", choices=("levels", "cost"))
+    parser.add_argument("seconds", nargs="?", type=float, default=10.0, help="simulated time, 1 to 1000 s")
+    options = parser.parse_args()
+    if not 1.0 <= options.seconds <= 1000.0:
+        parser.error(f"SECONDS = {options.seconds:g} is not a duration of 1 .. 1000 s")
+    {"levels": levels, "cost": cost}[options.table](options.seconds)
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    main()

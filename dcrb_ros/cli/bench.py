@@ -10,16 +10,13 @@ from typing import Annotated
 import typer
 
 from dcrb_ros.cli import completion
-from dcrb_ros.cli.options import DetectorFile, Duration, Force, Scenario, Settings, detector_parameters
+from dcrb_ros.cli.options import DetectorFile, Duration, Force, OptionalConfig, Scenario, Settings, detector_parameters
 from dcrb_ros.cli.output_file import check_force, replacing
 from dcrb_ros.schema.refusal import Refusal
 
 
 def bench(
-    config: Annotated[
-        str | None,
-        typer.Argument(help="Configuration: a YAML file or a shipped name, such as healthy.", autocompletion=completion.configurations),
-    ] = None,
+    config: OptionalConfig = None,
     duration: Duration = 10.0,
     time_scale: Annotated[
         float | None,
@@ -63,27 +60,26 @@ def bench(
         described = vehicle_of(boxes, vehicle)
         if tree is not None:
             vehicle_scenario(tree, described, str(scenario))
-        refuse_late(tree, seconds, f"the scenario {scenario}", "increase --duration or leave out --scenario")
-        recorded = described.boxes[0].configuration.recording.path
-        check_force("--record", recorded, force=force)
-        with replacing("--record" if record else "recording.path =", Path(recorded), force=force) if recorded else nullcontext():
-            from dcrb_ros.nodes.vehicle_bench import run as run_vehicle
-
-            status = run_vehicle(Path(vehicle).stem, boxes, described, detector_parameters(detector), seconds, scenario, shown=rerun)
-        raise typer.Exit(status)
-    if config is None:
+        name, configuration = Path(vehicle).stem, described.boxes[0].configuration
+    elif config is not None:
+        name, configuration = config, load_configuration(config, [*(settings or ()), *extra])
+        if tree is not None:
+            scheduled_changes(tree, starting_configuration(tree, configuration, str(scenario)), str(scenario))
+    else:
         raise Refusal("Missing argument 'CONFIG': give a YAML file or a shipped name, such as healthy, or --vehicle NAME")
-    configuration = load_configuration(config, [*(settings or ()), *extra])
-    if tree is not None:
-        scheduled_changes(tree, starting_configuration(tree, configuration, str(scenario)), str(scenario))
     refuse_late(tree, seconds, f"the scenario {scenario}", "increase --duration or leave out --scenario")
     parameters = detector_parameters(detector)
     recorded = configuration.recording.path
     check_force("--record", recorded, force=force)
     with replacing("--record" if record else "recording.path =", Path(recorded), force=force) if recorded else nullcontext():
-        from dcrb_ros.nodes.bench import run
+        if vehicle is not None:
+            from dcrb_ros.nodes.vehicle_bench import run as run_vehicle
 
-        status = run(config, configuration, parameters, seconds, scenario, shown=rerun)
+            status = run_vehicle(name, boxes, described, parameters, seconds, scenario, shown=rerun)
+        else:
+            from dcrb_ros.nodes.bench import run
+
+            status = run(name, configuration, parameters, seconds, scenario, shown=rerun)
     raise typer.Exit(status)
 
 

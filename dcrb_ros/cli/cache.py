@@ -23,7 +23,7 @@ def cache(
 
     Example: dcrb cache --clear
     """
-    folders = {path: _bytes(path) for path in _folders()}
+    folders = {path: sum(file.stat().st_size for file in path.rglob("*") if file.is_file()) for path in _folders()}
     sizes = {path: size for path, size in folders.items() if size}  # numba makes empty folders when it is imported
     if clear:
         for path in folders:
@@ -46,8 +46,3 @@ def _folders() -> Iterator[Path]:
     for path in (*sorted(CACHE.parent.glob("kernels-*")), default_folder()):
         if path.is_dir():
             yield path
-
-
-def _bytes(folder: Path) -> int:
-    """Return the size of all files in a folder [byte]."""
-    return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())

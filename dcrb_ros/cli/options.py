@@ -31,6 +31,10 @@ Config = Annotated[
         help="Configuration: a YAML file or a shipped name, such as outer_ring_defect.", autocompletion=completion.configurations
     ),
 ]
+OptionalConfig = Annotated[
+    str | None,
+    typer.Argument(help="Configuration: a YAML file or a shipped name, such as healthy.", autocompletion=completion.configurations),
+]
 Duration = Annotated[float, typer.Option(help="Simulated time [s], above 0 and up to 1e6.")]
 
 

@@ -15,7 +15,7 @@ import typer
 
 from dcrb_ros.cli import completion
 from dcrb_ros.cli.first_start import compilation_shown
-from dcrb_ros.cli.options import Duration, Force, JsonOutput, Quiet, Scenario, Settings, refuse_given, refuse_node_settings
+from dcrb_ros.cli.options import Duration, Force, JsonOutput, OptionalConfig, Quiet, Scenario, Settings, refuse_given, refuse_node_settings
 from dcrb_ros.cli.output_file import check_force, replacing
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.simulated_time import checked_duration
@@ -52,10 +52,7 @@ class Progress(NamedTuple):
 
 def simulate(
     context: typer.Context,
-    config: Annotated[
-        str | None,
-        typer.Argument(help="Configuration: a YAML file or a shipped name, such as healthy.", autocompletion=completion.configurations),
-    ] = None,
+    config: OptionalConfig = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="New folder of the recording. Default: the name of the configuration.")
     ] = None,

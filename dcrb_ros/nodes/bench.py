@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,7 @@ from dcrb_ros.messages.joints import Joints, decode_joints
 from dcrb_ros.messages.statuses import Status, decode_diagnostics
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, DIAGNOSIS, FEATURES, NAMESPACE, VIBRATION, Topic
 from dcrb_ros.nodes.programs import WITH_PARENT
-from dcrb_ros.nodes.publisher import message_class, qos
+from dcrb_ros.nodes.publisher import subscribe
 from dcrb_ros.nodes.ros import check_ros, limit_discovery, stop_on_signals
 from dcrb_ros.runtime import terminal
 from dcrb_ros.runtime.children import signals_blocked
@@ -75,18 +76,14 @@ class Observer:
 
     def subscribe(self, node: Any) -> None:
         """Subscribe to the topics of the bench."""
-
-        def subscribe(topic: Topic, callback: Callable[[bytes], None]) -> None:
-            def receive(data: bytes) -> None:
-                try:
-                    callback(bytes(data))
-                except Refusal:
-                    self.refused += 1
-
-            node.create_subscription(message_class(topic), topic.resolved(NAMESPACE), receive, qos(topic), raw=True)
-
         for topic, callback in self.topics().items():
-            subscribe(topic, callback)
+            subscribe(node, topic, partial(self._receive, callback))
+
+    def _receive(self, callback: Callable[[bytes], None], data: bytes) -> None:
+        try:
+            callback(data)
+        except Refusal:
+            self.refused += 1
 
     def _on_block(self, data: bytes) -> None:
         self.blocks += 1

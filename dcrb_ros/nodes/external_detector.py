@@ -19,9 +19,9 @@ from dcrb_ros.messages.topics import DIAGNOSIS, NAMESPACE, SENSOR, TEMPERATURES,
 from dcrb_ros.nodes.detector_answers import Answers, Diagnoses
 from dcrb_ros.nodes.other_publishers import OtherPublishers
 from dcrb_ros.nodes.pacing import Pacer
-from dcrb_ros.nodes.publisher import Publisher, message_class, qos
+from dcrb_ros.nodes.publisher import Publisher, subscribe
 from dcrb_ros.nodes.reserved_domain import ReservedDomain
-from dcrb_ros.nodes.ros import check_ros, limit_discovery
+from dcrb_ros.nodes.ros import check_ros, node_in
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.replay import Replay, ReplayParameters
 from dcrb_ros.runtime.child_output import ChildOutput
@@ -103,14 +103,12 @@ class NodeProgram:
             CandidateRefusal: the program does not exist.
             RuntimeError: another node in the domain publishes on the topics of the exam.
         """
-        with _node(self.domain) as (node, spin), ExitStack() as stack:
+        with node_in("examiner", self.domain) as (node, spin), ExitStack() as stack:
             publisher = Publisher(node, feed.topics)
             watch = _DomainWatch(node, feed.topics, feed.answer, self.domain)
             watch.listen(spin)
             process, output = stack.enter_context(_process(self._command, self.domain))
-            node.create_subscription(
-                message_class(feed.answer), feed.answer.name, lambda data: answers.receive(bytes(data)), qos(feed.answer), raw=True
-            )
+            subscribe(node, feed.answer, answers.receive)
             publisher.write_messages(feed.start())
             failure = self._connect(feed, publisher, node, spin, process) or self._send(feed, publisher, answers, spin, process, watch)
             topic = feed.answer.resolved(NAMESPACE)
@@ -229,28 +227,6 @@ def _split(command: str) -> list[str]:
     if not words:
         raise Refusal("--node is empty: give the command that starts your detector, such as 'python3 my_detector.py'")
     return words
-
-
-@contextmanager
-def _node(domain: int) -> Iterator[tuple[Any, Any]]:
-    """Yield a node in a ROS domain, and a function that serves its callbacks for a time [s]."""
-    import rclpy
-    from rclpy.context import Context
-    from rclpy.executors import SingleThreadedExecutor
-    from rclpy.utilities import try_shutdown
-
-    limit_discovery()
-    context = Context()
-    rclpy.init(context=context, domain_id=domain, args=[])
-    node = rclpy.create_node("examiner", namespace=NAMESPACE, context=context)
-    executor = SingleThreadedExecutor(context=context)
-    executor.add_node(node)
-    try:
-        yield node, lambda seconds: executor.spin_once(timeout_sec=seconds)
-    finally:
-        executor.shutdown()
-        node.destroy_node()
-        try_shutdown(context=context)
 
 
 @contextmanager

@@ -1,14 +1,14 @@
-"""Messages to ROS topics, as the bytes to which they were encoded."""
+"""Messages to and from ROS topics, as the bytes to which they were encoded."""
 
 from __future__ import annotations
 
 import importlib.util
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from dcrb_ros.messages.bundle import Bundle
-from dcrb_ros.messages.topics import Message, Topic
+from dcrb_ros.messages.topics import NAMESPACE, Message, Topic
 
 DELIVERY_TIMEOUT = 5.0
 """Wall time in which the last messages must be delivered [s]. Every 3 s Fast DDS asks each subscriber which messages it lacks."""
@@ -33,6 +33,11 @@ def message_class(topic: Topic) -> type[Any]:
     package, _, name = topic.type.split("/")
     kind: type[Any] = getattr(importlib.import_module(f"{package}.msg"), name)
     return kind
+
+
+def subscribe(node: Any, topic: Topic, receive: Callable[[bytes], None]) -> None:
+    """Pass the bytes of each message on a topic of the bench to ``receive``."""
+    node.create_subscription(message_class(topic), topic.resolved(NAMESPACE), lambda data: receive(bytes(data)), qos(topic), raw=True)
 
 
 class Publisher:

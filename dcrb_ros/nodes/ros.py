@@ -16,6 +16,7 @@ from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING
 
+from dcrb_ros.messages.topics import NAMESPACE
 from dcrb_ros.recordings.splitting import RecordingFailed
 from dcrb_ros.runtime.signals import accept_termination, handle_termination, interrupt, restore_ignored_signals
 from dcrb_ros.schema.refusal import Refusal
@@ -183,6 +184,28 @@ def _log_failure(node: Node, error: Exception, count: int) -> None:
     """Log the first failure of a callback, the second, the fourth and so on."""
     if count & (count - 1) == 0:
         node.get_logger().error(f"a callback failed ({count} so far, DCRB_DEBUG=1 shows where): {type(error).__name__}: {error}")
+
+
+@contextmanager
+def node_in(name: str, domain: int) -> Iterator[tuple[Node, Callable[[float], None]]]:
+    """Yield a node in a ROS domain, and a function that serves its callbacks for a time [s]."""
+    import rclpy
+    from rclpy.context import Context
+    from rclpy.executors import SingleThreadedExecutor
+    from rclpy.utilities import try_shutdown
+
+    limit_discovery()
+    context = Context()
+    rclpy.init(context=context, domain_id=domain, args=[])
+    node = rclpy.create_node(name, namespace=NAMESPACE, context=context)
+    executor = SingleThreadedExecutor(context=context)
+    executor.add_node(node)
+    try:
+        yield node, lambda seconds: executor.spin_once(timeout_sec=seconds)
+    finally:
+        executor.shutdown()
+        node.destroy_node()
+        try_shutdown(context=context)
 
 
 def stop_on_signals() -> threading.Event:

@@ -6,6 +6,7 @@ import argparse
 import sys
 from collections.abc import Generator, Sequence
 from contextlib import closing
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ from dcrb_ros.bearing.plausibility import whole_length
 from dcrb_ros.bearing.runtime_change import altered
 from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.encoder import BlockEncoder
-from dcrb_ros.messages.topics import DETECTED, LOAD_COMMAND, SENSOR, SIMULATED, SPEED_COMMAND, TRANSFORMS, VIBRATION, Message
+from dcrb_ros.messages.topics import DETECTED, LOAD_COMMAND, SENSOR, SIMULATED, SPEED_COMMAND, TRANSFORMS, VIBRATION, Message, Topic
 from dcrb_ros.messages.topics.transforms import encode_transforms
 from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.parameters import changed_by_topic
@@ -91,8 +92,8 @@ class SimulatorNode(SimulatingNode):
 
     def receive(self) -> None:
         """Subscribe to commands and to the detector, and publish the place of the sensor."""
-        self.subscribe(SPEED_COMMAND, self._on_speed)
-        self.subscribe(LOAD_COMMAND, self._on_load)
+        for topic in (SPEED_COMMAND, LOAD_COMMAND):
+            self.subscribe(topic, partial(self._on_command, topic))
         for topic in DETECTED:
             if topic.recorded:
                 self.record_detected(topic)
@@ -112,15 +113,11 @@ class SimulatorNode(SimulatingNode):
         )
         return RecorderThread(recorder, configuration.recording.queue)
 
-    def _on_speed(self, data: bytes) -> None:
-        with self.refusals.suppressed(SPEED_COMMAND.name):
-            self.refuse_during_reset(SPEED_COMMAND.name)
-            self._source.simulation.command_speed(decoded_by(SPEED_COMMAND.name, SPEED_COMMAND.decoded, data))
-
-    def _on_load(self, data: bytes) -> None:
-        with self.refusals.suppressed(LOAD_COMMAND.name):
-            self.refuse_during_reset(LOAD_COMMAND.name)
-            self._source.simulation.command_load(*decoded_by(LOAD_COMMAND.name, LOAD_COMMAND.decoded, data))
+    def _on_command(self, topic: Topic, data: bytes) -> None:
+        with self.refusals.suppressed(topic.name):
+            self.refuse_during_reset(topic.name)
+            value, simulation = decoded_by(topic.name, topic.decoded, data), self._source.simulation
+            simulation.command_speed(value) if topic is SPEED_COMMAND else simulation.command_load(*value)
 
     def on_parameters(self, changes: dict[str, Any]) -> None:
         """Apply a requested change of parameters, or refuse it."""

@@ -193,9 +193,7 @@ def _described(recording: Recording, topic: Topic) -> Message:
     """Return the description of the sensor that precedes the first block, as recorded or from the manifest."""
     # Without a manifest, the description that takes its place is the first one.
     recorded = None if recording.described else next(recording.messages((SENSOR,)), None)
-    return Message(topic, recorded.time_ns, recorded.data) if recorded else Message(topic, 0, encode_text(_sensor(recording)))
-
-
-def _sensor(recording: Recording) -> str:
+    if recorded:
+        return Message(topic, recorded.time_ns, recorded.data)
     sensor = recording.manifest.get("sensor")
-    return sensor_text(recording.configuration) if sensor is None else json.dumps(sensor, sort_keys=True)
+    return Message(topic, 0, encode_text(sensor_text(recording.configuration) if sensor is None else json.dumps(sensor, sort_keys=True)))

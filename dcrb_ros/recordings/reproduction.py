@@ -15,8 +15,8 @@ from typing import Any, Generic, TypeVar
 from dcrb_ros.messages.points import MOST_SAMPLES as LONGEST_BLOCK
 from dcrb_ros.messages.points import SAMPLE, index_at, packed
 from dcrb_ros.messages.topics import SIMULATED
-from dcrb_ros.recordings.digest import SHOWN, RecordedSamples, SampleDigests, stated_samples
-from dcrb_ros.recordings.manifest import model_fingerprint, software
+from dcrb_ros.recordings.digest import SHOWN, RecordedSamples, SampleDigests, samples_in, stated_samples
+from dcrb_ros.recordings.manifest import Outcome, model_fingerprint, software
 from dcrb_ros.recordings.mathematics import FUNCTIONS
 from dcrb_ros.recordings.mcap_reader import MAX_RECORD
 from dcrb_ros.recordings.processor import processor, processor_difference
@@ -53,19 +53,14 @@ def recorded_samples(recording: Recording) -> RecordedSamples:
     if stated is not None:
         _check_stated(stated, recording)
         return stated
-    digest, rate = hashlib.sha256(), recording.sampling_rate
-    begin: int | None = None
-    reached = count = 0
-    publishing = recording.configuration.publishing
-    contiguous = not (publishing.loss_probability or publishing.burst_period)
+    rate, publishing = recording.sampling_rate, recording.configuration.publishing
+    contiguous, outcome = not (publishing.loss_probability or publishing.burst_period), Outcome(rate)
     for block in recording.vibrations():
-        index = block.first_index(rate)
-        begin = index if begin is None else begin
+        index, reached = block.first_index(rate), outcome.end_index
         if contiguous and reached and index != reached:
             raise Refusal(f"{recording.path} is damaged: the samples {reached} .. {index - 1} are missing, so it cannot be checked")
-        digest.update(block.packed())
-        reached, count = index + len(block.shaft_angle), count + len(block.shaft_angle)
-    return RecordedSamples(begin or 0, count, digest.hexdigest(), reached)
+        outcome.add_block(block)
+    return samples_in(outcome)
 
 
 def _check_stated(stated: RecordedSamples, recording: Recording) -> None:

@@ -148,7 +148,8 @@ class Bag:
             yield
         except OSError as error:
             self._abandon()
-            event = f"the recording {self.path} ended at {self._reached():.1f} s: {error.strerror}"
+            reached = max((file.span.last_ns for file in self._all()), default=0) / SECOND
+            event = f"the recording {self.path} ended at {reached:.1f} s: {error.strerror}"
             raise RecordingFailed(event, remedy_of(error)) from None
 
     def _begin_file(self, number: int) -> McapFile:
@@ -171,9 +172,6 @@ class Bag:
         self._file.abandon()
         with suppress(OSError):  # the metadata written at the last split remain; `dcrb recover` writes new ones
             self._write_metadata()
-
-    def _reached(self) -> float:
-        return max((file.span.last_ns for file in self._all()), default=0) / SECOND
 
     def _all(self) -> list[McapFile]:
         return [*self._ended, self._file]

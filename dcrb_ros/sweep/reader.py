@@ -72,7 +72,8 @@ class DataSet:
         if self._sums is None:
             _warn(f"{self.folder} has no {SUMS}, as of an earlier version or without its hashes: changes of its labels are not found")
         self._rows = self._read_rows()
-        for sentence in warnings_of(self._shared(), remedy=False).values():
+        shared = {name: in_several((row.get(name), row["split"]) for row in self._rows.values()) for name in REMEDIES}
+        for sentence in warnings_of(shared, remedy=False).values():
             _warn(f"{self.folder}: {sentence}")
 
     def __repr__(self) -> str:
@@ -253,10 +254,6 @@ class DataSet:
                 raise Refusal(f"{path} is damaged: the row of the run {row['run']} has no valid split, samples or rate; {REMEDY}")
             self._inside(str(row["file"]))
         return {str(row["run"]): row for row in rows}
-
-    def _shared(self) -> dict[str, int]:
-        """Return the number of bearings and machines in more than one split."""
-        return {name: in_several((row.get(name), row["split"]) for row in self._rows.values()) for name in REMEDIES}
 
     def _split(self, split: str) -> str:
         if not isinstance(split, str) or split not in self.splits:

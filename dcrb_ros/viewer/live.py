@@ -74,7 +74,8 @@ class LiveView(ReceivedMessages):
                 self._received = received
                 return
             content = content_of(received, self._bench, lambda _: completed(detector_output_in(received)))
-            self._current(self._bench).log(content)
+            self._run = self._run or LiveRun(self._next_stream(), self._bench)
+            self._run.log(content)
         except Refusal as refusal:
             self._refuse(refusal)
 
@@ -83,11 +84,6 @@ class LiveView(ReceivedMessages):
         self.flush()
         if self._run is not None:
             self._run.close()
-
-    def _current(self, bench: BenchInfo) -> LiveRun:
-        if self._run is None:
-            self._run = LiveRun(self._next_stream(), bench)
-        return self._run
 
     def _check_time(self, stamp_ns: int) -> None:
         """Start a new run if the simulated time has gone back."""

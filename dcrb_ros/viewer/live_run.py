@@ -78,9 +78,8 @@ class LiveRun:
         self._recent: Motion | None = None
         self._spectra: Spectra | None = None
         self._growing = spectrum_picture.GrowingSpectra(bench.orders)
-        self._latest = Content(
-            bench.title, bench.bearing, bench.orders, bench.bodies, _empty_waveform(bench), completed(DetectorOutput(None, (), ()))
-        )
+        nothing = TimedWaveform(np.zeros(2, np.int64), np.zeros((2, 2), np.float32), np.zeros(2, np.float32), bench.rate)
+        self._latest = Content(bench.title, bench.bearing, bench.orders, bench.bodies, nothing, completed(DetectorOutput(None, (), ())))
         stream.send_blueprint(compose_live(self._drawing))
 
     def log(self, content: Content) -> None:
@@ -194,10 +193,6 @@ def completed(output: DetectorOutput) -> Future[DetectorOutput]:
     future: Future[DetectorOutput] = Future()
     future.set_result(output)
     return future
-
-
-def _empty_waveform(bench: BenchInfo) -> TimedWaveform:
-    return TimedWaveform(np.zeros(2, np.int64), np.zeros((2, 2), np.float32), np.zeros(2, np.float32), bench.rate)
 
 
 def _joined_spectra(before: Spectra | None, after: Spectra) -> Spectra:

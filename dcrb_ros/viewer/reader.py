@@ -136,18 +136,15 @@ def motion_of(messages: Sequence[bytes], bodies: BodyNames) -> Motion | None:
     if not messages:
         return None
     names, alike = tuple(bodies.names), decode_alike(messages)
-    for joints in [decode_joints(data) for data in messages] if alike is None else [alike]:
+    each = [decode_joints(data) for data in messages] if alike is None else [alike]
+    for joints in each:
         counts = {joints.position.shape[-1], joints.velocity.shape[-1], joints.effort.shape[-1]}
         if joints.names != names or counts != {len(names)}:
             raise Refusal(
                 f"a message on {ROLLER_STATES.resolved(NAMESPACE)} has {sorted(counts)} values for {len(joints.names)} bodies, but the "
                 f"bearing of the manifest has {len(names)}, from {names[0]} to {names[-1]}: give a recording of a single bench"
             )
-    if alike is None:
-        each = [decode_joints(data) for data in messages]
-        fields = [np.array([getattr(joints, name) for joints in each]) for name in ("position", "velocity", "effort")]
-    else:
-        fields = [alike.position, alike.velocity, alike.effort]
+    fields = [np.concatenate([np.atleast_2d(getattr(joints, name)) for joints in each]) for name in ("position", "velocity", "effort")]
     return Motion(stamps(messages), *fields)
 
 

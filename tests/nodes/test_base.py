@@ -23,6 +23,7 @@ from std_msgs.msg import Float64
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.statuses import Status
+from dcrb_ros.messages.topics import LOAD_COMMAND, SPEED_COMMAND
 from dcrb_ros.nodes.base import BenchNode
 from dcrb_ros.nodes.clock import ClockPublisher
 from dcrb_ros.nodes.fault_detector import FaultDetectorNode
@@ -210,8 +211,8 @@ def test_a_bench_is_neither_changed_nor_commanded_while_a_reset_is_pending(ros: 
     speed, load = bytes(serialize_message(Float64(data=100.0))), bytes(serialize_message(Wrench()))
     node.engine.gate.reset(0.0)
     for _ in range(2):  # during the reset, and after it
-        node._on_speed(speed)
-        node._on_load(load)
+        node._on_command(SPEED_COMMAND, speed)
+        node._on_command(LOAD_COMMAND, load)
         assert (node.refusals.count("command/speed"), node.refusals.count("command/load")) == (1, 1)
         node.engine.gate.finish_reset()
     node.destroy_node()
