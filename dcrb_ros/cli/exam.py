@@ -6,7 +6,7 @@ import re
 import shlex
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -17,6 +17,9 @@ from dcrb_ros.cli.output_file import replacing
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.counts import counted
 from dcrb_ros.text.writing import whole_files, write_whole
+
+if TYPE_CHECKING:
+    from dcrb_ros.exam.exam_file import Exam
 
 app = Commands(help="Seal, open and verify exams drawn from a secret seed; make a leaderboard; compare an exam with measured recordings.")
 Sealed = Annotated[Path, typer.Argument(help="The sealed exam, which has been published.")]
@@ -87,32 +90,55 @@ def verify(
     secret: Secret,
     entries: Annotated[list[Path] | None, typer.Argument(help="Entries of dcrb score --entry that were made with this exam.")] = None,
 ) -> None:
-    """Verify a sealed exam with its secret seed, and entries that were made with it; exit status 1 if any of them does not agree.
+    """Verify a sealed exam with its secret seed, and entries that were made with it; exit status 1 if any does not agree or is unreadable.
 
     Example: dcrb exam verify my_template.sealed.yaml my_template.secret results/*.json
     """
-    from dcrb_ros.exam.leaderboard_entry import read_entry
     from dcrb_ros.exam.sealing import commitment, open_exam, read_sealed, read_secret
-    from dcrb_ros.exam.verification import differences
-    from dcrb_ros.runtime.version import __version__
-    from dcrb_ros.schema.printable import printable
 
     exam, seed = read_sealed(sealed), read_secret(secret)
     if commitment(exam.template, seed) != exam.sealed:
-        print(f"{sealed}: DOES NOT AGREE, it was not sealed with this secret or has been changed since")
+        print(
+            f"{sealed}: DOES NOT AGREE, it was not sealed with this secret or has been changed since: "
+            "give the file as it was published, and the secret that was sealed with it"
+        )
         raise typer.Exit(1)
     print(f"{sealed}: agrees with the secret")
     drawn = open_exam(exam, seed, str(sealed)).exam
     agree = drawn.digest == exam.scenarios_sha256
-    reason = "" if agree else f", the scenarios of dcrb_ros {__version__} are not those of dcrb_ros {exam.dcrb_ros}, which sealed it"
-    print(f"scenarios: {'agree' if agree else 'DO NOT AGREE'}{reason}")
+    print(f"scenarios: {'agree' if agree else f'DO NOT AGREE, {_other_scenarios(exam.dcrb_ros)}'}")
     for path in entries or ():
-        flaws = list(differences(read_entry(path), drawn))
-        agree = agree and not flaws
-        more = f" (and {len(flaws) - 1} more)" if len(flaws) > 1 else ""
-        print(f"{path}: {f'DOES NOT AGREE, {printable(flaws[0])}{more}' if flaws else 'agrees'}")
+        agree = _verify_entry(path, drawn) and agree
     if not agree:
         raise typer.Exit(1)
+
+
+def _other_scenarios(version: str) -> str:
+    """Return why the scenarios drawn from a sealed exam of a ``version`` of dcrb_ros are not those whose hash it states."""
+    from dcrb_ros.runtime.version import __version__
+
+    if version == __version__:
+        return "scenarios_sha256 has been changed, or this dcrb_ros has other defaults: give the file as it was published"
+    return f"the scenarios of dcrb_ros {__version__} are not those of dcrb_ros {version}, which sealed it: verify it with that version"
+
+
+def _verify_entry(path: Path, exam: Exam) -> bool:
+    """Print and return whether an entry agrees with an exam."""
+    from dcrb_ros.exam.leaderboard_entry import read_entry
+    from dcrb_ros.exam.verification import differences
+    from dcrb_ros.runtime.exit_status import print_error
+    from dcrb_ros.schema.printable import printable
+
+    try:
+        flaws = list(differences(read_entry(path), exam))
+    except Refusal as refusal:
+        # The entries after it are verified, too.
+        print_error("dcrb", str(refusal))
+        return False
+    more = f" (and {len(flaws) - 1} more)" if len(flaws) > 1 else ""
+    result = f"DOES NOT AGREE, {printable(flaws[0])}{more}: make it again with dcrb score --entry" if flaws else "agrees"
+    print(f"{path}: {result}")
+    return not flaws
 
 
 @app.command()

@@ -47,8 +47,8 @@ def replica(
     tree = replica_tree(_checked(table), plan, speed)
     with replacing("--output", output, force=force):
         write_whole(output, yaml_text(tree))
-    command = shlex.join(("dcrb", "exam", "predictivity", str(table), "--replica", str(output)))
-    print(f"{output}: {counted(len(tree['scenarios']), 'scenario')}; compare it with {command}")
+    command = shlex.join(("dcrb", "exam", "predictivity", str(table), "--replica", str(output), "--detectors", "FOLDER"))
+    print(f"{output}: {counted(len(tree['scenarios']), 'scenario')}; compare detectors on it with {command}")
 
 
 def predictivity(

@@ -215,7 +215,11 @@ def read_entry(path: Path) -> Entry:
         Refusal: the file cannot be read, is not an entry, was changed or has no digest, its scores or area do not follow from its
             scenarios, or a scenario contradicts itself.
     """
-    tree: Any = parsed_json(read_text(checked_path(path), LARGEST), str(path))
+    text = read_text(checked_path(path), LARGEST)
+    try:
+        tree: Any = parsed_json(text, str(path))
+    except Refusal as refusal:
+        raise Refusal(f"{refusal}; give an entry of dcrb score --entry") from None
     stated = tree.pop(DIGEST, None) if isinstance(tree, dict) else None
     if stated is not None and stated != digest_of(tree, DIGEST):
         raise Refusal(f"{path} was changed: its digest does not match; make it again with dcrb score --entry")

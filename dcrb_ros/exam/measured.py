@@ -147,7 +147,7 @@ def _row(table: Path, line: int, row: dict[str, str], speed: str) -> MeasuredRec
     frequency = numbers[speed] / 60.0
     try:
         orders = Orders.from_dict({name: numbers[name] for name in CHARACTERISTIC_FREQUENCIES})
-        rate = sampling_rate(numbers["sampling_rate"], str(table))
+        rate = sampling_rate(numbers["sampling_rate"], "the row")
     except Refusal as error:
         raise Refusal(f"{table}, line {line}: {error}") from None
     if not (math.isfinite(frequency) and frequency > 0.0):

@@ -85,7 +85,7 @@ class RecordedDiagnoses:
         if not recorded.diagnoses:
             raise CandidateRefusal(
                 f"{recorded.path} has no messages on diagnosis: record it while a detector runs (dcrb bench --record, or "
-                "ros2 bag record -a), or run a detector on it with --reference or --node COMMAND"
+                "ros2 bag record -a), or run a detector on it with --reference, --python or --node"
             )
         return Outcome(list(recorded.diagnoses))
 

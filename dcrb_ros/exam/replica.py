@@ -153,6 +153,13 @@ def _counterparts(
             f"{table}, {recording.name}: a speed of {60.0 * recording.speed:g} rpm is outside 0 .. {rpm(fastest):.0f} rpm of the bench: "
             "check the column of speeds, or leave it out of the table"
         )
+    sampled = fields_by_key()["sensor.sampling_rate"]
+    low, high = sampled.low or 0.0, sampled.high or math.inf
+    if not low <= recording.rate <= high:
+        raise Refusal(
+            f"{table}, {recording.name}: sampling_rate = {recording.rate} Hz is outside {low:g} .. {high:g} Hz of the bench: resample the "
+            "recording, or leave it out of the table"
+        )
     try:
         bearing = bearing_settings(geometry_of(recording.orders), bench, recording.pitch_radius)
         fixed = {**bearing, **rates(recording.rate, longest_step(bearing, bench))}

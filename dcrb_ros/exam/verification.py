@@ -22,7 +22,7 @@ CLOSE = 1e-6
 def differences(entry: Entry, exam: Exam) -> Iterator[str]:
     """Yield a sentence for everything in an entry that does not follow from its diagnoses in an exam."""
     if entry.format != FORMAT or any(scenario.diagnoses is None for scenario in entry.scenarios):
-        yield f"it has no diagnoses from which it could be computed again: make it again with dcrb score --entry, which writes '{FORMAT}'"
+        yield f"it has no diagnoses from which it could be computed again, which '{FORMAT}' has"
         return
     stated = {scenario.name: scenario for scenario in entry.scenarios}
     names = [case.expectation.name for case in exam.cases]
@@ -45,7 +45,11 @@ def differences(entry: Entry, exam: Exam) -> Iterator[str]:
 def _unequal(where: str, stated: Mapping[str, Any], follows: Mapping[str, Any]) -> Iterator[str]:
     for key, value in follows.items():
         if not _close(stated[key], value):
-            yield f"{where}{key} is stated as {stated[key]}, but {value} follows"
+            yield f"{where}{key} is stated as {_shown(stated[key])}, but {_shown(value)} follows"
+
+
+def _shown(value: Any) -> Any:
+    return "nothing" if value is None or value == "" else value
 
 
 def _close(first: Any, second: Any) -> bool:

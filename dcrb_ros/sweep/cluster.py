@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import itertools
+import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -39,9 +40,15 @@ class ClusterWorkers:
         return f"{counted(self.count, 'worker')}, dashboard: {self._client.dashboard_link}"
 
     def dispatched(self, common: CommonSettings, tasks: Iterator[Task]) -> Iterator[tuple[Task, Outcome]]:
-        """Yield each task with its outcome; see `Workers.dispatched`."""
+        """Yield each task with its outcome; see `Workers.dispatched`.
+
+        Raises:
+            StoreFailed: see there.
+            RuntimeError: the connection to the scheduler was lost.
+        """
         from distributed import as_completed
 
+        scheduler = str(getattr(self._client.scheduler, "address", ""))
         known: dict[Future[Any], Task] = {}
         queue = as_completed()
 
@@ -55,6 +62,11 @@ class ClusterWorkers:
             submit(TASKS_PER_WORKER * self.count)
             for future in queue:
                 task = known.pop(future)
+                if future.cancelled():
+                    raise RuntimeError(
+                        f"the connection to the scheduler {scheduler} was lost: start it and its workers again, and run the same "
+                        "command again to continue"
+                    )
                 outcome = _outcome(future)
                 future.release()
                 if isinstance(outcome, StoreFailed):
@@ -76,17 +88,29 @@ def cluster_workers(scheduler: str) -> Iterator[ClusterWorkers]:
     installed("distributed", "--scheduler needs Dask: pip install dask distributed")
     from distributed import Client
 
+    # The command states a failure in a sentence; Dask logs it with tracebacks.
+    logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
     try:
         client = Client(scheduler, timeout=PATIENCE)
-    except (OSError, ValueError, TypeError) as error:
-        reason = str(error).splitlines()[0] if str(error) else "it does not answer"
-        raise Refusal(
-            f"the scheduler {scheduler} cannot be reached: {reason}; start one with 'dask scheduler' and give its address, such as "
-            "tcp://10.0.0.1:8786"
-        ) from None
+    except (OSError, ValueError, TypeError, RuntimeError) as error:
+        raise Refusal(f"the scheduler {scheduler} cannot be reached: {_reason_and_remedy(scheduler, error)}") from None
     with client:
         _compare(client, scheduler)
         yield ClusterWorkers(client)
+
+
+def _reason_and_remedy(scheduler: str, error: Exception) -> str:
+    """Return why a client could not connect to a scheduler, and what to do."""
+    text = str(error)
+    if "ssl_context" in text:
+        return "Dask has no certificate on this machine; set DASK_DISTRIBUTED__COMM__TLS__CA_FILE, __CLIENT__CERT and __CLIENT__KEY"
+    if "encryption required" in text:
+        return "Dask requires encryption on this machine; give an address that begins with tls://"
+    protocol = "tls" if scheduler.startswith("tls:") else "tcp"
+    return (
+        f"{text.splitlines()[0] if text else 'it does not answer'}; start one with 'dask scheduler --protocol {protocol}' and give its "
+        f"address, such as {protocol}://10.0.0.1:8786"
+    )
 
 
 def _outcome(future: Future[Any]) -> Outcome:

@@ -411,6 +411,7 @@ def test_too_few_families_are_refused_with_the_reason_before_anything_is_simulat
 ) -> None:
     folder, made, kept = measured_folder(tmp_path / "measured"), tmp_path / "replica.yaml", tmp_path / "kept"
     assert dcrb("exam", "replica", str(folder), "--without", "background", "-o", str(made)) == 0
+    assert capsys.readouterr().out.endswith(f"--replica {made} --detectors FOLDER\n")  # without detectors it would be refused, see below
     detectors = folder_of_detectors(tmp_path / "detectors")
     (detectors / "failing.py").unlink()
     command = ("exam", "predictivity", str(folder), "--replica", str(made), "--recordings", str(kept), "--workers", "1", "--quiet")

@@ -21,6 +21,7 @@ from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.scoring import score_scenario
 from dcrb_ros.exam.sealing import SealedExam, _value, commitment, drawn_exam, new_secret, open_exam, seal
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
+from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.json import digest_of
 
@@ -208,6 +209,46 @@ def test_an_entry_is_computed_again_from_its_diagnoses(tmp_path: Path, capsys: p
     assert "entry.json: agrees" in capsys.readouterr().out
     assert exam.tree["scenarios"][0]["found"]
     assert 0.0 < exam.tree["scenarios"][0]["credit"]["research"] <= 1.0
+
+
+def test_entries_beside_an_unreadable_one_are_verified(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    exam = Sealed(tmp_path)
+    assert exam.verify(exam.tree) == 0
+    changed, half, good = tmp_path / "changed.json", tmp_path / "half.json", exam.file
+    changed.write_text(good.read_text(encoding="utf-8").replace('"mine"', '"theirs"'), encoding="utf-8")
+    half.write_text(good.read_text(encoding="utf-8")[:500], encoding="utf-8")
+    capsys.readouterr()
+    assert dcrb("exam", "verify", *map(str, (exam.sealed, exam.secret, changed, half, good))) == 1
+    printed = capsys.readouterr()
+    assert f"{good}: agrees" in printed.out
+    first, second = printed.err.splitlines()
+    assert first.endswith("changed.json was changed: its digest does not match; make it again with dcrb score --entry")
+    assert "half.json is not valid JSON: " in second
+    assert second.endswith("; give an entry of dcrb score --entry")
+
+
+@pytest.mark.parametrize(
+    ("version", "reason"),
+    [
+        (__version__, "scenarios_sha256 has been changed, or this dcrb_ros has other defaults: give the file as it was published"),
+        ("9.9.9", f"the scenarios of dcrb_ros {__version__} are not those of dcrb_ros 9.9.9, which sealed it: verify it with that version"),
+    ],
+)
+def test_the_reason_of_other_scenarios_names_two_versions_only_if_they_differ(
+    version: str, reason: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    exam = Sealed(tmp_path)
+    published = yaml.safe_load(exam.sealed.read_text(encoding="utf-8"))
+    exam.sealed.write_text(yaml.safe_dump({**published, "scenarios_sha256": "0" * 64, "dcrb_ros": version}), encoding="utf-8")
+    assert dcrb("exam", "verify", str(exam.sealed), str(exam.secret)) == 1
+    assert f"scenarios: DO NOT AGREE, {reason}\n" in capsys.readouterr().out
+
+
+def test_a_missing_value_is_named_in_words(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    exam = Sealed(tmp_path)
+    assert exam.verify({**exam.tree, "sealed_sha256": ""}) == 1
+    printed = capsys.readouterr().out
+    assert f"sealed_sha256 is stated as nothing, but {exam.tree['sealed_sha256']} follows: make it again with dcrb score --entry" in printed
 
 
 def test_an_entry_of_another_exam_with_copied_hashes_does_not_agree(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
@@ -13,7 +15,9 @@ pytest.importorskip("distributed")
 
 import dask
 from distributed import LocalCluster, Security
+from waiting import wait_for
 
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.sweep.cluster import cluster_workers
 
 CERTIFICATE = ["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes", "-days", "1"]
@@ -69,3 +73,47 @@ def test_a_connection_without_the_certificate_is_refused(protocol: str, protecte
     address = protected[0].replace("tls:", f"{protocol}:")
     done = subprocess.run([sys.executable, "-c", REACH, address], capture_output=True, text=True, timeout=400, check=False)
     assert done.stdout.startswith(f"the scheduler {address} cannot be reached"), done.stdout + done.stderr[-2000:]
+
+
+@pytest.mark.parametrize(
+    ("address", "settings", "sentence"),
+    [
+        ("tls://127.0.0.1:9", {}, "Dask has no certificate on this machine; set DASK_DISTRIBUTED__COMM__TLS__CA_FILE"),
+        ("tcp://127.0.0.1:9", {"distributed.comm.require-encryption": True}, "give an address that begins with tls://"),
+    ],
+)
+def test_settings_that_do_not_fit_the_address_are_refused(address: str, settings: dict[str, object], sentence: str) -> None:
+    refused = pytest.raises(Refusal, match=f"the scheduler {address} cannot be reached: .*{sentence}")
+    with dask.config.set(settings), refused, cluster_workers(address):
+        pytest.fail("it was reached")
+
+
+LOSE = """
+import os, signal, sys, threading
+from types import SimpleNamespace
+from dcrb_ros.sweep import cluster
+
+cluster._compare = lambda client, scheduler: None
+with cluster.cluster_workers(sys.argv[1]) as workers:
+    threading.Timer(0.2, os.kill, (int(sys.argv[2]), signal.SIGKILL)).start()
+    try:
+        next(workers.dispatched(None, iter([[SimpleNamespace(name="run")]])))
+    except RuntimeError as error:
+        print(error)
+"""
+
+
+def test_a_lost_scheduler_is_named_without_a_traceback(tmp_path: Path) -> None:
+    file = tmp_path / "scheduler.json"
+    command = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(file)]
+    with subprocess.Popen([*command, "--no-dashboard"], stderr=subprocess.DEVNULL) as scheduler:
+        try:
+            wait_for(lambda: file.is_file() and bool(file.read_text(encoding="utf-8")))
+            address = json.loads(file.read_text(encoding="utf-8"))["address"]
+            run = [sys.executable, "-c", LOSE, address, str(scheduler.pid)]
+            done = subprocess.run(run, capture_output=True, text=True, timeout=400, check=False)
+        finally:
+            scheduler.kill()
+    lost = f"the connection to the scheduler {address} was lost: start it and its workers again, and run the same command again to continue"
+    assert done.stdout == f"{lost}\n", done.stderr[-2000:]
+    assert "Traceback" not in done.stderr
