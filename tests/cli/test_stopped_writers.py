@@ -76,7 +76,9 @@ def test_what_a_killed_command_left_is_not_an_entry(folder: Path, capsys: pytest
     assert "entries has no .json file" in capsys.readouterr().err
 
 
-def test_an_import_that_is_stopped_at_its_start_leaves_nothing(folder: Path) -> None:
+@pytest.mark.parametrize("at", [1, pytest.param(3, marks=pytest.mark.slow), pytest.param(4, marks=pytest.mark.slow)])
+def test_an_import_that_is_stopped_at_its_start_or_end_leaves_nothing(at: int, folder: Path) -> None:
     before = set(folder.iterdir())
-    assert stopped_dcrb("SIGTERM", 1, "import", "a.npz", "--about", "about.yaml", "-o", "imported").returncode == 130
+    stopped = stopped_dcrb("SIGTERM", at, "import", "a.npz", "--about", "about.yaml", "-o", "imported")
+    assert (stopped.returncode, stopped.stderr.splitlines()[-1]) == (130, "dcrb: stopped")
     assert set(folder.iterdir()) == before
