@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
@@ -42,10 +42,25 @@ def whole_files(*paths: Path) -> Iterator[tuple[Path, ...]]:
         yield tuple(files.get(target, target) for target in targets)
         for written in files.values():
             sync(written)
-        for target, written in files.items():
-            written.replace(target)
+        _replace(files)
         for parent in {target.parent for target in files}:
             sync(parent)
+
+
+def _replace(files: Mapping[Path, Path]) -> None:
+    """Replace files by written ones, which belong together; an interrupt takes effect after the last one."""
+    interrupt: KeyboardInterrupt | None = None
+    left = dict(files)
+    while left:
+        try:
+            for target, written in list(left.items()):
+                if written.exists():  # an interrupt may come between the next two lines
+                    written.replace(target)
+                del left[target]
+        except KeyboardInterrupt as error:
+            interrupt = error
+    if interrupt is not None:
+        raise interrupt
 
 
 @contextmanager
@@ -65,8 +80,7 @@ def whole_folder(folder: Path, last: str) -> Iterator[Path]:
                 yield written
                 for path in written.rglob("*"):
                     sync(path)
-                for path in sorted(written.iterdir(), key=lambda path: path.name == last):
-                    path.replace(folder / path.name)
+                _replace({folder / path.name: path for path in sorted(written.iterdir(), key=lambda path: path.name == last)})
                 sync(folder)
         except BaseException:
             if new:
