@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -12,10 +11,11 @@ import typer
 from dcrb_ros.cli import completion
 from dcrb_ros.cli.first_start import announce_compilation
 from dcrb_ros.cli.options import Bag, Force, JsonOutput, Quiet, Settings, warn_of_digest
-from dcrb_ros.cli.output_file import PICTURES, check_force, check_free, check_output, replacing
+from dcrb_ros.cli.output_file import PICTURES, check_file, check_force, check_output
 from dcrb_ros.runtime.terminal import console, steps, table
 from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.writing import whole_file
 
 if TYPE_CHECKING:
     from dcrb_ros.calibration.calibration import Calibration
@@ -51,7 +51,7 @@ def calibrate(
     from dcrb_ros.calibration.calibration import calibrate as calibrated
     from dcrb_ros.calibration.comparison import compare as compared
     from dcrb_ros.calibration.files import intervals_beside, write_calibration
-    from dcrb_ros.plots.comparison import write_comparison
+    from dcrb_ros.plots.comparison import comparison_figure
     from dcrb_ros.recordings.reader import Recording
     from dcrb_ros.simulation.run import simulate
 
@@ -61,24 +61,21 @@ def calibrate(
     opened = [Recording(path) for path in recordings]
     for path, recording in zip(recordings, opened, strict=True):
         warn_of_digest(recording, str(path))
-    with ExitStack() as files:
-        for file in (output, intervals_beside(output), figure):
-            files.enter_context(replacing("-o", file, force=force))
-        announce_compilation(quiet=quiet)
-        with steps(STEPS + 2, quiet=quiet) as begin:
-            names = [str(path) for path in recordings]
-            calibration = calibrated(opened, base=base, settings=settings or (), trust=trust, names=names, progress=begin)
-            begin("simulating the calibrated bench")
-            twin = simulate(calibration.configuration, 0.5 + TWIN_SECONDS).between(0.5)
-            begin("comparing it with the recording")
-            comparison = compared(calibration.measured, twin, names=("measured", "simulated"))
-        # The figure is the largest file: if it does not fit on the disk, none is left.
-        write_comparison(comparison, figure, title=f"{output.stem}: {recordings[0]} and the calibrated bench", calibration=calibration)
-        try:
-            beside = write_calibration(calibration, output)
-        except BaseException:
-            figure.unlink(missing_ok=True)
-            raise
+    for file in (output, intervals_beside(output), figure):
+        check_file("-o", file, force=force)
+    announce_compilation(quiet=quiet)
+    with steps(STEPS + 2, quiet=quiet) as begin:
+        names = [str(path) for path in recordings]
+        calibration = calibrated(opened, base=base, settings=settings or (), trust=trust, names=names, progress=begin)
+        begin("simulating the calibrated bench")
+        twin = simulate(calibration.configuration, 0.5 + TWIN_SECONDS).between(0.5)
+        begin("comparing it with the recording")
+        comparison = compared(calibration.measured, twin, names=("measured", "simulated"))
+    title = f"{output.stem}: {recordings[0]} and the calibrated bench"
+    # The figure is the largest file: if it does not fit on the disk, no file is written.
+    with whole_file(figure) as drawn:
+        comparison_figure(comparison, title=title, calibration=calibration).savefig(drawn)
+        beside = write_calibration(calibration, output)
     if as_json:
         print(json.dumps(_described(calibration) | {"comparison": comparison.as_dict()}, indent=2))
         return
@@ -101,8 +98,7 @@ def compare(
     """
     check_force("-o", output, force=force)
     if output is not None:
-        check_output("-o", output, PICTURES)
-        check_free("-o", output, force=force)
+        check_file("-o", output, PICTURES, force=force)
     from dcrb_ros.calibration.comparison import STEPS
     from dcrb_ros.calibration.comparison import compare as compared
     from dcrb_ros.plots.comparison import write_comparison
@@ -114,8 +110,7 @@ def compare(
     with steps(STEPS, quiet=quiet) as begin:
         comparison = compared(*recordings, names=(str(first), str(second)), progress=begin)
     if output is not None:
-        with replacing("-o", output, force=force):
-            write_comparison(comparison, output)
+        write_comparison(comparison, output)
     if as_json:
         print(json.dumps(comparison.as_dict(), indent=2))
         return

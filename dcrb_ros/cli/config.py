@@ -10,7 +10,7 @@ import typer
 
 from dcrb_ros.cli.commands import Commands
 from dcrb_ros.cli.options import Config, Force, Settings
-from dcrb_ros.cli.output_file import check_output, replacing
+from dcrb_ros.cli.output_file import check_file
 from dcrb_ros.text.writing import write_whole
 
 if TYPE_CHECKING:
@@ -111,7 +111,7 @@ def new(
     """
     from dcrb_ros.bearing.catalogue import CatalogueBearing, configuration_of, described_yaml
 
-    check_output("-o", output, (".yaml", ".yml"))
+    check_file("-o", output, (".yaml", ".yml"), force=force)
     bearing = CatalogueBearing(
         inner_raceway=inner_raceway,
         rollers=rollers,
@@ -130,8 +130,7 @@ def new(
     parameters, filled = configuration_of(bearing)
     kind = f"Roller bearing with a contact angle of {contact_angle:g} degrees" if contact_angle else "Cylindrical roller bearing"
     title = f"{kind}, {rows} x {rollers} rollers of {roller_diameter:g} x {roller_length:g} mm, at {rpm:g} rpm."
-    with replacing("-o", output, force=force):
-        write_whole(output, described_yaml(parameters, filled, title))
+    write_whole(output, described_yaml(parameters, filled, title))
     print(f"{output}: the comments say where these values come from; replace them by those of a drawing")
     for entry in filled:
         print(f"  {entry.key:28s} {entry.value:<12.6g} {entry.source}")

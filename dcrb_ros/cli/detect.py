@@ -11,7 +11,7 @@ import typer
 
 from dcrb_ros.cli.detect_vehicle import INCOMPLETE, diagnosed_vehicle, print_vehicle, vehicle_as_object
 from dcrb_ros.cli.options import DetectorFile, Force, JsonOutput, detector_parameters, warn_of_digest
-from dcrb_ros.cli.output_file import check_force, check_free, check_output, replacing
+from dcrb_ros.cli.output_file import check_file, check_force
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.counts import counted
 from dcrb_ros.text.writing import write_whole
@@ -59,8 +59,7 @@ def detect(
 
     check_force("--report or --save-baseline", report, save_baseline, force=force)
     if report is not None:
-        check_output("--report", report, (".html", ".htm"))
-        check_free("--report", report, force=force)
+        check_file("--report", report, (".html", ".htm"), force=force)
     parameters = detector_parameters(detector)
     if baseline is not None:
         if parameters.baseline:
@@ -97,8 +96,7 @@ def detect(
         from dcrb_ros.plots.detection_report import DiagnosedRecording, detection_report
 
         page = detection_report([DiagnosedRecording(str(bag), recording, result, parameters) for bag, recording, result in diagnosed])
-        with replacing("--report", report, force=force):
-            write_whole(report, page)
+        write_whole(report, page)
         if not as_json:
             print(f"{report}: {counted(len(diagnosed), 'recording')}; a browser shows it, and prints it to PDF")
 
@@ -192,12 +190,10 @@ def _learned(
     if parameters.baseline:
         raise Refusal(f"--healthy and the baseline {parameters.baseline} in --detector both give a baseline: leave out one of them")
     if save is not None:
-        check_output("--save-baseline", save, (".yaml", ".yml"))
-        check_free("--save-baseline", save, force=force)
+        check_file("--save-baseline", save, (".yaml", ".yml"), force=force)
     recording = Recording(healthy)
     learned = learn_baseline(recording, name=healthy.resolve().name, parameters=parameters)
     warn_of_digest(recording, str(healthy))
     if save is not None:
-        with replacing("--save-baseline", save, force=force):
-            learned.save(save)
+        learned.save(save)
     return learned

@@ -13,10 +13,10 @@ import typer
 from dcrb_ros.cli.commands import Commands
 from dcrb_ros.cli.exam_predictivity import predictivity, replica
 from dcrb_ros.cli.options import Force
-from dcrb_ros.cli.output_file import replacing
+from dcrb_ros.cli.output_file import check_file, check_output
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.counts import counted
-from dcrb_ros.text.writing import whole_files, write_whole
+from dcrb_ros.text.writing import whole_files, whole_folder, write_whole
 
 if TYPE_CHECKING:
     from dcrb_ros.exam.exam_file import Exam
@@ -47,13 +47,11 @@ def seal(
     published, kept = output or template.with_suffix(".sealed.yaml"), secret or template.with_suffix(".secret")
     if published.resolve() in (kept.resolve(), template.resolve()) or kept.resolve() == template.resolve():
         raise Refusal(f"{template}, {published} and {kept} must be three files: give --output and --secret other names")
+    check_file("--output", published, force=force)
+    check_file("--secret", kept, force=force)
     seed = new_secret()
     sealed = sealed_exam(read_yaml(checked_path(template)), seed, str(template))
-    with (
-        replacing("--output", published, force=force),
-        replacing("--secret", kept, force=force),
-        whole_files(published, kept) as (public, private),
-    ):
+    with whole_files(published, kept) as (public, private):
         public.write_bytes(yaml_text(sealed.model_dump()).encode())
         private.chmod(0o600)
         private.write_text(f"{seed}\n", encoding="utf-8")
@@ -78,9 +76,9 @@ def open_(
     from dcrb_ros.text.yaml import yaml_text
 
     file = output or sealed.with_name(f"{sealed.name.removesuffix('.yaml').removesuffix('.sealed')}.opened.yaml")
+    check_file("--output", file, force=force)
     opened = open_exam(read_sealed(sealed), read_secret(secret), str(sealed))
-    with replacing("--output", file, force=force):
-        write_whole(file, yaml_text(dict(opened.tree)))
+    write_whole(file, yaml_text(dict(opened.tree)))
     print(f"{file}: {counted(len(opened.exam.cases), 'scenario')}; score it with dcrb score {shlex.quote(str(file))}")
 
 
@@ -154,20 +152,20 @@ def table(
     Example: dcrb exam table entries --measured measured_entries
     """
     from dcrb_ros.exam.leaderboard import markdown, page, read_boards
-    from dcrb_ros.exam.leaderboard_figure import write_board_figure
+    from dcrb_ros.exam.leaderboard_figure import board_figure
 
     boards, folder = read_boards(entries, measured), output or entries
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise Refusal(f"{folder} cannot be written: {error.strerror}; give another folder to --output") from None
     figures = [f"leaderboard-{number}.png" for number in range(1, len(boards) + 1)]
-    for board, figure in zip(boards, figures, strict=True):
-        write_board_figure(board, folder / figure)
-    write_whole(folder / "leaderboard.md", markdown(boards, figures))
-    write_whole(folder / "leaderboard.html", page(boards, figures))
+    names = ("leaderboard.md", "leaderboard.html", *figures)
+    for name in names if folder.is_dir() else ():
+        check_output("--output", folder / name)
+    with whole_folder(folder, names[0]) as written:
+        for board, figure in zip(boards, figures, strict=True):
+            board_figure(board).savefig(written / figure)
+        (written / names[0]).write_bytes(markdown(boards, figures).encode())
+        (written / names[1]).write_bytes(page(boards, figures).encode())
     _remove_other_figures(folder, figures)
-    for name in ("leaderboard.md", "leaderboard.html", *figures):
+    for name in names:
         print(folder / name)
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dcrb_ros.cli.options import Force, JsonOutput, Quiet, Workers, check_speed, refuse_given, worker_count
-from dcrb_ros.cli.output_file import PICTURES, check_free, check_output, check_outputs, replacing
+from dcrb_ros.cli.output_file import PICTURES, check_file, check_outputs
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.counts import counted
 from dcrb_ros.text.writing import write_whole
@@ -40,13 +40,11 @@ def replica(
     from dcrb_ros.exam.replica import ReplicaPlan, replica_tree
     from dcrb_ros.text.yaml import yaml_text
 
-    check_output("--output", output, (".yaml", ".yml"))
-    check_free("--output", output, force=force)
+    check_file("--output", output, (".yaml", ".yml"), force=force)
     check_speed(speed)
     plan = ReplicaPlan(seed, machines, counterparts, longest, bench, tuple(without or ()))
     tree = replica_tree(_checked(table), plan, speed)
-    with replacing("--output", output, force=force):
-        write_whole(output, yaml_text(tree))
+    write_whole(output, yaml_text(tree))
     command = shlex.join(("dcrb", "exam", "predictivity", str(table), "--replica", str(output), "--detectors", "FOLDER"))
     print(f"{output}: {counted(len(tree['scenarios']), 'scenario')}; compare detectors on it with {command}")
 

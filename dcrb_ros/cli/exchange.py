@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from dcrb_ros.cli.options import Bag, Force, each_once, warn_of_digest
-from dcrb_ros.cli.output_file import replacing
+from dcrb_ros.cli.output_file import check_file, replacing
 from dcrb_ros.schema.refusal import Refusal
 
 
@@ -25,9 +25,10 @@ def export(
     from dcrb_ros.exchange.export import export as exported
     from dcrb_ros.recordings.reader import Recording
 
+    for file in (output, description_of(output)):
+        check_file("-o", file, force=force)
     recording, notes = Recording(bag), list[str]()
-    with replacing("-o", output, force=force, source=bag), replacing("-o", description_of(output), force=force):
-        described = exported(recording, output, notes=notes)
+    described = exported(recording, output, notes=notes, force=force)
     warn_of_digest(recording, str(bag))
     for sentence in [*recording.damage, *notes]:
         typer.echo(f"dcrb: {sentence}", err=True)

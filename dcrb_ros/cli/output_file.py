@@ -10,7 +10,7 @@ from pathlib import Path
 
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.files import checked_path
-from dcrb_ros.text.temporary import abandoned, new_locked, remove, remove_abandoned
+from dcrb_ros.text.temporary import WRITING, abandoned, new_locked, remove, remove_abandoned
 
 PICTURES = (".png", ".svg", ".pdf")
 """Suffixes of the pictures that matplotlib writes."""
@@ -60,6 +60,16 @@ def check_free(option: str, path: Path, *, force: bool) -> None:
         raise Refusal(f"{option} {path} exists: give another name, or --force to replace it")
 
 
+def check_file(option: str, file: Path, suffixes: Sequence[str] = (), *, force: bool) -> None:
+    """Refuse a file that could not be written, or that exists unless ``force`` is given; `whole_file` then replaces it in one step.
+
+    Raises:
+        Refusal: see `check_output` and `check_free`.
+    """
+    check_output(option, file, suffixes)
+    check_free(option, file, force=force)
+
+
 def check_force(outputs: str, *given: object, force: bool) -> None:
     """Refuse ``force`` if none of the options for an output, which ``outputs`` names, is given.
 
@@ -72,21 +82,23 @@ def check_force(outputs: str, *given: object, force: bool) -> None:
 
 @contextmanager
 def replacing(option: str, path: Path, *, force: bool, source: Path | None = None) -> Iterator[None]:
-    """Refuse an existing file or recording; with ``force`` replace it by what is written in the context.
+    """Refuse an existing file or recording; with ``force`` replace it by the recording that is written in the context.
 
-    The old one is put aside meanwhile, and comes back if the work fails or writes nothing. If this process is killed, the next call brings
-    it back, or removes it once something else has replaced it.
+    For a file that a file replaces, see `check_file`. The old recording is put aside meanwhile, and comes back if the work fails or writes
+    nothing. If this process is killed, the next call brings it back, or removes it once something else has replaced it.
 
     Raises:
         Refusal: ``path`` exists and ``force`` is not given, or it contains ``source``, which is read, or a folder that is not a recording.
         RuntimeError: the old one could not come back; the message says where it is.
     """
     folder, name = checked_path(path).absolute().parent, path.absolute().name
+    remove_abandoned(folder)
     for aside in abandoned(folder, ASIDE):
         if not os.path.lexists(path):
             with suppress(OSError):
                 (aside / name).rename(path)
-                aside.rmdir()
+        with suppress(OSError):
+            aside.rmdir()  # if it is empty
     if not os.path.lexists(path):
         yield
         return
@@ -98,10 +110,14 @@ def replacing(option: str, path: Path, *, force: bool, source: Path | None = Non
     with ExitStack() as stack:
         try:
             aside = stack.enter_context(new_locked(folder, ASIDE))
+            old = aside / name
             try:
-                old = path.rename(aside / name)
+                path.rename(old)
             except BaseException:
-                aside.rmdir()
+                if os.path.lexists(old):
+                    _bring_back(old, path)
+                else:
+                    aside.rmdir()
                 raise
         except OSError as error:
             raise Refusal(f"{option} {path} cannot be replaced: {error.strerror}; give another name") from None
@@ -112,10 +128,16 @@ def replacing(option: str, path: Path, *, force: bool, source: Path | None = Non
             raise
         if not os.path.lexists(path):
             _bring_back(old, path)
-        remove(aside)
+        _discard(aside)
     for aside in abandoned(folder, ASIDE):
         if not set(os.listdir(aside)) - {name}:
-            remove(aside)
+            _discard(aside)
+
+
+def _discard(aside: Path) -> None:
+    """Remove a folder with what was replaced; if that is interrupted, no part of it comes back, and the next command removes the rest."""
+    with suppress(OSError):
+        remove(aside.rename(aside.with_name(aside.name.replace(ASIDE, WRITING))))
 
 
 def _bring_back(old: Path, path: Path) -> None:

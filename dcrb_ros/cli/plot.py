@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dcrb_ros.cli.options import Bag, Force, warn_of_digest
-from dcrb_ros.cli.output_file import PICTURES, check_output, replacing
+from dcrb_ros.cli.output_file import PICTURES, check_file
 from dcrb_ros.schema.numbers import duration_within
 from dcrb_ros.schema.refusal import Refusal
 
@@ -54,7 +54,7 @@ def plot(
 
     Example: dcrb plot bags/outer_ring_defect -o picture.png --duration 2
     """
-    check_output("-o", output, PICTURES)
+    check_file("-o", output, PICTURES, force=force)
     duration_within("--duration", duration, LONGEST, "give the length of the stretch to plot")
     if start is not None and not (math.isfinite(start) and start >= 0.0):
         raise Refusal(f"--start {start:g} s is out of range: give a simulated time of 0 s or later")
@@ -67,8 +67,7 @@ def plot(
     waveform = recording.waveform(begin, begin + duration)
     check_gaps(waveform)
     readings = recording.temperatures().between(begin, begin + duration)
-    with replacing("-o", output, force=force, source=bag):
-        over_orders = write_overview(waveform, output, title=title_of(recording.path), order=order, readings=readings)
+    over_orders = write_overview(waveform, output, title=title_of(recording.path), order=order, readings=readings)
     warn_of_digest(recording, str(bag))
     if not recording.complete:
         typer.echo(f"dcrb: {bag} is truncated or damaged; its readable part was drawn", err=True)

@@ -103,6 +103,7 @@ def _kept_about(file: Path, digest: str, kept: Path | None) -> dict[str, Any]:
     if kept is None:
         return _about(str(file))
     from dcrb_ros.core.signed_file import read_signed, signed
+    from dcrb_ros.exam.recording_cache import OTHER_FOLDER
 
     path = kept / f"family-{hashlib.sha256(f'{package_digest()} {digest} {file.name}'.encode()).hexdigest()[:32]}.signed"
     try:
@@ -110,7 +111,7 @@ def _kept_about(file: Path, digest: str, kept: Path | None) -> dict[str, Any]:
         return read
     except OSError:  # a damaged file is like a missing one: the family is imported again
         about = _about(str(file))
-        write_whole(path, signed(path, json.dumps(about).encode()))
+        write_whole(path, signed(path, json.dumps(about).encode()), otherwise=OTHER_FOLDER)
         return about
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,7 +10,6 @@ from matplotlib.figure import Figure
 
 from dcrb_ros.exam.leaderboard import Board
 from dcrb_ros.schema.printable import printable, shortened
-from dcrb_ros.text.writing import whole_file
 
 COLOURS = {"safety": "#b23a48", "cost": "#2a9d5c"}
 COLOUR = "#1f6fb4"
@@ -20,20 +18,15 @@ LONGEST = 34
 """Longest name shown [characters]."""
 
 
-def write_board_figure(board: Board, file: Path) -> None:
-    """Draw a leaderboard.
-
-    Raises:
-        Refusal: the file cannot be written.
-    """
+def board_figure(board: Board) -> Figure:
+    """Return the figure of a leaderboard."""
     count = len(board.ranking)
     figure = Figure(figsize=(12, 2.2 + 0.42 * count), dpi=90, layout="constrained")
     scores, pairs = figure.subplots(1, 2, width_ratios=(1.4, 1.0))
     _scores(scores, board)
     _pairs(pairs, board)
     figure.suptitle(f"{printable(board.exam)}: {board.marking.name}, 0 to 100", fontsize=12, parse_math=False)
-    with whole_file(file) as temporary:
-        figure.savefig(temporary)
+    return figure
 
 
 def _names(board: Board) -> list[str]:

@@ -18,6 +18,7 @@ from dcrb_ros.exam.limits import Limits
 from dcrb_ros.exam.measured import measured_criteria
 from dcrb_ros.exam.plugin_process import DetectorProcess
 from dcrb_ros.exam.predictivity_task import Task
+from dcrb_ros.exam.recording_cache import OTHER_FOLDER
 from dcrb_ros.exam.scoring import score_scenario
 from dcrb_ros.runtime.exit_status import print_error
 from dcrb_ros.runtime.processes import in_processes
@@ -56,7 +57,7 @@ def answers_of(
     try:
         store.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise Refusal(f"{store} cannot hold the answers: {error.strerror}; give another folder with --recordings") from None
+        raise Refusal(f"{store} cannot hold the answers: {error.strerror}; {OTHER_FOLDER}") from None
     answers: dict[str, Mapping[str, str]] = {}
     broken: list[BrokenFamily] = []
     kept = {member.name: _kept(store, member) for member in members}
@@ -120,4 +121,4 @@ def _kept(store: Path, member: Member) -> Mapping[str, str]:
 
 def _keep(store: Path, member: Member, answers: Mapping[str, str]) -> None:
     file = _file(store, member)
-    write_whole(file, signed(file, json.dumps(answers).encode()))
+    write_whole(file, signed(file, json.dumps(answers).encode()), otherwise=OTHER_FOLDER)

@@ -20,6 +20,7 @@ from dcrb_ros.messages.topic import SimulatedTopic
 from dcrb_ros.messages.topics import GROUND_TRUTH, TEMPERATURES, VIBRATION
 from dcrb_ros.recordings.manifest import model_fingerprint, software
 from dcrb_ros.recordings.recorder import Recorder
+from dcrb_ros.recordings.splitting import RecordingFailed
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.loop import Simulation
@@ -33,6 +34,8 @@ RECORDED: tuple[SimulatedTopic, ...] = (VIBRATION, GROUND_TRUTH)
 """Topics of every recording."""
 CONTENT = "content.json"
 """File in the folder of a recording with the hash of its scenario and the hashes of its files."""
+OTHER_FOLDER = "give another folder with --recordings"
+"""Remedy where a file in the folder of the recordings cannot be written."""
 LARGEST_CONTENT = 1_000_000
 """Longest text of that file that is read [characters]."""
 
@@ -55,7 +58,7 @@ def checked_folder(folder: Path) -> Path:
         remove_abandoned(folder)
         return folder
     except OSError as error:
-        raise Refusal(f"{folder} cannot hold the exam's recordings: {error.strerror}; give another folder with --recordings") from None
+        raise Refusal(f"{folder} cannot hold the exam's recordings: {error.strerror}; {OTHER_FOLDER}") from None
 
 
 def case_hash(case: Case) -> str:
@@ -88,8 +91,12 @@ def cached_recording(case: Case, folder: Path) -> Path:
         _report(f"scenario '{case.expectation.name}': {path} {flaw}; it is simulated again")
     try:
         with temporary(folder) as making:
-            _simulate(case, making / path.name)
-            _write_content(case, making / path.name)
+            try:
+                _simulate(case, making / path.name)
+                _write_content(case, making / path.name)
+            except (RecordingFailed, Refusal) as failure:
+                sentence = str(failure).replace(str(making / path.name), str(path))
+                raise Refusal(re.sub(r"give another (file|folder)$", OTHER_FOLDER, sentence)) from None
             if os.path.lexists(path) and recording_flaw(case, path):
                 with contextlib.suppress(FileNotFoundError):  # another process may have moved it
                     os.rename(path, making / "damaged")
@@ -100,7 +107,7 @@ def cached_recording(case: Case, folder: Path) -> Path:
                 if not path.is_dir():  # another process may have recorded the same case
                     raise
     except OSError as error:
-        raise Refusal(f"{path} cannot be written: {error.strerror or error}; give another folder with --recordings") from None
+        raise Refusal(f"{path} cannot be written: {error.strerror or error}; {OTHER_FOLDER}") from None
     return path
 
 

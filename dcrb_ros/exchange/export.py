@@ -39,19 +39,20 @@ def description_of(path: Path) -> Path:
     return path.with_name(f"{path.name}.yaml")
 
 
-def export(recording: Recording, path: Path, *, notes: list[str] | None = None) -> Path:
+def export(recording: Recording, path: Path, *, notes: list[str] | None = None, force: bool = False) -> Path:
     """Write the waveform to ``path`` and its description to `description_of` it; return the path of the latter.
 
-    Blocks that came twice or too late are written once, in their place; a sentence on them is appended to ``notes``.
+    Existing files are replaced with ``force``. Blocks that came twice or too late are written once, in their place; a sentence on them is
+    appended to ``notes``.
 
     Raises:
-        Refusal: the suffix is unknown, a file exists, the recording has no waveform, or a file cannot be written.
+        Refusal: the suffix is unknown, a file exists without ``force``, the recording has no waveform, or a file cannot be written.
     """
     writer, described = WRITERS.get(path.suffix.lower()), description_of(path)
     if writer is None:
         raise Refusal(f"{path} has an unknown file type: its name must end in one of {', '.join(WRITERS)}")
     for file in (path, described):
-        if checked_path(file).exists():
+        if checked_path(file).exists() and not force:
             raise Refusal(f"{file} exists: give another name or remove it; files are never overwritten")
     if not path.absolute().parent.is_dir():
         raise Refusal(f"{path} cannot be written: there is no folder {path.absolute().parent}; create it or give another path")

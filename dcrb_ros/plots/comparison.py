@@ -22,11 +22,17 @@ DASHED = (0.0, (4.0, 2.0))
 
 
 def write_comparison(comparison: RecordingComparison, file: Path, *, title: str = "", calibration: Calibration | None = None) -> None:
-    """Write the figure of a comparison; with a calibration its last row is the residual of the fit in narrow bins.
+    """Write `comparison_figure` to a file.
 
     Raises:
         Refusal: the file cannot be written.
     """
+    with whole_file(file) as temporary:
+        comparison_figure(comparison, title=title, calibration=calibration).savefig(temporary)
+
+
+def comparison_figure(comparison: RecordingComparison, *, title: str = "", calibration: Calibration | None = None) -> Figure:
+    """Return the figure of a comparison; with a calibration its last row is the residual of the fit in narrow bins."""
     figure = Figure(figsize=(12.0, 9.0), dpi=110, layout="constrained")
     (levels, envelope), (kurtosis, residual) = figure.subplots(2, 2)
     _levels(levels, comparison)
@@ -37,8 +43,7 @@ def write_comparison(comparison: RecordingComparison, file: Path, *, title: str 
     else:
         _residual(residual, calibration)
     figure.suptitle(title or f"{comparison.names[0]} and {comparison.names[1]}", fontsize="large", parse_math=False)
-    with whole_file(file) as temporary:
-        figure.savefig(temporary)
+    return figure
 
 
 def _levels(ax: Axes, comparison: RecordingComparison) -> None:

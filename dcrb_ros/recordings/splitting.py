@@ -129,13 +129,12 @@ class Bag:
 
     @contextmanager
     def removed_on_failure(self) -> Iterator[None]:
-        """Finish the bag at the end of the context; if the context fails, nothing is left behind."""
+        """Finish the bag at the end of the context; if that or the context fails, nothing is left behind."""
         try:
             yield
             self.close()
         except BaseException as error:
-            with suppress(RecordingFailed):
-                self.close()
+            self._abandon()
             shutil.rmtree(self.path, ignore_errors=True)
             if isinstance(error, RecordingFailed):
                 raise RecordingFailed(f"{error.event}; it was removed", error.remedy) from None

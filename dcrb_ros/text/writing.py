@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
@@ -18,34 +18,50 @@ FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
 @contextmanager
-def whole_file(path: Path) -> Iterator[Path]:
+def whole_file(path: Path, *, otherwise: str = "give another file") -> Iterator[Path]:
     """Yield the name of a temporary file beside ``path``; at the end of the context it is on the disk and replaces ``path`` in one step.
 
     If the context raises, or the disk is full, ``path`` stays as it was and the temporary file is removed; that of a killed process is
     removed by the next one that writes to the folder. The temporary name ends like ``path``, for libraries that choose a format by the
-    suffix. A link stays, and what it points to is replaced. A device or a pipe is written directly.
+    suffix. A link stays, and what it points to is replaced. A device or a pipe is written directly. ``otherwise`` ends the sentence of an
+    error.
 
     Raises:
         Refusal: the file cannot be written.
     """
-    with whole_files(path) as (temporary,):
+    with whole_files(path, otherwise=otherwise) as (temporary,):
         yield temporary
 
 
 @contextmanager
-def whole_files(*paths: Path) -> Iterator[tuple[Path, ...]]:
+def whole_files(*paths: Path, otherwise: str = "give another file") -> Iterator[tuple[Path, ...]]:
     """Yield temporary names of files that belong together; all are on the disk before the first one is replaced. See `whole_file`."""
     given = [checked_path(path).absolute() for path in paths]
-    with _refused(paths[0]), ExitStack() as stack:
+    with _refused(paths[0], otherwise), ExitStack() as stack:
         targets = [target if special_kind(target) else target.resolve() for target in given]
         files = {target: stack.enter_context(temporary(target.parent, target.suffix)) for target in targets if not special_kind(target)}
         yield tuple(files.get(target, target) for target in targets)
         for written in files.values():
             sync(written)
-        for target, written in files.items():
-            written.replace(target)
+        _replace(files)
         for parent in {target.parent for target in files}:
             sync(parent)
+
+
+def _replace(files: Mapping[Path, Path]) -> None:
+    """Replace files by written ones, which belong together; an interrupt takes effect after the last one."""
+    interrupt: KeyboardInterrupt | None = None
+    left = dict(files)
+    while left:
+        try:
+            for target, written in list(left.items()):
+                if written.exists():  # an interrupt may come between the next two lines
+                    written.replace(target)
+                del left[target]
+        except KeyboardInterrupt as error:
+            interrupt = error
+    if interrupt is not None:
+        raise interrupt
 
 
 @contextmanager
@@ -57,7 +73,7 @@ def whole_folder(folder: Path, last: str) -> Iterator[Path]:
     Raises:
         Refusal: the folder cannot be written.
     """
-    with _refused(folder, "folder"):
+    with _refused(folder, "give another folder"):
         new = not folder.exists()
         folder.mkdir(parents=True, exist_ok=True)
         try:
@@ -65,8 +81,7 @@ def whole_folder(folder: Path, last: str) -> Iterator[Path]:
                 yield written
                 for path in written.rglob("*"):
                     sync(path)
-                for path in sorted(written.iterdir(), key=lambda path: path.name == last):
-                    path.replace(folder / path.name)
+                _replace({folder / path.name: path for path in sorted(written.iterdir(), key=lambda path: path.name == last)})
                 sync(folder)
         except BaseException:
             if new:
@@ -81,19 +96,19 @@ def check_empty(folder: Path) -> None:
     Raises:
         Refusal: the folder contains files, is no folder or cannot be read.
     """
-    with _refused(folder, "folder"):
+    with _refused(folder, "give another folder"):
         remove_abandoned(folder)
         if folder.exists() and any(folder.iterdir()):
             raise Refusal(f"{folder} contains files: give an empty or a new folder")
 
 
 @contextmanager
-def _refused(path: Path, kind: str = "file") -> Iterator[None]:
+def _refused(path: Path, otherwise: str) -> Iterator[None]:
     """Turn an error of the operating system into a sentence on the file or folder."""
     try:
         yield
     except OSError as error:
-        raise Refusal(f"{path} cannot be written: {error.strerror or error}; {remedy_of(error)} or give another {kind}") from None
+        raise Refusal(f"{path} cannot be written: {error.strerror or error}; {remedy_of(error)} or {otherwise}") from None
 
 
 def remedy_of(error: OSError) -> str:
@@ -103,13 +118,13 @@ def remedy_of(error: OSError) -> str:
     return {errno.ENOENT: "create its folder", errno.EIO: "check the disk"}.get(error.errno or 0, "make it writable")
 
 
-def write_whole(path: Path, content: str | bytes) -> None:
+def write_whole(path: Path, content: str | bytes, *, otherwise: str = "give another file") -> None:
     """Write a file whole, a text as UTF-8, or leave it as it was; see `whole_file`.
 
     Raises:
         Refusal: the file cannot be written.
     """
-    with whole_file(path) as temporary:
+    with whole_file(path, otherwise=otherwise) as temporary:
         temporary.write_bytes(content if isinstance(content, bytes) else content.encode("utf-8"))
 
 

@@ -8,7 +8,7 @@ import pytest
 from made_up_blocks import recorded
 from same_process import dcrb
 
-from dcrb_ros.cli.output_file import replacing
+from dcrb_ros.cli.output_file import check_file, replacing
 from dcrb_ros.schema.refusal import Refusal
 
 
@@ -35,6 +35,17 @@ def test_an_existing_file_is_refused_with_the_remedy(tmp_path: Path) -> None:
         replacing("-o", tmp_path / "a", force=False),
     ):
         pytest.fail("the work began")
+
+
+def test_an_existing_file_is_checked_but_not_moved(tmp_path: Path) -> None:
+    (tmp_path / "a").write_text("old")
+    (tmp_path / "b").mkdir()
+    check_file("-o", tmp_path / "a", force=True)
+    with pytest.raises(Refusal, match=r"-o .*/a exists: give another name, or --force to replace it"):
+        check_file("-o", tmp_path / "a", force=False)
+    with pytest.raises(Refusal, match=r"-o .*/b is a folder: give the name of a file in it"):
+        check_file("-o", tmp_path / "b", force=True)
+    assert (tmp_path / "a").read_text() == "old"
 
 
 def test_an_existing_file_or_recording_is_replaced(bag: Path, tmp_path: Path) -> None:
@@ -138,6 +149,37 @@ def test_the_old_one_is_never_deleted_unless_it_is_replaced(bag: Path, tmp_path:
         half_done(bag, RuntimeError)
     (kept,) = tmp_path.glob(".replaced-*/bag")
     assert entries(kept) == before
+
+
+@pytest.mark.parametrize("done", [False, True])
+def test_an_interrupt_while_the_old_one_is_moved_leaves_it(done: bool, bag: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    before, rename = entries(bag), Path.rename
+
+    def interrupted(source: Path, target: Path) -> Path:
+        monkeypatch.setattr(Path, "rename", rename)
+        if done:
+            rename(source, target)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Path, "rename", interrupted)
+    with pytest.raises(KeyboardInterrupt), replacing("-o", bag, force=True):
+        pytest.fail("the work began")
+    assert entries(bag) == before
+    assert entries(tmp_path) == {"bag"}
+
+
+def test_no_part_of_an_old_one_comes_back_once_it_is_being_removed(bag: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(folder: Path) -> None:
+        next(folder.rglob("*.mcap")).unlink()
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("shutil.rmtree", interrupted)
+        with pytest.raises(KeyboardInterrupt), replacing("-o", bag, force=True):
+            recorded(bag, 1)
+    bag.rename(tmp_path / "moved")
+    with replacing("-o", bag, force=False):
+        assert entries(tmp_path) == {"moved"}
 
 
 def test_an_old_one_that_cannot_come_back_is_named(bag: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

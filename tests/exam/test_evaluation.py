@@ -15,6 +15,7 @@ from typing import Any
 import attacked_files
 import numpy as np
 import pytest
+from full_disk import files_of_at_most
 from made_up_blocks import BODIES, blocks, recorded
 
 from dcrb_ros.exam import evaluation, exam_scenarios, in_process, recording_cache
@@ -243,6 +244,15 @@ def test_a_recording_that_cannot_be_put_in_its_place_is_refused(tmp_path: Path, 
     with pytest.raises(Refusal, match=r"well-0.* cannot be written: Permission denied; give another folder with --recordings"):
         cached_recording(CASES[0], tmp_path)
     assert not list(tmp_path.glob(".writing-*"))
+
+
+@pytest.mark.parametrize("size", [100, 5000])
+def test_a_full_disk_names_the_recording_and_the_option(size: int, tmp_path: Path) -> None:
+    with files_of_at_most(size), pytest.raises(Refusal) as refused:
+        cached_recording(CASES[0], tmp_path)
+    assert str(refused.value).endswith("File too large; free some space or give another folder with --recordings")
+    assert str(cache_path(CASES[0], tmp_path)) in str(refused.value)
+    assert not list(tmp_path.iterdir())
 
 
 class Mute:

@@ -19,7 +19,7 @@ from dcrb_ros.exam.exam_score import compare
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.leaderboard import boards, markdown, page, read_entries, rows
 from dcrb_ros.exam.leaderboard_entry import Entry, StoredDiagnoses, entry_of, read_entry, write_entry
-from dcrb_ros.exam.leaderboard_figure import write_board_figure
+from dcrb_ros.exam.leaderboard_figure import board_figure
 from dcrb_ros.exam.marking import ScoreMarking
 from dcrb_ros.exam.profile import PROFILES
 from dcrb_ros.exam.report import Report
@@ -257,7 +257,7 @@ def test_the_figure_compares_every_pair_once(tmp_path: Path, monkeypatch: pytest
     pairs, compared, drawn = [], type(board.marking).compare, []
     monkeypatch.setattr(ScoreMarking, "compare", lambda self, *pair: pairs.append(pair) or compared(self, *pair))
     monkeypatch.setattr(Axes, "imshow", lambda _, shares, **options: drawn.append(shares))
-    write_board_figure(board, tmp_path / "f.png")
+    board_figure(board).savefig(tmp_path / "f.png")
     assert len(pairs) == 4 * 3 / 2
     (shares,) = drawn
     assert np.isnan(shares.diagonal()).all()
@@ -323,6 +323,20 @@ def test_figures_of_a_longer_table_are_removed_and_other_files_kept(tmp_path: Pa
     assert {file.name for file in out.iterdir()} == {"leaderboard.md", "leaderboard.html", "leaderboard-1.png"} | kept
 
 
+def test_a_table_that_cannot_be_replaced_stays_as_it_was(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    write_entry(detector(1, 0.3), tmp_path / "1.json")
+    (tmp_path / "out" / "leaderboard.html").mkdir(parents=True)
+    for name in ("leaderboard.md", "leaderboard-1.png"):
+        (tmp_path / "out" / name).write_text("old")
+    assert dcrb("exam", "table", str(tmp_path), "--output", str(tmp_path / "out")) == 2
+    assert "leaderboard.html is a folder" in capsys.readouterr().err
+    assert {path.read_text() for path in (tmp_path / "out").glob("leaderboard[.-][m1]*")} == {"old"}
+    with files_of_at_most(1000):
+        (tmp_path / "out" / "leaderboard.html").rmdir()
+        assert dcrb("exam", "table", str(tmp_path), "--output", str(tmp_path / "out")) == 2
+    assert {path.name: path.read_text() for path in (tmp_path / "out").iterdir()} == {"leaderboard.md": "old", "leaderboard-1.png": "old"}
+
+
 @pytest.mark.parametrize("size", [1000, 20_000])
 def test_a_full_disk_leaves_no_leaderboard(size: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for number, skill in ((1, 0.3), (2, 0.9)):
@@ -330,4 +344,4 @@ def test_a_full_disk_leaves_no_leaderboard(size: int, tmp_path: Path, capsys: py
     with files_of_at_most(size):
         assert dcrb("exam", "table", str(tmp_path), "--output", str(tmp_path / "out")) == 2
     assert capsys.readouterr().err.count("File too large") == 1
-    assert not list((tmp_path / "out").iterdir())
+    assert not (tmp_path / "out").exists()

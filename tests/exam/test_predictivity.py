@@ -14,7 +14,7 @@ from full_disk import files_of_at_most
 from same_process import dcrb
 
 from dcrb_ros.bearing.frequencies import Orders
-from dcrb_ros.exam import predictivity_report
+from dcrb_ros.exam import predictivity_marks, predictivity_report
 from dcrb_ros.exam.detector_families import families_of, shipped_members
 from dcrb_ros.exam.evaluation import no_progress
 from dcrb_ros.exam.exam_file import ReplicaOrigin, read_exam
@@ -214,7 +214,7 @@ def test_a_family_may_have_the_name_of_a_module_of_the_standard_library(tmp_path
 
 
 def test_what_cannot_be_kept_is_no_broken_family(tmp_path: Path) -> None:
-    with pytest.raises(Refusal, match="cannot be written"):
+    with pytest.raises(Refusal, match=r"cannot be written: .* or give another folder with --recordings"):
         families_of(folder_of_detectors(tmp_path / "detectors"), tmp_path / "absent")
 
 
@@ -255,6 +255,16 @@ def test_answers_are_kept_and_a_detector_that_fails_is_left_out(tmp_path: Path) 
     assert [one.digest == two.digest for one, two in zip(tasks, again, strict=True)] == [True, False]
     answers_of(members, again, tmp_path, Limits(), 1, no_progress("judged", 3))
     assert len(runs.read_text()) == 6
+
+
+def test_answers_on_a_full_disk_name_the_option(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder, tasks = folder_of_detectors(tmp_path / "detectors"), measured_tasks(read_measured(measured_folder(tmp_path / "measured")), 1.0)
+    members = families_of(folder)[0]
+    monkeypatch.setattr(predictivity_marks, "in_processes", lambda calls, workers: [(member, {}) for member in calls])
+    refusal = r"\.answers cannot be written: File too large; free some space or give another folder with --recordings$"
+    with files_of_at_most(10), pytest.raises(Refusal, match=refusal):
+        answers_of(members, tasks, tmp_path, Limits(), 1, no_progress("judged", 3))
+    assert not list((tmp_path / "answers").iterdir())
 
 
 @pytest.mark.parametrize("attack", ATTACKS)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import stat
 from pathlib import Path
@@ -10,7 +11,7 @@ import pytest
 from full_disk import files_of_at_most
 
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.text.writing import whole_file, write_whole
+from dcrb_ros.text.writing import whole_file, whole_files, whole_folder, write_whole
 
 
 def test_a_file_is_replaced_and_nothing_else_is_left(tmp_path: Path) -> None:
@@ -45,6 +46,52 @@ def test_an_error_in_the_context_leaves_nothing(tmp_path: Path) -> None:
     with pytest.raises(ZeroDivisionError):
         fail()
     assert not list(tmp_path.iterdir())
+
+
+@pytest.fixture
+def interrupted_replace(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Raise an interrupt before the first file is replaced, and another one after it."""
+    replace, calls = Path.replace, itertools.count()
+
+    def interrupted(source: Path, target: Path) -> Path:
+        call = next(calls)
+        if call > 0:
+            replace(source, target)
+        if call < 2:
+            raise KeyboardInterrupt
+        return target
+
+    monkeypatch.setattr(Path, "replace", interrupted)
+
+
+@pytest.mark.usefixtures("interrupted_replace")
+def test_files_that_belong_together_are_all_replaced_before_an_interrupt(tmp_path: Path) -> None:
+    files = [tmp_path / name for name in ("sealed.yaml", "secret", "third")]
+    for file in files:
+        file.write_text("old")
+
+    def write() -> None:
+        with whole_files(*files) as written:
+            for part in written:
+                part.write_text("new")
+
+    with pytest.raises(KeyboardInterrupt):
+        write()
+    assert {file.name: file.read_text() for file in tmp_path.iterdir()} == dict.fromkeys(("sealed.yaml", "secret", "third"), "new")
+
+
+@pytest.mark.usefixtures("interrupted_replace")
+def test_a_folder_is_replaced_as_a_whole_before_an_interrupt(tmp_path: Path) -> None:
+    (tmp_path / "report.md").write_text("old")
+
+    def write() -> None:
+        with whole_folder(tmp_path, "report.md") as written:
+            for name in ("report.md", "a.png", "b.png"):
+                (written / name).write_text("new")
+
+    with pytest.raises(KeyboardInterrupt):
+        write()
+    assert {file.name: file.read_text() for file in tmp_path.iterdir()} == dict.fromkeys(("report.md", "a.png", "b.png"), "new")
 
 
 def test_a_missing_folder_is_refused(tmp_path: Path) -> None:

@@ -20,6 +20,7 @@ import numpy as np
 from dcrb_ros.core.signed_file import DamagedFile, read_signed, signed
 from dcrb_ros.diagnosis.vehicle.detector import BoxBlock
 from dcrb_ros.exam.case import canonical
+from dcrb_ros.exam.recording_cache import OTHER_FOLDER
 from dcrb_ros.measurement.sensor import Measurement, Sensor
 from dcrb_ros.recordings.manifest import model_fingerprint, software, vehicle_fingerprint
 from dcrb_ros.runtime.exit_status import print_error
@@ -186,7 +187,7 @@ def keep_signal(signal: VehicleSignal, path: Path) -> bytes:
     stream = io.BytesIO()
     np.savez(stream, description=np.array(signal.description.to_json()), **arrays)
     content = stream.getvalue()
-    write_whole(path, signed(path, content))
+    write_whole(path, signed(path, content), otherwise=OTHER_FOLDER)
     return content
 
 
