@@ -69,7 +69,7 @@ bench: environment ## Speed, starts, growth and memory, half an hour: rewrites d
 	$(BIN)/python benchmarks/performance.py $(BENCH)
 
 MEASURED ?= ../shared/measured
-sim_to_real: environment ## Train on simulated bearings, test on measured ones in MEASURED, half an hour (SIM_TO_REAL='--machines 64 --seconds 8')
+sim_to_real: environment ## Train on simulated bearings, test on measured ones in MEASURED, an hour (SIM_TO_REAL='--machines 64 --seconds 8')
 	$(BIN)/python benchmarks/sim_to_real.py $(MEASURED) $(SIM_TO_REAL)
 
 predictivity: environment ## Compare replicas of the recordings in MEASURED with them, hours on two cores: rewrites docs/results/predictivity.md (PREDICTIVITY='--workers 8', or '--leaderboard docs/leaderboard' for its entries in seconds)
