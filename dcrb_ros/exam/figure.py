@@ -27,7 +27,7 @@ def write_figure(report: Report, file: Path) -> None:
     Raises:
         Refusal: the file type is unknown, or the file cannot be written.
     """
-    if file.suffix not in SUFFIXES:
+    if file.suffix.lower() not in SUFFIXES:
         raise Refusal(f"--figure {file} has an unknown file type: the name must end in one of {', '.join(SUFFIXES)}")
     panels = {"detection": _detection, "delay": _delay, "confusion": _confusion, "roc": _roc}
     if report.graded_detections():

@@ -33,6 +33,7 @@ from dcrb_ros.schema.units import ACCELERATION_UNITS
 from dcrb_ros.schema.verdicts import FAULT_CLASSES
 from dcrb_ros.settings.files import fields_by_key
 from dcrb_ros.stream.diagnosis import Diagnosis
+from dcrb_ros.text.counts import counted
 from dcrb_ros.text.tables import read_rows
 
 TABLE = "recordings.csv"
@@ -80,14 +81,15 @@ class MeasuredRecording(JudgedRecording):
             with self.file.open("rb") as stream, np.load(stream, allow_pickle=False) as arrays:
                 given = arrays["a"]
         except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
-            raise Refusal(f"{self.file} cannot be read ({error}): it must be an NPZ file with one array 'a'") from None
+            reason = getattr(error, "strerror", None) or error
+            raise Refusal(f"{self.file} cannot be read ({reason}): it must be an NPZ file with one array 'a'") from None
         if given.ndim != 1 or given.dtype.kind not in "iuf":
             shape = f"the shape {given.shape} and the type {given.dtype}"
             raise Refusal(f"{self.file}: 'a' has {shape}: give the numbers of one axis in one row")
         if not (finite := np.isfinite(given)).all():
             first = int(np.argmin(finite))
             raise Refusal(
-                f"{self.file}: 'a' has {np.count_nonzero(~finite)} values that are not finite, the first is {given[first]} at {first}: "
+                f"{self.file}: 'a' is not finite in {counted(int(np.count_nonzero(~finite)), 'place')}, first {given[first]} at {first}: "
                 "give a part without them, or leave it out of the table"
             )
         values = np.asarray(given, np.float64)

@@ -112,10 +112,11 @@ def _refused(path: Path, otherwise: str) -> Iterator[None]:
 
 
 def remedy_of(error: OSError) -> str:
-    """Return what makes a failed write possible: space on a full disk, a folder that exists, a sound disk, otherwise a permission."""
+    """Return what makes a failed write possible: space on a full disk, folders in its path, a sound disk, or a permission."""
     if error.errno in FULL:
         return "free some space"
-    return {errno.ENOENT: "create its folder", errno.EIO: "check the disk"}.get(error.errno or 0, "make it writable")
+    remedies = {errno.ENOENT: "create its folder", errno.ENOTDIR: "remove the file in its path", errno.EIO: "check the disk"}
+    return remedies.get(error.errno or 0, "make it writable")
 
 
 def write_whole(path: Path, content: str | bytes, *, otherwise: str = "give another file") -> None:

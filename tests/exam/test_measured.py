@@ -160,7 +160,7 @@ def test_a_damaged_recording_is_refused_by_its_name(damage: str, tmp_path: Path,
 @pytest.mark.parametrize(
     ("values", "sentence"),
     [
-        ([0.0, np.nan, 1.0, -np.inf], "'a' has 2 values that are not finite, the first is nan at 1: give a part without them"),
+        ([0.0, np.nan, 1.0, -np.inf], "'a' is not finite in 2 places, first nan at 1: give a part without them"),
         (np.ones((2, 9)), r"'a' has the shape \(2, 9\) and the type float64: give the numbers of one axis in one row"),
         (np.ones(9, bool), r"'a' has the shape \(9,\) and the type bool: give the numbers"),
     ],
@@ -169,6 +169,13 @@ def test_an_array_is_refused_by_what_is_wrong_with_it(values: Any, sentence: str
     (folder(tmp_path) / "recordings" / "struck.npz").write_bytes(npz(a=values))
     struck = next(one for one in read_measured(tmp_path) if one.name == "struck")
     with pytest.raises(Refusal, match=sentence):
+        struck.samples()
+
+
+def test_a_missing_recording_is_named_with_its_reason(tmp_path: Path) -> None:
+    (folder(tmp_path) / "recordings" / "struck.npz").unlink()
+    struck = next(one for one in read_measured(tmp_path) if one.name == "struck")
+    with pytest.raises(Refusal, match=r"struck.npz cannot be read \(No such file or directory\): it must be an NPZ file"):
         struck.samples()
 
 

@@ -402,6 +402,11 @@ def test_a_figure_that_cannot_be_written_is_refused(name: str, words: str, tmp_p
         write_figure(report(), tmp_path / name)
 
 
+def test_a_suffix_may_have_capitals(tmp_path: Path) -> None:
+    write_figure(report(), tmp_path / "F.PNG")
+    assert (tmp_path / "F.PNG").read_bytes().startswith(b"\x89PNG")
+
+
 @pytest.mark.parametrize(("shown", "word"), [(MIXED, "failed"), (report(), "passed")])
 def test_the_title_of_the_figure_says_whether_the_detector_passed(shown: Report, word: str, tmp_path: Path) -> None:
     write_figure(shown, tmp_path / "f.svg")

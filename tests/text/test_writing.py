@@ -33,7 +33,7 @@ def test_a_write_that_fails_leaves_the_old_file_and_names_it(tmp_path: Path) -> 
 
 def test_a_place_that_cannot_be_written_is_not_called_full(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
-    with pytest.raises(Refusal, match=r"about\.json cannot be written: Not a directory; make it writable or give another file"):
+    with pytest.raises(Refusal, match=r"about\.json cannot be written: Not a directory; remove the file in its path or give another file"):
         write_whole(tmp_path / "file" / "about.json", "new")
 
 
