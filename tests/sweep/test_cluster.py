@@ -75,10 +75,14 @@ def test_a_connection_without_the_certificate_is_refused(protocol: str, protecte
     assert done.stdout.startswith(f"the scheduler {address} cannot be reached"), done.stdout + done.stderr[-2000:]
 
 
+NO_CERTIFICATE = {f"distributed.comm.tls.{part}": None for part in ("ca-file", "client.cert", "client.key")}
+"""Settings of Dask that the scheduler of `protected` has changed in this process."""
+
+
 @pytest.mark.parametrize(
     ("address", "settings", "sentence"),
     [
-        ("tls://127.0.0.1:9", {}, "Dask has no certificate on this machine; set DASK_DISTRIBUTED__COMM__TLS__CA_FILE"),
+        ("tls://127.0.0.1:9", NO_CERTIFICATE, "Dask has no certificate on this machine; set DASK_DISTRIBUTED__COMM__TLS__CA_FILE"),
         ("tcp://127.0.0.1:9", {"distributed.comm.require-encryption": True}, "give an address that begins with tls://"),
     ],
 )

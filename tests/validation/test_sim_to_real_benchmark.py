@@ -14,6 +14,8 @@ import sim_to_real_data
 import sim_to_real_scores
 import sim_to_real_trainings
 
+from dcrb_ros.exam import replica
+
 
 def test_a_bearing_is_scored_by_a_forest_of_the_others() -> None:
     random = np.random.default_rng(1)
@@ -39,11 +41,12 @@ def test_a_bearing_is_scored_by_a_forest_of_the_others() -> None:
 def test_kept_windows_are_those_of_the_same_machines_and_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     made: list[tuple[int, float]] = []
 
-    def windows(rig: object, bench: str, machine: object, number: int, seconds: float) -> sim_to_real_data.Windows:
+    def windows(bench: str, machine: object, number: int, seconds: float) -> sim_to_real_data.Windows:
         made.append((number, seconds))
         return sim_to_real_data.Windows(("y_depth",), np.full((1, 1), seconds), ["healthy"], [str(number)])
 
     monkeypatch.setattr(sim_to_real_trainings, "machine_windows", windows)
+    monkeypatch.setattr(replica, "healthy_level", lambda *_, **__: 2.0)
 
     def values(machines: int, seconds: float) -> list[float]:
         found = sim_to_real_trainings.drawn_windows(sim_to_real_data.RIGS[0], "ball_bearing_6205", tmp_path, machines, seconds)
@@ -53,5 +56,5 @@ def test_kept_windows_are_those_of_the_same_machines_and_time(tmp_path: Path, mo
     assert made == [(0, 1.0), (1, 1.0)]
     assert values(2, 2.0) == [2.0, 2.0]
     made.clear()
-    values(3, 2.0)  # another number of machines has other strata
-    assert made == [(0, 2.0), (1, 2.0), (2, 2.0)]
+    assert values(3, 2.0) == [2.0, 2.0, 2.0]
+    assert made == [(2, 2.0)], "more machines keep the first ones"

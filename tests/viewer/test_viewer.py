@@ -485,7 +485,7 @@ def test_existing_output_is_refused(bag: Path, document: Path, tmp_path: Path) -
 
 
 @pytest.mark.parametrize(
-    ("name", "message"), [("picture.jpg", r"does not end in \.png"), ("absent/picture.png", r"there is no folder .*absent")]
+    ("name", "message"), [("picture.jpg", r"must end in one of \.png"), ("absent/picture.png", r"there is no folder .*absent")]
 )
 def test_unusable_output_is_refused(bag: Path, tmp_path: Path, name: str, message: str) -> None:
     with pytest.raises(Refusal, match=message):
