@@ -22,7 +22,7 @@ LARGEST_RATIO = 0.6
 
 SMALLEST_SIZE = 0.75
 """Smallest size of rolling elements of an unknown scale, relative to those of the bench [-]: bearings with more elements are larger."""
-STEPPED_ALIKE = 0.9
+SMALLEST_AT_FULL_STEP = 0.9
 """Smallest size of rolling elements for which the step of the bench is short enough, relative to those of the bench [-]."""
 SHORTEST = 1e-3
 """Shortest contact of a rolling element, as of `bearing.roller_length` [m]."""
@@ -120,4 +120,4 @@ def longest_step(bearing: Mapping[str, Any], bench: Configuration) -> float:
     with the power 1.25 of the size. The exponent 1.5 leaves a margin for cages.
     """
     size = (bearing["bearing.roller_mass"] / bench.bearing.roller_mass) ** (1.0 / 3.0)
-    return float(bench.simulation.step * min(1.0, (size / STEPPED_ALIKE) ** 1.5))
+    return float(bench.simulation.step * min(1.0, (size / SMALLEST_AT_FULL_STEP) ** 1.5))

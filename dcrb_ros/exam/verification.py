@@ -22,7 +22,7 @@ CLOSE = 1e-6
 def differences(entry: Entry, exam: Exam) -> Iterator[str]:
     """Yield a sentence for everything in an entry that does not follow from its diagnoses in an exam."""
     if entry.format != FORMAT or any(scenario.diagnoses is None for scenario in entry.scenarios):
-        yield f"it has no diagnoses from which it could be computed again, which '{FORMAT}' has"
+        yield f"it has no diagnoses from which it could be computed again; entries of the format '{FORMAT}' have them"
         return
     stated = {scenario.name: scenario for scenario in entry.scenarios}
     names = [case.expectation.name for case in exam.cases]

@@ -53,7 +53,7 @@ def export(recording: Recording, path: Path, *, notes: list[str] | None = None, 
         raise Refusal(f"{path} has an unknown file type: its name must end in one of {', '.join(WRITERS)}")
     for file in (path, described):
         if checked_path(file).exists() and not force:
-            raise Refusal(f"{file} exists: give another name or remove it; files are never overwritten")
+            raise Refusal(f"{file} exists: give another name or remove it")
     if not path.absolute().parent.is_dir():
         raise Refusal(f"{path} cannot be written: there is no folder {path.absolute().parent}; create it or give another path")
     notes = [] if notes is None else notes

@@ -32,7 +32,7 @@ def checked_output(path: Path, *, suffix: str, option: str, force: bool = False)
     if path.suffix != suffix:
         raise Refusal(f"{option} {path} does not end in {suffix}: give a name with this suffix")
     if checked_path(path).exists() and not force:
-        raise Refusal(f"{option} {path} exists: give another name or remove it; files are never overwritten")
+        raise Refusal(f"{option} {path} exists: give another name or remove it")
     folder = path.absolute().parent
     if not folder.is_dir():
         raise Refusal(f"{option} {path} cannot be written: there is no folder {folder}; create it or give another path")
