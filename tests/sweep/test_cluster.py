@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -17,7 +18,6 @@ import dask
 from distributed import LocalCluster, Security
 from waiting import wait_for
 
-from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.sweep.cluster import cluster_workers
 
 CERTIFICATE = ["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes", "-days", "1"]
@@ -65,31 +65,29 @@ try:
 except Refusal as refusal:
     print(refusal)
 """
+"""Run in a process of its own, because a client that failed can keep later clients of its process from starting."""
 
 
 @pytest.mark.parametrize("protocol", ["tls", "tcp"])
 def test_a_connection_without_the_certificate_is_refused(protocol: str, protected: tuple[str, dict[str, object]]) -> None:
-    # In a process of its own, without the certificate: two clients that fail in one process upset each other's event loop.
     address = protected[0].replace("tls:", f"{protocol}:")
     done = subprocess.run([sys.executable, "-c", REACH, address], capture_output=True, text=True, timeout=400, check=False)
     assert done.stdout.startswith(f"the scheduler {address} cannot be reached"), done.stdout + done.stderr[-2000:]
 
 
-NO_CERTIFICATE = {f"distributed.comm.tls.{part}": None for part in ("ca-file", "client.cert", "client.key")}
-"""Settings of Dask that the scheduler of `protected` has changed in this process."""
-
-
 @pytest.mark.parametrize(
     ("address", "settings", "sentence"),
     [
-        ("tls://127.0.0.1:9", NO_CERTIFICATE, "Dask has no certificate on this machine; set DASK_DISTRIBUTED__COMM__TLS__CA_FILE"),
-        ("tcp://127.0.0.1:9", {"distributed.comm.require-encryption": True}, "give an address that begins with tls://"),
+        ("tls://127.0.0.1:9", {}, "Dask has no certificate on this machine; set DASK_DISTRIBUTED__COMM__TLS__CA_FILE"),
+        ("tcp://127.0.0.1:9", {"DASK_DISTRIBUTED__COMM__REQUIRE_ENCRYPTION": "True"}, "give an address that begins with tls://"),
     ],
 )
-def test_settings_that_do_not_fit_the_address_are_refused(address: str, settings: dict[str, object], sentence: str) -> None:
-    refused = pytest.raises(Refusal, match=f"the scheduler {address} cannot be reached: .*{sentence}")
-    with dask.config.set(settings), refused, cluster_workers(address):
-        pytest.fail("it was reached")
+def test_settings_that_do_not_fit_the_address_are_refused(address: str, settings: dict[str, str], sentence: str) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", REACH, address], env=os.environ | settings, capture_output=True, text=True, timeout=400, check=False
+    )
+    assert done.stdout.startswith(f"the scheduler {address} cannot be reached"), done.stdout + done.stderr[-2000:]
+    assert sentence in done.stdout
 
 
 LOSE = """
@@ -121,3 +119,23 @@ def test_a_lost_scheduler_is_named_without_a_traceback(tmp_path: Path) -> None:
     lost = f"the connection to the scheduler {address} was lost: start it and its workers again, and run the same command again to continue"
     assert done.stdout == f"{lost}\n", done.stderr[-2000:]
     assert "Traceback" not in done.stderr
+
+
+def test_a_scheduler_that_does_not_answer_ends_the_command_with_status_2(tmp_path: Path) -> None:
+    sweep = tmp_path / "sweep.yaml"
+    sweep.write_text("duration: 0.02", encoding="utf-8")
+    command = [
+        sys.executable,
+        "-m",
+        "dcrb_ros.cli.program",
+        "sweep",
+        str(sweep),
+        "-o",
+        str(tmp_path / "set"),
+        "--scheduler",
+        "tcp://127.0.0.1:9",
+    ]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=400, check=False)
+    assert done.returncode == 2, done.stderr
+    assert "the scheduler tcp://127.0.0.1:9 cannot be reached" in done.stderr.splitlines()[-1]
+    assert not (tmp_path / "set").exists()
