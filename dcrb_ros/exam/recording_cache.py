@@ -28,7 +28,7 @@ from dcrb_ros.simulation.scenario import scheduled_changes
 from dcrb_ros.text.files import open_regular, read_text
 from dcrb_ros.text.json import parsed_json
 from dcrb_ros.text.temporary import remove_abandoned, temporary
-from dcrb_ros.text.writing import sync, write_whole
+from dcrb_ros.text.writing import remedy_of, sync
 
 RECORDED: tuple[SimulatedTopic, ...] = (VIBRATION, GROUND_TRUTH)
 """Topics of every recording."""
@@ -93,10 +93,10 @@ def cached_recording(case: Case, folder: Path) -> Path:
         with temporary(folder) as making:
             try:
                 _simulate(case, making / path.name)
-                _write_content(case, making / path.name)
             except (RecordingFailed, Refusal) as failure:
                 sentence = str(failure).replace(str(making / path.name), str(path))
-                raise Refusal(re.sub(r"give another (file|folder)$", OTHER_FOLDER, sentence)) from None
+                raise Refusal(sentence.replace("give another folder", OTHER_FOLDER)) from None
+            _write_content(case, making / path.name)
             if os.path.lexists(path) and recording_flaw(case, path):
                 with contextlib.suppress(FileNotFoundError):  # another process may have moved it
                     os.rename(path, making / "damaged")
@@ -107,7 +107,7 @@ def cached_recording(case: Case, folder: Path) -> Path:
                 if not path.is_dir():  # another process may have recorded the same case
                     raise
     except OSError as error:
-        raise Refusal(f"{path} cannot be written: {error.strerror or error}; {OTHER_FOLDER}") from None
+        raise Refusal(f"{path} cannot be written: {error.strerror or error}; {remedy_of(error)} or {OTHER_FOLDER}") from None
     return path
 
 
@@ -127,7 +127,9 @@ def recording_flaw(case: Case, path: Path) -> str:
 
 
 def _write_content(case: Case, path: Path) -> None:
-    write_whole(path / CONTENT, json.dumps({"case": case_hash(case), "files": _file_hashes(path)}, indent=1) + "\n")
+    content = path / CONTENT
+    content.write_text(json.dumps({"case": case_hash(case), "files": _file_hashes(path)}, indent=1) + "\n", encoding="utf-8")
+    sync(content)
 
 
 def _file_hashes(path: Path) -> dict[str, str]:

@@ -241,7 +241,7 @@ def test_a_recording_that_cannot_be_put_in_its_place_is_refused(tmp_path: Path, 
 
     monkeypatch.setattr(recording_cache, "_simulate", simulate)
     monkeypatch.setattr(os, "rename", rename)
-    with pytest.raises(Refusal, match=r"well-0.* cannot be written: Permission denied; give another folder with --recordings"):
+    with pytest.raises(Refusal, match=r"well-0.* cannot be written: Permission denied; make it writable or give another folder with --rec"):
         cached_recording(CASES[0], tmp_path)
     assert not list(tmp_path.glob(".writing-*"))
 
