@@ -14,21 +14,20 @@ from typing import Any
 
 from pydantic import Field, ValidationError
 
-from dcrb_ros.bearing.runtime_change import altered
 from dcrb_ros.exam.case import Case, CaseSimulation, derived_tags, scenarios_hash
 from dcrb_ros.exam.criteria import Criteria, DelayLimits
 from dcrb_ros.exam.exam_parameters import refuse_ineffective
 from dcrb_ros.exam.expectation import Expectation
+from dcrb_ros.exam.fault_history import fault_history
 from dcrb_ros.exam.revolutions import speed_knots
 from dcrb_ros.exam.twins import with_twins
-from dcrb_ros.faults.ground_truth import class_of
 from dcrb_ros.schema.fields import Group, choice, quantity
 from dcrb_ros.schema.refusal import Refusal, nearest, repeated
-from dcrb_ros.schema.verdicts import FAULT_CLASSES, FaultClass, contradicts
+from dcrb_ros.schema.verdicts import FAULT_CLASSES, FaultClass
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import fields_by_key, flatten, layered, read_parameters, validated
 from dcrb_ros.settings.shipped import find_configuration, find_shipped
-from dcrb_ros.simulation.scenario import ScheduledChange, read_scenario_file, scheduled_changes, starting_configuration
+from dcrb_ros.simulation.scenario import read_scenario_file, scheduled_changes, starting_configuration
 from dcrb_ros.stream.late_scenario import refuse_late
 from dcrb_ros.text.yaml import read_yaml
 
@@ -276,36 +275,23 @@ def _case(
     overlay: Mapping[str, Any],
     fault: Mapping[str, Any],
 ) -> Case:
-    configuration = validated(layered(base, overlay), Configuration, where)
-    duration = entry.duration or file.duration
-    faulty = entry.verdict != "healthy"
-    if not faulty and entry.onset is not None:
-        raise Refusal(f"{where}: onset = {entry.onset:g} s has no effect on a healthy bearing, to which nothing happens: leave it out")
-    if not faulty and not entry.required:
-        raise Refusal(f"{where}: required = false has no effect on a healthy bearing, where nothing is to be detected: leave it out")
-    if not faulty and entry.graded_by:
-        raise Refusal(
-            f"{where}: graded_by = {entry.graded_by} has no effect on a healthy bearing, where nothing is to be detected: leave it out"
-        )
+    """Return a case with its run and what is expected of a detector."""
+    faulty, duration = entry.verdict != "healthy", entry.duration or file.duration
+    if not faulty:
+        _refuse_options_of_faults(entry, where)
+    configuration, others = _changes_besides_fault(entry, validated(layered(base, overlay), Configuration, where), duration, where)
     fault_time = file.onset if entry.onset is None else entry.onset
-    entries: list[Any] = []
-    if entry.scenario:
-        profile = read_scenario_file(Path(entry.scenario))
-        configuration = starting_configuration(profile, configuration, where)
-        scheduled_changes(profile, configuration, f"{where}, {entry.scenario}")
-        refuse_late(profile, duration, f"{where}: the scenario '{entry.scenario}'", "increase the duration or remove it")
-        entries += profile["timeline"]
-    entries += [*entry.timeline, *([{"at": fault_time, "set": dict(fault)}] if fault else [])]
-    scenario = {"timeline": entries} if entries else None
+    changes = [*others, *([{"at": fault_time, "set": dict(fault)}] if fault else [])]
+    scenario = {"timeline": changes} if changes else None
     events = scheduled_changes(scenario, configuration, where) if scenario else []
-    late = next((one["at"] for one in entry.timeline if one["at"] >= duration), None)
+    late = next((change["at"] for change in entry.timeline if change["at"] >= duration), None)
     if late is not None:
         raise Refusal(f"{where}: an entry at {late:g} s is not before its end at {duration:g} s: increase the duration or remove it")
-    faults, onset = _faults(configuration, events, where), 0.0
-    classes = [(time, class_of(names)) for time, names in faults]
+    history = fault_history(configuration, events, where)
+    onset = 0.0
     if faulty:
-        onset = fault_time if fault or entry.onset is not None else _onset(classes, entry.verdict, where)
-    _refuse_contradiction(classes, entry.verdict, onset, where)
+        onset = fault_time if fault or entry.onset is not None else history.onset_of(entry.verdict, where)
+    history.refuse_contradiction(entry.verdict, onset, where)
     limit = file.criteria.delay.of(entry.verdict) if faulty else 0.0
     # The last verdict of a replica counts, whenever it is given.
     if faulty and file.replica is None and duration < onset + limit - 1e-9:
@@ -315,24 +301,62 @@ def _case(
         )
     derived = derived_tags(configuration, fault) | _grade(entry, {**overlay, **fault}, where)
     narrow = faulty and 0.0 < float(derived.get("width", 0.0)) < file.criteria.smallest_width
-    twin = "?" if faulty and entry.twin and fault and _healthy(configuration, entries[:-1], f"{where}, without its fault") else ""
-    if entry.twin and not twin and "twin" in entry.model_fields_set:
-        without = "without a fault that appears" if not faulty or not fault else "where another fault remains in the healthy run"
-        raise Refusal(f"{where}: twin = true has no effect {without}: leave it out, or give all faults under 'fault'")
-    first = next((time for time, names in faults if names), onset)
+    first = history.first(onset)
     expectation = Expectation(
         name,
         entry.verdict,
         duration,
         onset,
         {**derived, **entry.tags},
-        twin,
+        "?" if _has_twin(entry, configuration, others, fault, where) else "",
         first if first < onset else None,
         required=entry.required and not narrow,
-        bearing_onset=_bearing_onset(faults) if entry.verdict == "sensor" else None,
+        bearing_onset=history.first_of_bearing if entry.verdict == "sensor" else None,
         speeds=speed_knots(configuration, events),
     )
     return Case(expectation, CaseSimulation(configuration, scenario, duration))
+
+
+def _refuse_options_of_faults(entry: ScenarioEntry, where: str) -> None:
+    """Refuse what has no effect on a healthy bearing."""
+    undetected = "on a healthy bearing, where nothing is to be detected"
+    for ineffective, text in (
+        (entry.onset is not None, f"onset = {entry.onset or 0.0:g} s has no effect on a healthy bearing, to which nothing happens"),
+        (not entry.required, f"required = false has no effect {undetected}"),
+        (bool(entry.graded_by), f"graded_by = {entry.graded_by} has no effect {undetected}"),
+    ):
+        if ineffective:
+            raise Refusal(f"{where}: {text}: leave it out")
+
+
+def _changes_besides_fault(
+    entry: ScenarioEntry, configuration: Configuration, duration: float, where: str
+) -> tuple[Configuration, list[dict[str, Any]]]:
+    """Return the configuration at the start, and the changes by the scenario and the timeline of an entry."""
+    if not entry.scenario:
+        return configuration, list(entry.timeline)
+    profile = read_scenario_file(Path(entry.scenario))
+    starting = starting_configuration(profile, configuration, where)
+    scheduled_changes(profile, starting, f"{where}, {entry.scenario}")
+    refuse_late(profile, duration, f"{where}: the scenario '{entry.scenario}'", "increase the duration or remove it")
+    return starting, [*profile["timeline"], *entry.timeline]
+
+
+def _has_twin(entry: ScenarioEntry, configuration: Configuration, others: Sequence[Any], fault: Mapping[str, Any], where: str) -> bool:
+    """Return whether a case has a healthy twin: the same run without its fault."""
+    appears = entry.verdict != "healthy" and bool(fault)
+    if entry.twin and appears and _is_healthy(configuration, others, f"{where}, without its fault"):
+        return True
+    if entry.twin and "twin" in entry.model_fields_set:
+        without = "where another fault remains in the healthy run" if appears else "without a fault that appears"
+        raise Refusal(f"{where}: twin = true has no effect {without}: leave it out, or give all faults under 'fault'")
+    return False
+
+
+def _is_healthy(configuration: Configuration, changes: Sequence[Any], where: str) -> bool:
+    """Return whether neither a configuration nor changes of it bring a fault."""
+    events = scheduled_changes({"timeline": list(changes)}, configuration, where) if changes else []
+    return fault_history(configuration, events, where).is_healthy
 
 
 def _grade(entry: ScenarioEntry, given: Mapping[str, Any], where: str) -> dict[str, str | float]:
@@ -347,47 +371,3 @@ def _grade(entry: ScenarioEntry, given: Mapping[str, Any], where: str) -> dict[s
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise Refusal(f"{where}: graded_by = {key} has the value {value!r}: give a parameter with numbers")
     return {"graded_by": key, "grade": float(value)}
-
-
-def _faults(configuration: Configuration, events: Sequence[ScheduledChange], where: str) -> list[tuple[float, tuple[str, ...]]]:
-    """Return the names of the faults that are present, and the time from which each set of them is [s]."""
-    present, faults = configuration, [(0.0, tuple(configuration.described_faults()))]
-    pending: dict[str, Any] = {}
-    for event in events:
-        pending |= event.changes
-        # Intermediate steps of a gradual change neither bring faults nor take them away.
-        if event.event is not None and any(key.startswith(("faults.", "sensor.")) for key in pending):
-            present, pending = altered(present, pending, where), {}
-            faults.append((event.step / present.step_rate, tuple(present.described_faults())))
-    return faults
-
-
-def _healthy(configuration: Configuration, entries: Sequence[Any], where: str) -> bool:
-    """Return whether neither a configuration nor the entries of a timeline bring a fault."""
-    events = scheduled_changes({"timeline": list(entries)}, configuration, where) if entries else []
-    return not any(names for _, names in _faults(configuration, events, where))
-
-
-def _bearing_onset(faults: Sequence[tuple[float, Sequence[str]]]) -> float | None:
-    """Return the time from which a fault of the bearing is present [s]; None without one."""
-    return next((time for time, names in faults if any(class_of([name]) != "sensor" for name in names)), None)
-
-
-def _onset(classes: Sequence[tuple[float, FaultClass]], verdict: str, where: str) -> float:
-    """Return the time from which a verdict is correct [s], if the entry gives neither fault nor onset: at the start or by the timeline."""
-    onset = next((time for time, present in classes if present == verdict), None)
-    if onset is None:
-        raise Refusal(f"{where}: nothing in it makes {verdict} correct: give 'fault', a timeline with a fault, or 'onset'")
-    return onset
-
-
-def _refuse_contradiction(classes: Sequence[tuple[float, FaultClass]], verdict: FaultClass, onset: float, where: str) -> None:
-    """Refuse a verdict that the faults contradict from the onset on."""
-    at_onset = [present for time, present in classes if time < onset][-1:]
-    correct = dict.fromkeys([*at_onset, *(present for time, present in classes if time >= onset)])
-    if contradicts(verdict, correct):
-        found = " and then ".join(present for present in correct if present != "healthy") or "healthy"
-        raise Refusal(
-            f"{where}: verdict = {verdict} contradicts its faults, which make {found} correct: change the verdict, or the faults in base, "
-            "set, fault, scenario and timeline"
-        )
