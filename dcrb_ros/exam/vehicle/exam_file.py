@@ -174,21 +174,8 @@ def _cases(
     file: VehicleExamFile, entry: VehicleEntry, base: Mapping[str, Any], source: str, curved: dict[str, bool]
 ) -> Iterator[VehicleCase]:
     """Yield the cases of an entry; ``curved`` takes up, by the place that gives a cant, whether a case with this cant has a curve."""
-    where = f"{source}, scenario '{entry.name}'"
-    for kind, given, known in (("operating point", entry.points or [], file.points), ("variant", entry.variants, file.variants)):
-        unknown = next((name for name in given if name not in known), None)
-        if unknown is not None:
-            raise Refusal(f"{where}: there is no {kind} '{unknown}'{nearest(unknown, known)}")
-    changes = flatten(entry.set)
-    empty = next((key for key, value in changes.items() if value == []), None)
-    if empty is not None:
-        raise Refusal(f"{where}: {empty} has an empty list: give at least one value")
-    if entry.boxes and not any(key.partition(".")[0] == PLACEHOLDER for key in (*changes, *entry.damaged)):
-        raise Refusal(
-            f"{where}: boxes has no effect without a key of 'box', such as box.bench: give one in set or damaged, or leave it out"
-        )
-    if not entry.required and all(verdict == "healthy" for verdict in entry.damaged.values()):
-        raise Refusal(f"{where}: required = false has no effect on healthy boxes, where nothing is to be detected: leave it out")
+    where, changes = f"{source}, scenario '{entry.name}'", flatten(entry.set)
+    _check_entry(file, entry, changes, where)
     varied = {key: value for key, value in changes.items() if isinstance(value, list)}
     checked: set[object] = set()
     for point, variant, box, values in itertools.product(
@@ -220,6 +207,23 @@ def _cases(
             checked |= about
             _check_verdicts(case, where)
         yield case
+
+
+def _check_entry(file: VehicleExamFile, entry: VehicleEntry, changes: Mapping[str, Any], where: str) -> None:
+    """Refuse unknown points and variants, empty lists, and options without effect."""
+    for kind, given, known in (("operating point", entry.points or [], file.points), ("variant", entry.variants, file.variants)):
+        unknown = next((name for name in given if name not in known), None)
+        if unknown is not None:
+            raise Refusal(f"{where}: there is no {kind} '{unknown}'{nearest(unknown, known)}")
+    empty = next((key for key, value in changes.items() if value == []), None)
+    if empty is not None:
+        raise Refusal(f"{where}: {empty} has an empty list: give at least one value")
+    if entry.boxes and not any(key.partition(".")[0] == PLACEHOLDER for key in (*changes, *entry.damaged)):
+        raise Refusal(
+            f"{where}: boxes has no effect without a key of 'box', such as box.bench: give one in set or damaged, or leave it out"
+        )
+    if not entry.required and all(verdict == "healthy" for verdict in entry.damaged.values()):
+        raise Refusal(f"{where}: required = false has no effect on healthy boxes, where nothing is to be detected: leave it out")
 
 
 def _check_verdicts(case: VehicleCase, where: str) -> None:
