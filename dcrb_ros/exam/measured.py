@@ -126,7 +126,12 @@ def read_table(table: Path, speed: str = "lines") -> list[MeasuredRecording]:
     rows = read_rows(table, tuple(dict.fromkeys((*COLUMNS, SPEEDS[speed]))), (*OPTIONAL_COLUMNS, *REPLICA_COLUMNS))
     if not rows:
         raise Refusal(f"{table} has no rows: list the recordings with {', '.join(COLUMNS)}")
-    recordings = [_row(table, number, row, SPEEDS[speed]) for number, row in rows]
+    recordings = []
+    for line, row in rows:
+        try:
+            recordings.append(_recording(row, table.parent / "recordings", SPEEDS[speed]))
+        except Refusal as error:
+            raise Refusal(f"{table}, line {line}: {error}") from None
     if (twice := repeated(recording.name for recording in recordings)) is not None:
         raise Refusal(f"{table} lists {twice} twice: give every recording once")
     for machine in dict.fromkeys(recording.machine for recording in recordings):
@@ -139,50 +144,24 @@ def read_table(table: Path, speed: str = "lines") -> list[MeasuredRecording]:
     return recordings
 
 
-def _row(table: Path, line: int, row: dict[str, str], speed: str) -> MeasuredRecording:
-    numbers = {}
-    for column in (*CHARACTERISTIC_FREQUENCIES, speed, "sampling_rate"):
-        try:
-            numbers[column] = float(row[column])
-        except (TypeError, ValueError):
-            raise Refusal(f"{table}, line {line}: {column} = {row[column] or 'nothing'} is not a number: give one") from None
-    frequency = numbers[speed] / 60.0
-    try:
-        orders = Orders.from_dict({name: numbers[name] for name in CHARACTERISTIC_FREQUENCIES})
-        rate = sampling_rate(numbers["sampling_rate"], "the row")
-    except Refusal as error:
-        raise Refusal(f"{table}, line {line}: {error}") from None
+def _recording(row: dict[str, str], folder: Path, speed: str) -> MeasuredRecording:
+    """Return the recording of a row, whose file is in a folder and whose speed is in the column ``speed``."""
+    _check_words(row, folder)
+    numbers = {column: _number(row, column) for column in (*CHARACTERISTIC_FREQUENCIES, speed, "sampling_rate")}
+    rate, frequency = sampling_rate(numbers["sampling_rate"], "the row"), numbers[speed] / 60.0
     if not (math.isfinite(frequency) and frequency > 0.0):
-        raise Refusal(f"{table}, line {line}: {speed} = {row[speed]} is not a speed: give it in rpm, above 0")
+        raise Refusal(f"{speed} = {row[speed]} is not a speed: give it in rpm, above 0")
     if frequency >= 0.5 * rate:
         raise Refusal(
-            f"{table}, line {line}: {speed} = {row[speed]} is outside 0 .. {30.0 * rate:g} rpm, half a turn in each sample at {rate} Hz: "
-            "check speed and sampling_rate"
+            f"{speed} = {row[speed]} is outside 0 .. {30.0 * rate:g} rpm, half a turn in each sample at {rate} Hz: check speed and "
+            "sampling_rate"
         )
-    if row["truth"] not in FAULT_CLASSES:
-        known = f"{', '.join(FAULT_CLASSES)}{nearest(str(row['truth']), FAULT_CLASSES)}"
-        raise Refusal(f"{table}, line {line}: truth = {row['truth'] or 'nothing'} is not a verdict: give one of {known}")
-    if row["unit"] not in ACCELERATION_UNITS:
-        raise Refusal(f"{table}, line {line}: unit = {row['unit'] or 'nothing'} is unknown: give one of {', '.join(ACCELERATION_UNITS)}")
-    name = row["name"]
-    if not name or name != Path(name).name or name in (".", ".."):
-        raise Refusal(
-            f"{table}, line {line}: name = '{name}' is not the name of a file in {table.parent / 'recordings'}: give it without a path"
-        )
-    if not row["rig"]:
-        raise Refusal(f"{table}, line {line}: rig is empty, so that all recordings without one were of one machine: name the rig")
-    gain = row.get("gain") or UNKNOWN
-    if gain not in (KNOWN, UNKNOWN):
-        raise Refusal(
-            f"{table}, line {line}: gain = {gain} is invalid: give {KNOWN} if all bearings of this rig were recorded with one gain, "
-            f"otherwise {UNKNOWN} or nothing"
-        )
-    machine = row.get("machine") or _machine(row["rig"], rate)
-    bearing = row.get("bearing") or f"{row['truth']} {name.rpartition('_')[0] or name}"
-    seconds = _stated(row, "seconds", "s", f"{table}, line {line}") or math.inf
+    seconds = _stated(row, "seconds", "s") or math.inf
     if seconds < SHORTEST:
-        raise Refusal(f"{table}, line {line}: seconds = {row['seconds']}, but a verdict needs {SHORTEST:g} s: leave {name} out")
-    pitch = _stated(row, "pitch_diameter_mm", "mm", f"{table}, line {line}", _range("bearing.pitch_radius", 2e3))
+        raise Refusal(f"seconds = {row['seconds']}, but a verdict needs {SHORTEST:g} s: leave {row['name']} out")
+    name, machine = row["name"], row.get("machine") or _machine(row["rig"], rate)
+    bearing = row.get("bearing") or f"{row['truth']} {name.rpartition('_')[0] or name}"
+    pitch = _stated(row, "pitch_diameter_mm", "mm", _range("bearing.pitch_radius", 2e3))
     return MeasuredRecording(
         name=name,
         rig=row["rig"],
@@ -190,15 +169,41 @@ def _row(table: Path, line: int, row: dict[str, str], speed: str) -> MeasuredRec
         truth=row["truth"],
         rate=rate,
         speed=frequency,
-        orders=orders,
-        gain_known=gain == KNOWN,
+        orders=Orders.from_dict({order: numbers[order] for order in CHARACTERISTIC_FREQUENCIES}),
+        gain_known=row.get("gain") == KNOWN,
         unit=row["unit"],
-        file=table.parent / "recordings" / f"{name}.npz",
+        file=folder / f"{name}.npz",
         bearing=f"{machine} {bearing}",
         seconds=seconds,
-        load=_stated(row, "load", "N", f"{table}, line {line}", _range("operating.load")),
+        load=_stated(row, "load", "N", _range("operating.load")),
         pitch_radius=None if pitch is None else 5e-4 * pitch,
     )
+
+
+def _check_words(row: dict[str, str], folder: Path) -> None:
+    """Refuse names and words that are unknown."""
+    truth, unit, name, gain = row["truth"], row["unit"], row["name"], row.get("gain") or UNKNOWN
+    if truth not in FAULT_CLASSES:
+        known = f"{', '.join(FAULT_CLASSES)}{nearest(str(truth), FAULT_CLASSES)}"
+        raise Refusal(f"truth = {truth or 'nothing'} is not a verdict: give one of {known}")
+    if unit not in ACCELERATION_UNITS:
+        raise Refusal(f"unit = {unit or 'nothing'} is unknown: give one of {', '.join(ACCELERATION_UNITS)}")
+    if not name or name != Path(name).name or name in (".", ".."):
+        raise Refusal(f"name = '{name}' is not the name of a file in {folder}: give it without a path")
+    if not row["rig"]:
+        raise Refusal("rig is empty, so that all recordings without one were of one machine: name the rig")
+    if gain not in (KNOWN, UNKNOWN):
+        raise Refusal(
+            f"gain = {gain} is invalid: give {KNOWN} if all bearings of this rig were recorded with one gain, otherwise {UNKNOWN} or "
+            "nothing"
+        )
+
+
+def _number(row: dict[str, str], column: str) -> float:
+    try:
+        return float(row[column])
+    except (TypeError, ValueError):
+        raise Refusal(f"{column} = {row[column] or 'nothing'} is not a number: give one") from None
 
 
 def _range(key: str, factor: float = 1.0) -> tuple[float, float]:
@@ -209,7 +214,7 @@ def _range(key: str, factor: float = 1.0) -> tuple[float, float]:
     return max(0.0, factor * field.low), factor * field.high
 
 
-def _stated(row: dict[str, str], column: str, unit: str, where: str, limits: tuple[float, float] = (0.0, math.inf)) -> float | None:
+def _stated(row: dict[str, str], column: str, unit: str, limits: tuple[float, float] = (0.0, math.inf)) -> float | None:
     """Return the number in an optional column, above 0 and within ``limits``; None if it is empty."""
     text = row.get(column)
     if not text:
@@ -219,10 +224,10 @@ def _stated(row: dict[str, str], column: str, unit: str, where: str, limits: tup
     except ValueError:
         value = math.nan
     if not (math.isfinite(value) and value > 0.0):
-        raise Refusal(f"{where}: {column} = {text} is not a number above 0: give it in {unit}, or leave it empty")
+        raise Refusal(f"{column} = {text} is not a number above 0: give it in {unit}, or leave it empty")
     low, high = limits
     if not low <= value <= high:
-        raise Refusal(f"{where}: {column} = {text} is outside {low:g} .. {high:g} {unit}: give it in {unit}, or leave it empty")
+        raise Refusal(f"{column} = {text} is outside {low:g} .. {high:g} {unit}: give it in {unit}, or leave it empty")
     return value
 
 
