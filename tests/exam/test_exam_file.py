@@ -276,6 +276,7 @@ def test_what_has_no_effect_on_a_healthy_bearing_is_refused() -> None:
 
 
 INNER = {"faults.inner_1.width": 0.002}
+SPALL_UNTIL_ONSET = {"set": SPALL["fault"], "timeline": [{"at": 0.02, "set": {"faults.outer_1.width": 0.0}}]}
 
 
 @pytest.mark.parametrize(
@@ -285,6 +286,7 @@ INNER = {"faults.inner_1.width": 0.002}
         ({"verdict": "outer_ring", "fault": {**SPALL["fault"], **INNER}}, "compound"),
         ({"verdict": "outer_ring", "set": INNER, "onset": 0.1}, "inner_ring"),
         ({"verdict": "outer_ring", "set": INNER, "fault": SPALL["fault"]}, "inner_ring and then compound"),
+        ({"verdict": "outer_ring", **SPALL_UNTIL_ONSET, "fault": INNER}, "inner_ring"),
         ({"verdict": "outer_ring", "fault": {"operating.load": 9e4}}, "healthy"),
         ({"verdict": "overheating", "fault": INNER}, "inner_ring"),
         ({"verdict": "sensor", "fault": INNER}, "inner_ring"),
