@@ -38,8 +38,12 @@ CHANNEL = struct.Struct("<H")
 """The first of them, the channel."""
 CHUNK_START = struct.Struct("<QQQ")
 """First and last time in a chunk and its position in the file, at the beginning of the chunk index."""
-FOOTER = HEAD.size + 20
+FOOTER_FIELDS = struct.Struct("<QQI")
+"""Positions of the summary and of its offsets, and the checksum of all of the summary before the checksum; 0 for none."""
+FOOTER = HEAD.size + FOOTER_FIELDS.size
 """Size of the footer [bytes]; the magic bytes follow it."""
+CHECKSUM = 4
+"""Size of the checksum in the footer [bytes]."""
 KINDS: dict[int, Any] = {
     Opcode.HEADER: Header,
     Opcode.FOOTER: Footer,
@@ -257,9 +261,16 @@ def decompressed(chunk: Chunk) -> bytes:
 
 
 def has_summary(path: Path) -> bool:
-    """Return whether a file ends with a summary, which most other readers need."""
+    """Return whether a file ends with a summary, which most other readers need, and which was not changed if it states its checksum."""
     with path.open("rb") as stream:
-        return bool(_summary(stream, path.stat().st_size)[0])
+        size = path.stat().st_size
+        if not _summary(stream, size)[0]:
+            return False
+        stream.seek(size - len(MAGIC) - FOOTER)
+        footer = stream.read(FOOTER)
+        begin, _, stated = FOOTER_FIELDS.unpack_from(footer, HEAD.size)
+        stream.seek(begin)
+        return stated in (0, zlib.crc32(stream.read(size - len(MAGIC) - CHECKSUM - begin)))
 
 
 def _summary(stream: BinaryIO, size: int) -> tuple[list[Any], list[int]]:
