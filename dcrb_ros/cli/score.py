@@ -186,7 +186,7 @@ def _check_effect(context: typer.Context, measured: Path | None, node: str | Non
 
 
 def _is_recording(path: Path) -> bool:
-    """Return whether a path is read as a recording or a box in one; a missing one, or a folder of an exam's name without any, is an exam."""
+    """Return whether a path is that of a recording or of a box in one; a missing one, or an exam's name as a folder without any, is not."""
     if path.is_dir():
         from dcrb_ros.settings.shipped import shipped
 

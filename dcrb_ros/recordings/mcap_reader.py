@@ -261,20 +261,13 @@ def decompressed(chunk: Chunk) -> bytes:
 
 
 def has_summary(path: Path) -> bool:
-    """Return whether a file ends with a summary, which most other readers need, and which was not changed if it states its checksum."""
+    """Return whether a file ends with an intact summary, which most other readers need."""
     with path.open("rb") as stream:
-        size = path.stat().st_size
-        if not _summary(stream, size)[0]:
-            return False
-        stream.seek(size - len(MAGIC) - FOOTER)
-        footer = stream.read(FOOTER)
-        begin, _, stated = FOOTER_FIELDS.unpack_from(footer, HEAD.size)
-        stream.seek(begin)
-        return stated in (0, zlib.crc32(stream.read(size - len(MAGIC) - CHECKSUM - begin)))
+        return bool(_summary(stream, path.stat().st_size)[0])
 
 
 def _summary(stream: BinaryIO, size: int) -> tuple[list[Any], list[int]]:
-    """Return schemas and channels from the summary of a file, and the positions of its chunks; nothing if the summary is missing.
+    """Return schemas and channels from the summary of a file, and the positions of its chunks; nothing if it is missing or was changed.
 
     Schemas and channels are also in the chunks, but those may be damaged.
     """
@@ -284,13 +277,16 @@ def _summary(stream: BinaryIO, size: int) -> tuple[list[Any], list[int]]:
     tail = stream.read(FOOTER + len(MAGIC))
     if len(tail) < FOOTER + len(MAGIC) or not tail.endswith(MAGIC) or tail[0] != Opcode.FOOTER:
         return known, starts
-    begin = int(struct.unpack_from("<Q", tail, HEAD.size)[0])
+    begin, _, checksum = FOOTER_FIELDS.unpack_from(tail, HEAD.size)
     end = size - len(tail)
     if not len(MAGIC) < begin < end or end - begin > MAX_RECORD:
         return known, starts
     stream.seek(begin)
-    with suppress(Exception):  # what follows damage in a summary counts as missing
-        for opcode, _, payload in _records(stream.read(end - begin)):
+    summary = stream.read(end - begin)
+    if checksum not in (0, zlib.crc32(summary + tail[: FOOTER - CHECKSUM])):
+        return known, starts
+    with suppress(Exception):  # what follows damage in a summary without a checksum counts as missing
+        for opcode, _, payload in _records(summary):
             if opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
                 known.append(parsed(opcode, bytes(payload)))
             elif opcode == Opcode.CHUNK_INDEX:
