@@ -500,6 +500,18 @@ def test_a_box_whose_record_is_lost_is_missed(run: Path, tmp_path: Path, capsys:
         assert "is damaged: it does not describe the box axle_2.right of its vehicle" in capsys.readouterr().err
 
 
+def test_a_changed_record_of_a_box_is_named(run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    changed = tmp_path / "changed"
+    shutil.copytree(run, changed)
+    (file,) = changed.glob("*.mcap")
+    whole = file.read_bytes()
+    assert b'"frame": "axle_2/right/outer_ring"' in whole
+    file.write_bytes(whole.replace(b'"frame": "axle_2/right/outer_ring"', b'"frame": "axle_2/right/outer_rung"'))
+    for command in (("simulate", "--from", str(changed)), ("detect", str(changed)), ("info", str(changed / "axle_2.right"))):
+        assert dcrb(*command) == 2
+        assert f"{changed / 'axle_2.right'} cannot be read: {file.name}: the record dcrb_ros/axle_2.right" in capsys.readouterr().err
+
+
 def test_a_box_that_is_a_path_out_of_the_recording_is_refused(run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     changed = tmp_path / "changed"
     shutil.copytree(run, changed)
