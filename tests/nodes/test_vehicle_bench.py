@@ -266,7 +266,7 @@ def test_the_status_line_calls_no_part_without_a_verdict_healthy(vehicle: Path, 
     statuses = [Status(name, OK, verdict, {}) for name, verdict in zip(("bearing", "wheel"), verdicts, strict=True)]
     topics[FEATURES.below(BOXES[0])](encode_joints(0, ("rms",), np.array([3.0]), np.zeros(0), np.zeros(0)))
     topics[VEHICLE_DIAGNOSIS](encode_diagnostics(0, statuses))
-    assert observer.line().endswith(line)
+    assert observer.line().endswith(f"rms 3 - - - m/s^2  |  {line}")
 
 
 FAILING = """

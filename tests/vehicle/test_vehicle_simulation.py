@@ -311,6 +311,20 @@ def test_the_others_go_on_where_the_file_asks_for_it(swapped: dict[str, str], le
     assert blocks[-1].truth.silent == ("axle_2.left",)
 
 
+def test_simulate_names_the_boxes_that_failed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    original = Simulation.step_to
+
+    def step_to(self: Simulation, end: int) -> Any:
+        if end > 6000 and self.configuration.publishing.frame == "axle_2/left/outer_ring":
+            raise ModelFailure("the model failed on purpose")
+        return original(self, end)
+
+    monkeypatch.setattr(Simulation, "step_to", step_to)
+    changes = ("--set", "vehicle.bench=dry", "--set", "vehicle.on_failure=continue")
+    assert dcrb("simulate", "--vehicle", "healthy_bogie", *changes, "-o", str(tmp_path / "run"), "--duration", "0.1", "--quiet") == 0
+    assert "dcrb: axle_2.left: the model failed on purpose; this box is silent from then on" in capsys.readouterr().err
+
+
 def test_a_run_in_which_every_channel_is_silent_ends_with_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
     pair = {"axle_1.left.sensor.swapped_with": "axle_1.right", "axle_1.right": {}, "vehicle.on_failure": "continue"}
     simulation = VehicleSimulation(vehicle_of({**DRY, **pair}, "pair"))
