@@ -256,7 +256,9 @@ class VehicleSimulatorNode(SimulatingNode):
             raise Refusal(f"parameters: unknown parameter '{key}'{nearest_key(key, self._fields.keys() | known)}")
         if box is not None and (owner := made_by_vehicle(key.removeprefix(f"{box}."))):
             topics = ", ".join(topic.name for topic in VEHICLE_COMMANDS.values())
-            raise Refusal(f"parameters: {key} follows from {owner}: publish on {topics}, or set {box}.wheel")
+            moving = key.startswith(f"{box}.operating.")
+            remedy = f"publish on {topics}" if moving else f"set {box}.wheel, or give track and gear at the start"
+            raise Refusal(f"parameters: {key} follows from {owner}: {remedy}")
         raise not_while_running(key, "give it at the start")
 
     def _of_vehicle(self) -> set[str]:

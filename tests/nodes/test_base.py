@@ -166,8 +166,9 @@ def test_the_background_that_a_box_has_of_its_own_can_be_set(vehicle: VehicleSim
     assert answer(vehicle, axle_1__left__background__hum_level=2.0, axle_1__right__background__impact_rate=3.0) == (True, "")
     assert vehicle.get_parameter("axle_1.left.background.hum_level").value == 2.0
     assert vehicle._source.simulation.simulations["axle_1.left"].has_pending
-    assert answer(vehicle, axle_1__left__background__flat_level=2.0)[1].startswith(
-        "parameters: axle_1.left.background.flat_level follows from the vehicle"
+    assert answer(vehicle, axle_1__left__background__flat_level=2.0)[1] == (
+        "parameters: axle_1.left.background.flat_level follows from the vehicle's wheels, track and gear: "
+        "set axle_1.left.wheel, or give track and gear at the start"
     )
 
 
