@@ -186,9 +186,11 @@ def _check_effect(context: typer.Context, measured: Path | None, node: str | Non
 
 
 def _is_recording(path: Path) -> bool:
-    """Return whether a path is read as a recording; one that does not exist, or a folder of an exam's name without any, is an exam."""
+    """Return whether a path is that of a recording or of a box in one; a missing one, or an exam's name as a folder without any, is not."""
     if path.is_dir():
         from dcrb_ros.settings.shipped import shipped
 
         return str(path) not in shipped("exam") or any(path.glob("*.mcap"))
-    return path.suffix == ".mcap" or (path.is_file() and path.suffix not in (".yaml", ".yml"))
+    from dcrb_ros.recordings.vehicle_folder import box_of
+
+    return bool(box_of(path)[1]) or path.suffix == ".mcap" or (path.is_file() and path.suffix not in (".yaml", ".yml"))

@@ -177,6 +177,8 @@ def simulate_vehicle(
     refuse_late(tree, seconds, f"the scenario {scenario}", "increase --duration or leave out --scenario")
     with replacing("-o", path, force=force), VehicleRecorder(path, parameters, simulation) as recorder:
         progress = _run(path.name, simulation.blocks(seconds), seconds, recorder.write, quiet=quiet, partial=True)
+    for failure in simulation.silent.values():
+        typer.echo(f"dcrb: {failure}; this box is silent from then on, the others go on (vehicle.on_failure = continue)", err=True)
     _print_written(path, progress, recorder.outcome.boxes, quiet=quiet, as_json=as_json)
 
 

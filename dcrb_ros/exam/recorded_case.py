@@ -18,7 +18,7 @@ from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH
 from dcrb_ros.recordings.foreign_files import refuse_foreign
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.storage import valid_files
-from dcrb_ros.recordings.vehicle_folder import vehicle_boxes
+from dcrb_ros.recordings.vehicle_folder import box_of, vehicle_boxes
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.parameters import rpm
 from dcrb_ros.stream.block import Truth
@@ -44,13 +44,12 @@ def read_recorded_case(path: Path, *, name: str = "") -> RecordedCase:
         Refusal: there is no recording, it has no ground truth or a file of another recording, or no single verdict describes it.
     """
     truths, diagnoses = [], []
-    files, damage = valid_files(path)
-    refuse_foreign(path, files)
-    if vehicle_boxes(path):
-        raise Refusal(
-            f"{path} is the recording of a vehicle, which cannot be scored: "
-            "dcrb detect diagnoses it, and dcrb score bogie evaluates such a detector"
-        )
+    whole, box = box_of(path)
+    files, damage = valid_files(whole)
+    refuse_foreign(whole, files)
+    if vehicle_boxes(whole):
+        what = "a box in the recording of a vehicle" if box else "the recording of a vehicle"
+        raise Refusal(f"{path} is {what}, which cannot be scored: dcrb detect diagnoses it, and dcrb score bogie evaluates such a detector")
     for file in files:
         for stored in file.messages(damage):
             topic, data = stored.channel.topic, stored.message.data

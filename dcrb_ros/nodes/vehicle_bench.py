@@ -86,7 +86,8 @@ class VehicleObserver(Observer):
         parts = [f"{self.features.stamp_ns * 1e-9:6.2f} s simulated", *self.pace()]
         if self.bench is not None and self.bench.level != OK:
             parts.append(self.bench.message)
-        parts.append("rms " + " ".join(f"{self._rms.get(box, 0.0):.0f}" for box in self._boxes) + " m/s^2")
+        levels = (f"{self._rms[box]:.0f}" if box in self._rms else "-" for box in self._boxes)
+        parts.append(f"rms {' '.join(levels)} m/s^2")
         if self.statuses:
             messages = {status.message for status in self.statuses}
             found = ", ".join(f"{status.name} {status.message}" for status in self.findings)

@@ -41,6 +41,7 @@ from dcrb_ros.vehicle.file import (
     GROUPS,
     MOST_SLIDING,
     PLACES,
+    SWAPPED,
     layered,
     made_by_vehicle,
     read_parameters,
@@ -250,19 +251,22 @@ class VehicleSimulatorNode(SimulatingNode):
         if group == "vehicle" and name in VEHICLE_COMMANDS:
             raise changed_by_topic(key, VEHICLE_COMMANDS[name].name)
         box = next((box.name for box in self._vehicle.boxes if key.startswith(f"{box.name}.")), None)
-        if not self._is_known(key) if box is None else key.removeprefix(f"{box}.") not in fields_by_key():
-            raise Refusal(f"parameters: unknown parameter '{key}'{nearest_key(key, self._fields)}")
-        if box is not None and made_by_vehicle(key.removeprefix(f"{box}.")):
+        known = self._of_vehicle() if box is None else {f"{box}.{name}" for name in (*fields_by_key(), "bench", SWAPPED)}
+        if key not in known:
+            raise Refusal(f"parameters: unknown parameter '{key}'{nearest_key(key, self._fields.keys() | known)}")
+        if box is not None and (owner := made_by_vehicle(key.removeprefix(f"{box}."))):
             topics = ", ".join(topic.name for topic in VEHICLE_COMMANDS.values())
-            raise Refusal(f"parameters: {key} follows from the vehicle: publish on {topics}")
+            moving = key.startswith(f"{box}.operating.")
+            remedy = f"publish on {topics}" if moving else f"set {box}.wheel, or give track and gear at the start"
+            raise Refusal(f"parameters: {key} follows from {owner}: {remedy}")
         raise not_while_running(key, "give it at the start")
 
-    def _is_known(self, key: str) -> bool:
-        """Return whether a parameter that belongs to no box may belong to the vehicle or to one of its wheelsets."""
-        group, _, name = key.partition(".")
-        if group in (axle.name for axle in self._vehicle.axles):
-            return name.partition(".")[0] in (*PLACES, *DRIVE)
-        return group in (*GROUPS, *COMMON)
+    def _of_vehicle(self) -> set[str]:
+        """Return the parameters of the vehicle and its wheelsets, which belong to no box."""
+        groups = dict(GROUPS) | {f"{axle.name}.{part}": model for axle in self._vehicle.axles for part, model in DRIVE.items()}
+        places = {f"{axle.name}.{place}" for axle in self._vehicle.axles for place in PLACES}
+        common = {key for key in fields_by_key() if key.partition(".")[0] in COMMON}
+        return places | common | {f"{group}.{name}" for group, model in groups.items() for name in model.model_fields}
 
     def update_parameters(self) -> None:
         """Set the node's parameters to those of the running boxes, which a reset may have changed."""

@@ -38,8 +38,12 @@ CHANNEL = struct.Struct("<H")
 """The first of them, the channel."""
 CHUNK_START = struct.Struct("<QQQ")
 """First and last time in a chunk and its position in the file, at the beginning of the chunk index."""
-FOOTER = HEAD.size + 20
+FOOTER_FIELDS = struct.Struct("<QQI")
+"""Positions of the summary and of its offsets, and the checksum of all of the summary before the checksum; 0 for none."""
+FOOTER = HEAD.size + FOOTER_FIELDS.size
 """Size of the footer [bytes]; the magic bytes follow it."""
+CHECKSUM = 4
+"""Size of the checksum in the footer [bytes]."""
 KINDS: dict[int, Any] = {
     Opcode.HEADER: Header,
     Opcode.FOOTER: Footer,
@@ -257,13 +261,13 @@ def decompressed(chunk: Chunk) -> bytes:
 
 
 def has_summary(path: Path) -> bool:
-    """Return whether a file ends with a summary, which most other readers need."""
+    """Return whether a file ends with an intact summary, which most other readers need."""
     with path.open("rb") as stream:
         return bool(_summary(stream, path.stat().st_size)[0])
 
 
 def _summary(stream: BinaryIO, size: int) -> tuple[list[Any], list[int]]:
-    """Return schemas and channels from the summary of a file, and the positions of its chunks; nothing if the summary is missing.
+    """Return schemas and channels from the summary of a file, and the positions of its chunks; nothing if it is missing or was changed.
 
     Schemas and channels are also in the chunks, but those may be damaged.
     """
@@ -273,13 +277,16 @@ def _summary(stream: BinaryIO, size: int) -> tuple[list[Any], list[int]]:
     tail = stream.read(FOOTER + len(MAGIC))
     if len(tail) < FOOTER + len(MAGIC) or not tail.endswith(MAGIC) or tail[0] != Opcode.FOOTER:
         return known, starts
-    begin = int(struct.unpack_from("<Q", tail, HEAD.size)[0])
+    begin, _, checksum = FOOTER_FIELDS.unpack_from(tail, HEAD.size)
     end = size - len(tail)
     if not len(MAGIC) < begin < end or end - begin > MAX_RECORD:
         return known, starts
     stream.seek(begin)
-    with suppress(Exception):  # what follows damage in a summary counts as missing
-        for opcode, _, payload in _records(stream.read(end - begin)):
+    summary = stream.read(end - begin)
+    if checksum not in (0, zlib.crc32(summary + tail[: FOOTER - CHECKSUM])):
+        return known, starts
+    with suppress(Exception):  # what follows damage in a summary without a checksum counts as missing
+        for opcode, _, payload in _records(summary):
             if opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
                 known.append(parsed(opcode, bytes(payload)))
             elif opcode == Opcode.CHUNK_INDEX:

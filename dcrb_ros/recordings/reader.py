@@ -408,6 +408,8 @@ class Recording:
         boxes = boxes_in(names)
         if boxes and not self.box:
             raise Refusal(f"{self.path} is the recording of a vehicle: give one of its boxes, such as {self.path / boxes[0]}")
+        if self.box in boxes:
+            raise Refusal(f"{self.path} cannot be read: {self.damage[-1]}; simulate or record the vehicle again")
         if self.box:
             known = f"its boxes are {', '.join(boxes)}" if boxes else "it is not the recording of a vehicle"
             raise Refusal(f"there is no box {self.box} in {self.path.parent}: {known}")

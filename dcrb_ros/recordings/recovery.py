@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,7 +21,7 @@ from dcrb_ros.recordings.manifest import OUTCOME, Outcome, now
 from dcrb_ros.recordings.mcap_writer import Channel, McapFile, described_channel
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.splitting import SECOND, Bag
-from dcrb_ros.recordings.storage import StoredMessage, valid_files
+from dcrb_ros.recordings.storage import StoredFile, StoredMessage, valid_files
 from dcrb_ros.recordings.vehicle_folder import VEHICLE_OUTCOME, box_of, record_name, vehicle_boxes
 from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
@@ -195,16 +195,16 @@ def recover(source: Path, target: Path) -> Recovered:
     return Recovery(source).write(target)
 
 
-def plain_files(recording: Recording, folder: Path) -> tuple[Path, ...]:
-    """Return the files of a recording that was read, or a copy of its readable messages where other readers do not take the files.
+def plain_files(files: Sequence[StoredFile], folder: Path, *, complete: bool) -> tuple[Path, ...]:
+    """Return the files of a recording that were read, or a copy of their readable messages where other readers do not take the files.
 
-    Those take complete MCAP files with a summary and with messages that are not compressed; the copy is written to ``folder``.
+    Those take ``complete`` MCAP files with a summary and with messages that are not compressed; the copy is written to ``folder``.
     """
-    if recording.complete and all(file.rereadable for file in recording.stored):
-        return tuple(recording.files)
+    if complete and all(file.rereadable for file in files):
+        return tuple(file.path for file in files)
     copy = McapFile(folder / "copy.mcap", {}, "none")
     damage: list[str] = []
-    for file in recording.stored:
+    for file in files:
         for number, stored in enumerate(file.messages(damage)):
             if stored.schema is not None:
                 message = stored.message

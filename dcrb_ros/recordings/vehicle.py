@@ -40,8 +40,9 @@ class VehicleRecording:
         if not isinstance(path, (str, os.PathLike)):
             raise Refusal(f"{path!r} is not the path of a recording: give a folder made by dcrb simulate or dcrb bench --vehicle")
         self.path = path = Path(path)
-        self._files, self._flaws = valid_files(path)
-        records = {record.name: record for file in self._files for record in file.metadata()}
+        self.stored, self._flaws = valid_files(path)
+        """The files in order."""
+        records = {record.name: record for file in self.stored for record in file.metadata()}
         names = boxes_in(records)
         if not names or VEHICLE not in records:
             raise Refusal(f"{path} is not the recording of a vehicle: give a folder made by dcrb simulate or dcrb bench --vehicle")
@@ -50,7 +51,7 @@ class VehicleRecording:
             raise Refusal(f"{path}: the record {VEHICLE} is damaged: it does not have the form that the bench writes")
         if about.get("sha256") != digest_of(about, "sha256"):
             raise Refusal(f"{path}: the parameters of the vehicle were changed: their digest does not match; simulate it again")
-        refuse_foreign(path, self._files)
+        refuse_foreign(path, self.stored)
         self.parameters: Mapping[str, Any] = about["vehicle"]
         """Parameters of the vehicle by dotted keys."""
         lost = [name for name in boxes_of(self.parameters) if name not in names]
@@ -119,7 +120,7 @@ class VehicleRecording:
             Refusal: ``topics`` are not topics, such as names.
         """
         wanted, flaws = {topic.resolved(self.namespace): topic for topic in chosen_topics(topics)}, list[str]()
-        for file in self._files:
+        for file in self.stored:
             for entry in file.messages(flaws, wanted):
                 yield Message(wanted[entry.channel.topic], entry.message.log_time, entry.message.data)
         self._flaws += [flaw for flaw in flaws if flaw not in self._flaws]

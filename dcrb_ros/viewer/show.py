@@ -57,14 +57,14 @@ def write(content: Content | VehicleContent, path: Path, *, native: tuple[Path, 
         write_vehicle_document(content, path, native=native, picture_only=picture_only)
 
 
-def save_document(recording: Recording, content: Content | VehicleContent, path: Path) -> None:
+def save_document(recording: Recording | VehicleRecording, content: Content | VehicleContent, path: Path) -> None:
     """Write the Rerun file, with the recording's other topics; an incomplete file is never left behind.
 
     Raises:
         Refusal: the file cannot be written.
     """
     with whole_file(path) as part, temporary(path.absolute().parent) as folder:
-        write(content, part, native=plain_files(recording, folder))
+        write(content, part, native=plain_files(recording.stored, folder, complete=not recording.damage))
 
 
 def take_picture(content: Content | VehicleContent, path: Path) -> None:
@@ -77,7 +77,7 @@ def take_picture(content: Content | VehicleContent, path: Path) -> None:
         save_screenshot(document, path, at_ns=screenshot_time(content))
 
 
-def show(recording: Recording, content: Content | VehicleContent, *, web: bool = False) -> int:
+def show(recording: Recording | VehicleRecording, content: Content | VehicleContent, *, web: bool = False) -> int:
     """Open the viewer with the recording; return its exit status after it is closed."""
     from dcrb_ros.viewer.window import open_window
 
@@ -121,19 +121,19 @@ def view_recording(
         if path is not None:
             checked_output(path, suffix=suffix, option=option, force=force)
     content: Content | VehicleContent
-    whole: Recording | VehicleRecording
+    recording: Recording | VehicleRecording
     if vehicle_boxes(bag):
         from dcrb_ros.recordings.vehicle import VehicleRecording
         from dcrb_ros.viewer.vehicle_content import read_vehicle_content
 
-        whole = VehicleRecording(bag)
-        content, recording = read_vehicle_content(whole), next(iter(whole.boxes.values()))
+        recording = VehicleRecording(bag)
+        content = read_vehicle_content(recording)
     else:
-        whole = recording = Recording(bag)
+        recording = Recording(bag)
         content = read_content(recording)
     if save is not None:
         save_document(recording, content, save)
     if screenshot is not None:
         take_picture(content, screenshot)
     status = show(recording, content, web=web) if save is None and screenshot is None else 0
-    return content, not whole.damage, status
+    return content, not recording.damage, status

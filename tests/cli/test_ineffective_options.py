@@ -77,6 +77,7 @@ LIST, RECORDED, VEHICLE = ("score", "smoke", "--list"), ("score", "bag"), ("dete
         *((LIST, option, f"{option[0]} does not apply to --list") for option in (("--entry", "new.json"), ("--workers", "1"))),
         *((RECORDED, option, "the diagnoses in the recordings are scored") for option in (("--name", "x"), ("--workers", "1"))),
         (("score", "run"), ("--reference",), "is the recording of a vehicle, which cannot be scored"),
+        (("score", "run/axle_1.left"), ("--reference",), "is a box in the recording of a vehicle, which cannot be scored"),
         (("score", "smoke", "--only", "a"), ("--only", "b"), "--only is given more than once"),
         (("simulate", "-o", "new1"), ("--output", "new2"), "--output is given more than once"),
         (("simulate", "dry", "-o", "new", "--set", "operating.speed=100"), ("--set", "operating.speed=50"), "once, as 100 and 50"),

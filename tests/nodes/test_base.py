@@ -166,16 +166,35 @@ def test_the_background_that_a_box_has_of_its_own_can_be_set(vehicle: VehicleSim
     assert answer(vehicle, axle_1__left__background__hum_level=2.0, axle_1__right__background__impact_rate=3.0) == (True, "")
     assert vehicle.get_parameter("axle_1.left.background.hum_level").value == 2.0
     assert vehicle._source.simulation.simulations["axle_1.left"].has_pending
-    assert answer(vehicle, axle_1__left__background__flat_level=2.0)[1].startswith(
-        "parameters: axle_1.left.background.flat_level follows from the vehicle"
+    assert answer(vehicle, axle_1__left__background__flat_level=2.0)[1] == (
+        "parameters: axle_1.left.background.flat_level follows from the vehicle's wheels, track and gear: "
+        "set axle_1.left.wheel, or give track and gear at the start"
     )
 
 
-@pytest.mark.parametrize("key", ["axle_3.left.wheel.flat", "axle_2.slide", "axle_1.middle.wheel.flat", "axle_1.raduis", "trak.roughness"])
+@pytest.mark.parametrize(
+    "key",
+    [
+        *("axle_3.left.wheel.flat", "axle_2.slide", "axle_1.middle.wheel.flat", "axle_1.raduis", "axle_1.gear.teet", "axle_1.left.bnch"),
+        *("trak.roughness", "track.roughnes", "vehicle.sped", "publishing.blok", "time_scale.a"),
+    ],
+)
 def test_a_parameter_that_no_vehicle_has_is_called_unknown(vehicle: VehicleSimulatorNode, key: str) -> None:
     result = vehicle.set_parameters_atomically([Parameter(key, value=0.01)])
     assert not result.successful
     assert result.reason.startswith(f"parameters: unknown parameter '{key}'")
+
+
+@pytest.mark.parametrize(
+    "key",
+    [
+        *("vehicle.ramp", "track.roughness", "axle_1.x", "axle_1.gear.teeth", "publishing.block_size", "recording.path"),
+        *("axle_1.left.bench", "axle_1.left.sensor.swapped_with", "axle_1.left.simulation.seed"),
+    ],
+)
+def test_a_parameter_of_the_start_is_refused_as_such(vehicle: VehicleSimulatorNode, key: str) -> None:
+    result = vehicle.set_parameters_atomically([Parameter(key, value=0.01)])
+    assert (result.successful, result.reason) == (False, f"parameters: {key} cannot be set while the node runs: give it at the start")
 
 
 def test_a_vehicle_names_a_parameter_of_a_wrong_type_once(vehicle: VehicleSimulatorNode) -> None:

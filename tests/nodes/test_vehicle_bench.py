@@ -184,7 +184,7 @@ def test_parameters_change_boxes_wheels_and_slides_or_are_refused_with_a_reason(
             ({"axle_1__left__faults__outer_1__width": "wide"}, "axle_1.left.faults.outer_1.width"),
             ({"axle_1__left__bearing__rows": 1}, "cannot be set while the node runs"),
             ({"axle_1__left__wheel__flt": 0.1}, "unknown parameter 'axle_1.left.wheel.flt'; did you mean 'axle_1.left.wheel.flat'?"),
-            ({"axle_1__left__operating__speed": 50.0}, "follows from the vehicle: publish on vehicle/command/speed_kmh"),
+            ({"axle_1__left__operating__speed": 50.0}, "speed, weight and track: publish on vehicle/command/speed_kmh"),
             ({"vehicle__speed_kmh": 50.0}, "changes by the topic vehicle/command/speed_kmh"),
             ({"axle_2__slide": 0.9}, "axle_2.slide = 0.9 is outside 0 .. 0.2"),
             ({"axle_2__left__faults__inner_1__width": 0.001, "axle_1__left__faults__outer_1__width": 5.0}, "faults.outer_1.width"),
@@ -266,7 +266,7 @@ def test_the_status_line_calls_no_part_without_a_verdict_healthy(vehicle: Path, 
     statuses = [Status(name, OK, verdict, {}) for name, verdict in zip(("bearing", "wheel"), verdicts, strict=True)]
     topics[FEATURES.below(BOXES[0])](encode_joints(0, ("rms",), np.array([3.0]), np.zeros(0), np.zeros(0)))
     topics[VEHICLE_DIAGNOSIS](encode_diagnostics(0, statuses))
-    assert observer.line().endswith(line)
+    assert observer.line().endswith(f"rms 3 - - - m/s^2  |  {line}")
 
 
 FAILING = """

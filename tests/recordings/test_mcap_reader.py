@@ -15,7 +15,7 @@ from mcap.writer import Writer
 
 from dcrb_ros.messages.topics import FEATURES, NAMESPACE, VIBRATION
 from dcrb_ros.recordings import mcap_reader
-from dcrb_ros.recordings.mcap_reader import MAGIC, MAX_DAMAGE, McapRecords
+from dcrb_ros.recordings.mcap_reader import MAGIC, MAX_DAMAGE, McapRecords, has_summary
 from dcrb_ros.recordings.mcap_writer import McapFile
 from dcrb_ros.recordings.recorder import channel_of
 
@@ -269,6 +269,28 @@ def test_a_summary_without_the_magic_after_it_is_not_used(end: bytes, four: tupl
     path.write_bytes(whole[:-1] + end)
     assert in_summary(path) == 0
     assert len(data_of(list(McapRecords(path)))) == 8
+
+
+def test_a_changed_summary_is_none_for_other_readers(four: tuple[Path, list[int]]) -> None:
+    path, _ = four
+    whole = path.read_bytes()
+    assert has_summary(path)
+    (begin,) = struct.unpack_from("<Q", whole, len(whole) - len(MAGIC) - 20)
+    for place in (begin + 40, len(whole) - len(MAGIC) - 8, len(whole) - len(MAGIC) - 1):
+        path.write_bytes(whole[:place] + bytes([whole[place] ^ 0xFF]) + whole[place + 1 :])
+        assert not has_summary(path)
+    path.write_bytes(whole[: -len(MAGIC) - 4] + bytes(4) + MAGIC)  # of a writer without checksums
+    assert has_summary(path)
+
+
+def test_a_channel_that_was_changed_in_the_summary_is_read_from_its_chunk(four: tuple[Path, list[int]]) -> None:
+    path, _ = four
+    whole, topic = path.read_bytes(), VIBRATION.resolved(NAMESPACE)
+    place = whole.rindex(topic.encode())
+    path.write_bytes(whole[:place] + b"\xae" + whole[place + 1 :])
+    records = McapRecords(path, topics={topic})
+    assert data_of(list(records)) == [b"0", b"1", b"2", b"3"]
+    assert records.damage == []
 
 
 @pytest.mark.parametrize("begin", [0, 7, 1 << 40], ids=["none", "in the magic", "beyond the end"])

@@ -311,6 +311,20 @@ def test_the_others_go_on_where_the_file_asks_for_it(swapped: dict[str, str], le
     assert blocks[-1].truth.silent == ("axle_2.left",)
 
 
+def test_simulate_names_the_boxes_that_failed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    original = Simulation.step_to
+
+    def step_to(self: Simulation, end: int) -> Any:
+        if end > 6000 and self.configuration.publishing.frame == "axle_2/left/outer_ring":
+            raise ModelFailure("the model failed on purpose")
+        return original(self, end)
+
+    monkeypatch.setattr(Simulation, "step_to", step_to)
+    changes = ("--set", "vehicle.bench=dry", "--set", "vehicle.on_failure=continue")
+    assert dcrb("simulate", "--vehicle", "healthy_bogie", *changes, "-o", str(tmp_path / "run"), "--duration", "0.1", "--quiet") == 0
+    assert "dcrb: axle_2.left: the model failed on purpose; this box is silent from then on" in capsys.readouterr().err
+
+
 def test_a_run_in_which_every_channel_is_silent_ends_with_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
     pair = {"axle_1.left.sensor.swapped_with": "axle_1.right", "axle_1.right": {}, "vehicle.on_failure": "continue"}
     simulation = VehicleSimulation(vehicle_of({**DRY, **pair}, "pair"))
@@ -498,6 +512,18 @@ def test_a_box_whose_record_is_lost_is_missed(run: Path, tmp_path: Path, capsys:
     for command in (("simulate", "--from"), ("detect",), ("info",)):
         assert dcrb(*command, str(damaged)) == 2
         assert "is damaged: it does not describe the box axle_2.right of its vehicle" in capsys.readouterr().err
+
+
+def test_a_changed_record_of_a_box_is_named(run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    changed = tmp_path / "changed"
+    shutil.copytree(run, changed)
+    (file,) = changed.glob("*.mcap")
+    whole = file.read_bytes()
+    assert b'"frame": "axle_2/right/outer_ring"' in whole
+    file.write_bytes(whole.replace(b'"frame": "axle_2/right/outer_ring"', b'"frame": "axle_2/right/outer_rung"'))
+    for command in (("simulate", "--from", str(changed)), ("detect", str(changed)), ("info", str(changed / "axle_2.right"))):
+        assert dcrb(*command) == 2
+        assert f"{changed / 'axle_2.right'} cannot be read: {file.name}: the record dcrb_ros/axle_2.right" in capsys.readouterr().err
 
 
 def test_a_box_that_is_a_path_out_of_the_recording_is_refused(run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -21,12 +21,15 @@ from dcrb_ros.messages.statuses import ERROR, OK, WARN, Status, encode_diagnosti
 from dcrb_ros.messages.topics import ENVELOPE_SPECTRUM, FEATURES, VIBRATION
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DIAGNOSIS, VEHICLE_TRUTH
 from dcrb_ros.messages.vehicle import encode_vehicle_truth
+from dcrb_ros.recordings.storage import StoredFile
+from dcrb_ros.recordings.vehicle_recorder import VehicleRecorder
 from dcrb_ros.stream.block import Block
 from dcrb_ros.vehicle.block import VehicleTruth
 from dcrb_ros.vehicle.description import described
-from dcrb_ros.vehicle.file import read_vehicle
+from dcrb_ros.vehicle.file import read_parameters, read_vehicle, vehicle_of
 from dcrb_ros.vehicle.frame import TrackEvent
-from dcrb_ros.viewer import palette
+from dcrb_ros.vehicle.simulation import VehicleSimulation
+from dcrb_ros.viewer import palette, show
 from dcrb_ros.viewer.content import Series, TimedWaveform
 from dcrb_ros.viewer.plan_view import DOUBTFUL, HEALTHY, WAITING, colour_of, text_of, worst
 from dcrb_ros.viewer.vehicle_content import VehicleContent, Verdicts, diagnoses_of, events_in, lead_times
@@ -172,6 +175,29 @@ def test_a_document_shows_every_box_and_the_picture_an_event(tmp_path: Path) -> 
     assert count["/plan/axle_1/right/event"] == 51
     assert count["/plan/axle_1/left/event"] == 0
     assert count["/events"] == 50
+
+
+def test_rerun_is_given_the_readable_messages_of_a_damaged_recording(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its own reader does not return from a file with a damaged chunk."""
+    bag, parameters = tmp_path / "run", read_parameters("healthy_bogie", {"vehicle.bench": "dry"})
+    simulation = VehicleSimulation(vehicle_of(parameters, "test"))
+    with VehicleRecorder(bag, parameters, simulation) as recorder:
+        for block in simulation.blocks(0.2):
+            recorder.write(block)
+    (file,) = bag.glob("*.mcap")
+    content = bytearray(file.read_bytes())
+    content[len(content) // 2] ^= 0xFF
+    file.write_bytes(content)
+    damage: list[str] = []
+    topics: set[str] = set()
+
+    def write(content: VehicleContent, path: Path, *, native: tuple[Path, ...]) -> None:
+        topics.update(stored.channel.topic for copy in native for stored in StoredFile(copy).messages(damage))
+
+    monkeypatch.setattr(show, "write", write)
+    assert not show.view_recording(bag, save=tmp_path / "run.rrd", screenshot=None, web=False)[1]
+    assert damage == []
+    assert {f"/dcrb/{box}/outer_ring/vibration" for box in BOXES} < topics
 
 
 def test_a_running_vehicle_is_shown_and_a_reset_begins_a_new_recording(tmp_path: Path) -> None:
