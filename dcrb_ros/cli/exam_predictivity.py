@@ -101,7 +101,7 @@ def predictivity(
         members, broken = families_of(detectors, folder) if detectors is not None else ([], [])
         announce_compilation(quiet=quiet)
         comparison = compare_with_field(
-            given, exam, [*shipped_members(), *members], broken, folder, Limits(), count, partial(progress_of, quiet=quiet)
+            given, exam, [*shipped_members(), *members], broken, folder, Limits(options=False), count, partial(progress_of, quiet=quiet)
         )
     _print(comparison, as_json)  # first, so that no result is lost if a file cannot be written
     if output is not None:
