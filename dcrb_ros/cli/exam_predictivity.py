@@ -70,6 +70,7 @@ def predictivity(
     figure: Annotated[Path | None, typer.Option(help="Also draw exam over field to this file (.png, .svg or .pdf).")] = None,
     output: Annotated[Path | None, typer.Option("--output", "-o", help="Also write the tables as Markdown to this file.")] = None,
     quiet: Quiet = False,
+    force: Force = False,
 ) -> None:
     """Compare the marks of detectors on simulated counterparts with those on measured recordings.
 
@@ -87,7 +88,7 @@ def predictivity(
     from dcrb_ros.exam.recording_cache import checked_folder, default_folder
     from dcrb_ros.exam.replica import ReplicaPlan, replica_tree
 
-    check_outputs(("--output", output, ()), ("--figure", figure, PICTURES))
+    check_outputs(("--output", output, ()), ("--figure", figure, PICTURES), force=force)
     count, given = worker_count(workers), _checked(table)
     exam = exam_of(replica_tree(given, ReplicaPlan()), f"the replica of {table}") if replica is None else read_exam(replica)
     origin_of(exam, given)
