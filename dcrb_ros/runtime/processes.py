@@ -54,9 +54,9 @@ def in_processes(calls: Mapping[Key, Callable[[], Value]], workers: int) -> Iter
     """
     # Spawned, because a process forked from one with threads may deadlock.
     with ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"), initializer=_prepare_worker) as pool:
-        with worker_signals_blocked():
-            jobs: dict[Future[Value], Key] = {pool.submit(call): key for key, call in calls.items()}
         try:
+            with worker_signals_blocked():  # a signal takes effect at its end
+                jobs: dict[Future[Value], Key] = {pool.submit(call): key for key, call in calls.items()}
             for job in as_completed(jobs):
                 # Results may be large and many: drop each one after it has been yielded.
                 yield jobs.pop(job), job.result()
