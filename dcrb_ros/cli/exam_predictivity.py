@@ -37,11 +37,13 @@ def replica(
 
     Example: dcrb exam replica measured/recordings.csv -o replica.yaml
     """
+    from dcrb_ros.cli.first_start import announce_compilation
     from dcrb_ros.exam.replica import ReplicaPlan, replica_tree
     from dcrb_ros.text.yaml import yaml_text
 
     check_file("--output", output, (".yaml", ".yml"), force=force)
     check_speed(speed)
+    announce_compilation()
     plan = ReplicaPlan(seed, machines, counterparts, longest, bench, tuple(without or ()))
     tree = replica_tree(_checked(table), plan, speed)
     write_whole(output, yaml_text(tree))
@@ -90,6 +92,7 @@ def predictivity(
 
     check_outputs(("--output", output, ()), ("--figure", figure, PICTURES), force=force)
     count, given = worker_count(workers), _checked(table)
+    announce_compilation(quiet=quiet)
     exam = exam_of(replica_tree(given, ReplicaPlan()), f"the replica of {table}") if replica is None else read_exam(replica)
     origin_of(exam, given)
     if entries is not None and measured is not None:
@@ -100,7 +103,6 @@ def predictivity(
     else:
         folder = checked_folder(recordings or default_folder())
         members, broken = families_of(detectors, folder) if detectors is not None else ([], [])
-        announce_compilation(quiet=quiet)
         comparison = compare_with_field(
             given, exam, [*shipped_members(), *members], broken, folder, Limits(options=False), count, partial(progress_of, quiet=quiet)
         )
