@@ -101,11 +101,18 @@ def predictivity(
     elif entries is not None or measured is not None:
         raise Refusal("--entries and --measured belong together: give the folders with the entries of both sides")
     else:
-        folder = checked_folder(recordings or default_folder())
-        members, broken = families_of(detectors, folder) if detectors is not None else ([], [])
-        comparison = compare_with_field(
-            given, exam, [*shipped_members(), *members], broken, folder, Limits(options=False), count, partial(progress_of, quiet=quiet)
-        )
+        with checked_folder(recordings or default_folder()) as folder:
+            members, broken = families_of(detectors, folder) if detectors is not None else ([], [])
+            comparison = compare_with_field(
+                given,
+                exam,
+                [*shipped_members(), *members],
+                broken,
+                folder,
+                Limits(options=False),
+                count,
+                partial(progress_of, quiet=quiet),
+            )
     _print(comparison, as_json)  # first, so that no result is lost if a file cannot be written
     if output is not None:
         write_whole(output, markdown(comparison))

@@ -39,7 +39,7 @@ if __name__ == "__main__":
     threading.Event().wait(1000.0)
 """
 STOPPED_POOL = """
-import os, signal, sys, time
+import multiprocessing, os, signal, sys, time
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from dcrb_ros.runtime.processes import in_processes
@@ -54,7 +54,7 @@ if __name__ == "__main__":
     try:
         next(in_processes({number: partial(time.sleep, 1000.0) for number in range(2)}, 2))
     except KeyboardInterrupt:
-        sys.exit(7)
+        sys.exit(1 if multiprocessing.active_children() else 7)
 """
 
 
