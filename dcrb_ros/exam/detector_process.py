@@ -155,7 +155,10 @@ def _answer(detector: Running, block: DetectorBlock | VehiclePiece) -> bytes:
         return VERDICT + output.encode()
     from dcrb_ros.messages.topics.diagnosis import encode_diagnosis  # a second, which most detectors do not need
 
-    return MESSAGE + encode_diagnosis(output)
+    try:
+        return MESSAGE + encode_diagnosis(output)
+    except Exception as error:
+        raise RuntimeError(f"update returned a diagnosis with an invalid value: {error}") from error
 
 
 def _threads_left(before: set[threading.Thread]) -> bytes:

@@ -88,6 +88,11 @@ class Wrong(Well):
     def misbehave(self):
         raise ValueError("\\x1b[2Jwrong")
 
+class Invalid(Well):
+    def update(self, index, acceleration, shaft_angle):
+        from dcrb_ros import Diagnosis
+        return super().update(index, acceleration, shaft_angle) if self.blocks < 2 else Diagnosis(index, "now", "healthy", "block 3")
+
 class Wordy(Well):
     def misbehave(self):
         raise ValueError("word " * (20 << 20))
@@ -160,6 +165,7 @@ def only_processes_of_this_test(monkeypatch: pytest.MonkeyPatch) -> Iterator[Non
         ("Loud", "it printed more than 16 MiB at 0.04 s"),
         ("Large", "update failed at sample 2048: MemoryError; it may use 1024 MiB (--memory-limit)"),
         ("Wrong", "update failed at sample 2048: ValueError: \\x1b[2Jwrong"),
+        ("Invalid", "update returned a diagnosis with an invalid value: "),
         ("Wordy", "update failed at sample 2048: ValueError: word word"),
         ("Made", "its class failed: SystemExit: not made"),
         ("Closing", "at 0.04 s of the signal"),
@@ -174,7 +180,7 @@ def test_whatever_a_detector_does_fails_its_scenario_with_the_cause(
     assert sentence in outcome.failure
     assert len(outcome.received) == (0 if name == "Made" else BLOCKS if name == "Endless" else 2)
     assert "\x1b" not in outcome.failure
-    if name not in ("Made", "Loud"):
+    if name not in ("Made", "Loud", "Invalid"):
         assert "its last output:\n    block 1\n    block 2\n    block 3" in outcome.failure
     assert len(outcome.failure) < (3000 if name == "Wordy" else 1000)
     assert capfd.readouterr() == ("", "")
