@@ -225,6 +225,12 @@ def test_two_detectors_of_one_name_are_refused(tmp_path: Path, capsys: pytest.Ca
     assert "the name 'other' is that of detectors in calm and other: give each another name" in capsys.readouterr().err
 
 
+def test_a_table_that_is_not_there_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    given = ("--replica", str(Path(__file__).parents[2] / "examples" / "detectors" / "exam.yaml"))
+    assert dcrb("exam", "predictivity", str(tmp_path / "none.csv"), *given) == 2
+    assert capsys.readouterr().err == f"dcrb: {tmp_path / 'none.csv'} cannot be read: No such file or directory\n"
+
+
 def test_a_limit_without_an_option_names_none(tmp_path: Path) -> None:
     (tmp_path / "slow.py").write_text(FAMILY.replace("return 'healthy'", "__import__('time').sleep(1e3)"))
     tasks = measured_tasks(read_measured(measured_folder(tmp_path / "measured")), 1.0)
