@@ -42,10 +42,14 @@ STOPPED_POOL = """
 import multiprocessing, os, signal, sys, time
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
+from pathlib import Path
 from dcrb_ros.runtime.processes import in_processes
+
+workers = []
 
 def submit(pool, call, submit=ProcessPoolExecutor.submit):
     future = submit(pool, call)
+    workers.extend(worker.pid for worker in multiprocessing.active_children())
     os.kill(os.getpid(), signal.SIGINT)
     return future
 
@@ -54,7 +58,7 @@ if __name__ == "__main__":
     try:
         next(in_processes({number: partial(time.sleep, 1000.0) for number in range(2)}, 2))
     except KeyboardInterrupt:
-        sys.exit(1 if multiprocessing.active_children() else 7)
+        sys.exit(1 if not workers or any(Path("/proc", str(worker)).exists() for worker in workers) else 7)
 """
 
 
