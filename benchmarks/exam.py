@@ -25,7 +25,7 @@ def evaluate(exam: str, image: str, options: list[str]) -> dict[str, Any]:
     """Return the report of an exam as JSON; its figure is written to the documentation's folder of images."""
     # The report contains the command of the detector, which must not depend on the path of the interpreter.
     path = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"}
-    command = [*SCORE, exam, "--json", "--figure", str(IMAGES / image), *options]
+    command = [*SCORE, exam, "--json", "--figure", str(IMAGES / image), "--force", *options]
     done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False, cwd=ROOT, env=path)
     if done.returncode not in (0, 1) or not done.stdout:
         sys.exit(f"the evaluation of the exam {exam} failed with status {done.returncode}")

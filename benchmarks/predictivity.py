@@ -42,11 +42,11 @@ def compared(given: argparse.Namespace, without: tuple[str, ...]) -> Comparison:
     recordings = given.measured / "recordings.csv"
     plan = ReplicaPlan(machines=given.machines, counterparts=given.counterparts, longest=given.longest, without=without)
     exam = exam_of(replica_tree(recordings, plan), "replica")
-    folder = checked_folder(given.recordings)
-    members, broken = families_of(given.detectors, folder)
-    if given.published:
-        members = [member for member in members if member.published]
-    return compare_with_field(recordings, exam, [*shipped_members(), *members], broken, folder, Limits(), given.workers, no_progress)
+    with checked_folder(given.recordings) as folder:
+        members, broken = families_of(given.detectors, folder)
+        if given.published:
+            members = [member for member in members if member.published]
+        return compare_with_field(recordings, exam, [*shipped_members(), *members], broken, folder, Limits(), given.workers, no_progress)
 
 
 def compared_by_entries(given: argparse.Namespace) -> Comparison:

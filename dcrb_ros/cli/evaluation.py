@@ -117,17 +117,18 @@ def evaluate_exam(exam: AnyExam, options: DetectorOptions, recordings: Path | No
 
     progress = partial(progress_of, quiet=quiet)
     if isinstance(exam, Exam):
-        folder = checked_folder(recordings or default_folder())
-        if exam.replica is not None:
-            in_python, led = options.candidate_in_python(), replica_scenarios(exam, folder)
+        with checked_folder(recordings or default_folder()) as folder:
+            if exam.replica is not None:
+                in_python, led = options.candidate_in_python(), replica_scenarios(exam, folder)
+                announce_compilation(quiet=quiet)
+                return evaluate(in_python, led, workers=workers, progress=progress)
+            scenarios, candidate = simulated_scenarios(exam, folder), options.candidate()
             announce_compilation(quiet=quiet)
-            return evaluate(in_python, led, workers=workers, progress=progress)
-        scenarios, candidate = simulated_scenarios(exam, folder), options.candidate()
+            return evaluate(candidate, scenarios, workers=workers, progress=progress)
+    with checked_folder(recordings or default_folder() / "vehicles") as folder:
+        of_vehicle = options.vehicle_candidate()
         announce_compilation(quiet=quiet)
-        return evaluate(candidate, scenarios, workers=workers, progress=progress)
-    folder, of_vehicle = checked_folder(recordings or default_folder() / "vehicles"), options.vehicle_candidate()
-    announce_compilation(quiet=quiet)
-    return evaluate(of_vehicle, vehicle_scenarios(exam, folder, workers), workers=workers, progress=progress)
+        return evaluate(of_vehicle, vehicle_scenarios(exam, folder, workers), workers=workers, progress=progress)
 
 
 def evaluate_bags(bags: Sequence[Path], options: DetectorOptions, *, run_detector: bool, workers: int, quiet: bool) -> Report:

@@ -190,14 +190,16 @@ def agreement(
     """
     from dcrb_ros.exam.agreement import agreement as rank_agreement
     from dcrb_ros.exam.leaderboard import read_entries
+    from dcrb_ros.exam.marking import marking_of
     from dcrb_ros.exam.statistics import CONFIDENCE
     from dcrb_ros.runtime.terminal import console, table
     from dcrb_ros.schema.printable import printable
 
-    ranks = rank_agreement(read_entries(exam), read_entries(measured))
+    entries = read_entries(exam)
+    ranks, marking = rank_agreement(entries, read_entries(measured)), marking_of(entries[0])
     each = zip(ranks.detectors, ranks.exam, ranks.measured, strict=True)
-    rows = [(printable(name), f"{score:.1f}", f"{100.0 * share:.0f}") for name, score, share in each]
-    console().print(table("", ("detector", "exam score", "correct on measured recordings [%]"), rows))
+    rows = [(printable(name), f"{score:.1f}", f"{share:.0f}") for name, score, share in each]
+    console().print(table("", ("detector", f"{marking.name} [{marking.unit}]", "correct on measured recordings [%]"), rows))
     for name, value in (("Kendall's tau-b", ranks.kendall), ("Spearman's rho", ranks.spearman)):
         print(f"{name} {value.value:.2f} ({CONFIDENCE:.0%} bootstrap interval {value.low:.2f} to {value.high:.2f})")
 

@@ -37,11 +37,13 @@ def replica(
 
     Example: dcrb exam replica measured/recordings.csv -o replica.yaml
     """
+    from dcrb_ros.cli.first_start import announce_compilation
     from dcrb_ros.exam.replica import ReplicaPlan, replica_tree
     from dcrb_ros.text.yaml import yaml_text
 
     check_file("--output", output, (".yaml", ".yml"), force=force)
     check_speed(speed)
+    announce_compilation()
     plan = ReplicaPlan(seed, machines, counterparts, longest, bench, tuple(without or ()))
     tree = replica_tree(_checked(table), plan, speed)
     write_whole(output, yaml_text(tree))
@@ -70,6 +72,7 @@ def predictivity(
     figure: Annotated[Path | None, typer.Option(help="Also draw exam over field to this file (.png, .svg or .pdf).")] = None,
     output: Annotated[Path | None, typer.Option("--output", "-o", help="Also write the tables as Markdown to this file.")] = None,
     quiet: Quiet = False,
+    force: Force = False,
 ) -> None:
     """Compare the marks of detectors on simulated counterparts with those on measured recordings.
 
@@ -87,8 +90,9 @@ def predictivity(
     from dcrb_ros.exam.recording_cache import checked_folder, default_folder
     from dcrb_ros.exam.replica import ReplicaPlan, replica_tree
 
-    check_outputs(("--output", output, ()), ("--figure", figure, PICTURES))
+    check_outputs(("--output", output, ()), ("--figure", figure, PICTURES), force=force)
     count, given = worker_count(workers), _checked(table)
+    announce_compilation(quiet=quiet)
     exam = exam_of(replica_tree(given, ReplicaPlan()), f"the replica of {table}") if replica is None else read_exam(replica)
     origin_of(exam, given)
     if entries is not None and measured is not None:
@@ -97,12 +101,18 @@ def predictivity(
     elif entries is not None or measured is not None:
         raise Refusal("--entries and --measured belong together: give the folders with the entries of both sides")
     else:
-        folder = checked_folder(recordings or default_folder())
-        members, broken = families_of(detectors, folder) if detectors is not None else ([], [])
-        announce_compilation(quiet=quiet)
-        comparison = compare_with_field(
-            given, exam, [*shipped_members(), *members], broken, folder, Limits(), count, partial(progress_of, quiet=quiet)
-        )
+        with checked_folder(recordings or default_folder()) as folder:
+            members, broken = families_of(detectors, folder) if detectors is not None else ([], [])
+            comparison = compare_with_field(
+                given,
+                exam,
+                [*shipped_members(), *members],
+                broken,
+                folder,
+                Limits(options=False),
+                count,
+                partial(progress_of, quiet=quiet),
+            )
     _print(comparison, as_json)  # first, so that no result is lost if a file cannot be written
     if output is not None:
         write_whole(output, markdown(comparison))

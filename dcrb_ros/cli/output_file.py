@@ -34,17 +34,19 @@ def check_output(option: str, file: Path, suffixes: Sequence[str] = ()) -> None:
         raise Refusal(f"{option} {file} cannot be written: no permission, or a read-only file system; give another file")
 
 
-def check_outputs(*outputs: tuple[str, Path | None, Sequence[str]]) -> None:
-    """Check the files that are given, each with its option and its suffixes; see `check_output`.
+def check_outputs(*outputs: tuple[str, Path | None, Sequence[str]], force: bool) -> None:
+    """Check the files that are given, each with its option and its suffixes; see `check_file` and `check_force`.
 
     Raises:
-        Refusal: see `check_output`; or two options name one file, of which only the content written last would remain.
+        Refusal: see there; or two options name one file, of which only the content written last would remain.
     """
+    *first_names, last_name = (option for option, _, _ in outputs)
+    check_force(f"{', '.join(first_names)} or {last_name}", *(file for _, file, _ in outputs), force=force)
     options = dict[Path, str]()
     for option, file, suffixes in outputs:
         if file is None:
             continue
-        check_output(option, file, suffixes)
+        check_file(option, file, suffixes, force=force)
         first = options.setdefault(file.resolve(), option)
         if first != option:
             raise Refusal(f"{first} and {option} both name {file}: give each its own file")

@@ -12,7 +12,7 @@ import typer
 from dcrb_ros.cli import completion
 from dcrb_ros.cli.evaluation import DetectorOptions, evaluate_bags, evaluate_exam, evaluate_measured_folder
 from dcrb_ros.cli.exam_list import print_scenarios
-from dcrb_ros.cli.options import DetectorFile, JsonOutput, Quiet, Workers, check_speed, refuse_given, worker_count
+from dcrb_ros.cli.options import DetectorFile, Force, JsonOutput, Quiet, Workers, check_speed, refuse_given, worker_count
 from dcrb_ros.cli.output_file import PICTURES, check_outputs
 from dcrb_ros.cli.report_output import output_report
 from dcrb_ros.schema.refusal import Refusal
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 EVALUATION = (
     *("node", "python", "reference", "detector", "rate", "patience", "block_limit", "scenario_limit", "memory_limit"),
-    *("recordings", "workers", "as_json", "junit", "figure", "entry", "name"),
+    *("recordings", "workers", "as_json", "junit", "figure", "entry", "force", "name"),
 )
 """Options without effect on a list of scenarios."""
 
@@ -74,6 +74,7 @@ def score(
     junit: Annotated[Path | None, typer.Option(help="Also write the report as JUnit XML to this file.")] = None,
     figure: Annotated[Path | None, typer.Option(help="Also draw the report to this file (.png, .svg or .pdf).")] = None,
     entry: Annotated[Path | None, typer.Option(help="Also write the results as an entry of a leaderboard (.json).")] = None,
+    force: Force = False,
     name: Annotated[str, typer.Option(help="Name of the detector in the report. Default: its command, its class or its parameters.")] = "",
     show: Annotated[bool, typer.Option("--list", help="List the scenarios and exit.")] = False,
 ) -> None:
@@ -92,7 +93,7 @@ def score(
     _check_python(python, node, detector, reference, limits)
     _check_effect(context, measured, node, python, show=show)
     count = worker_count(workers)
-    check_outputs(("--junit", junit, ()), ("--figure", figure, PICTURES), ("--entry", entry, (".json",)))
+    check_outputs(("--junit", junit, ()), ("--figure", figure, PICTURES), ("--entry", entry, (".json",)), force=force)
     options = DetectorOptions(node, python, detector, rate, patience, limits, name)
     bags = [source for source in given if _is_recording(Path(source))]
     if bags and len(bags) < len(given):

@@ -5,24 +5,22 @@ from __future__ import annotations
 import ast
 import functools
 import hashlib
-import inspect
 import json
-import subprocess
-import sys
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from dcrb_ros.exam.plugin import VARIANTS, load_module
+from dcrb_ros.exam.family_process import class_and_variants
+from dcrb_ros.exam.limits import Limits
+from dcrb_ros.exam.plugin_process import DetectorProcess
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.parameter_field import more
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.writing import write_whole
 
-PATIENCE = 120.0
-"""Time that the import of a file may take [s]."""
-PROGRAM = "import sys; sys.path[:] = {path!r}; from dcrb_ros.exam.detector_families import main; main()"
+IMPORT_LIMITS = Limits(scenario=120.0, options=False)
+"""Limits of the import of a file."""
 SHIPPED_MODULE = "dcrb_ros.exam.shipped_family"
 SHIPPED_FAMILY = "shipped detector"
 SOURCES = ("bearing", "diagnosis", "exam", "messages", "schema", "stream", "settings")
@@ -71,6 +69,9 @@ def families_of(folder: Path, kept: Path | None = None) -> tuple[list[Member], l
     members: list[Member] = []
     broken: list[BrokenFamily] = []
     for file in sorted(folder.glob("*.py")):
+        if not file.is_file():
+            broken.append(BrokenFamily(file.stem, f"{file} is not a file that can be read: remove it, or give it another name"))
+            continue
         digest = _file_digest(file)
         try:
             about = _kept_about(file, digest, kept)
@@ -122,50 +123,17 @@ def _about(file: str) -> dict[str, Any]:
         NoFamily: it cannot be imported, or has several detectors.
     """
     try:
-        done = subprocess.run(
-            [sys.executable, "-c", PROGRAM.format(path=sys.path), file],
-            capture_output=True,
-            text=True,
-            errors="replace",
-            timeout=PATIENCE,
-            check=False,
-        )
-        about: dict[str, Any] = json.loads(done.stdout.rpartition("\n")[2] or "null") or {}
-    except (subprocess.TimeoutExpired, json.JSONDecodeError):
-        about = {}
-    if "class" not in about:
-        raise NoFamily(about.get("refusal", "").removeprefix("--python ") or f"{file} cannot be imported")
+        process = DetectorProcess(file, IMPORT_LIMITS, "dcrb_ros.exam.family_process")
+    except Refusal as refusal:
+        raise NoFamily(left_out(refusal)) from None
+    process.close()
+    about: dict[str, Any] = json.loads(process.imported)
     return about
 
 
-def main() -> None:
-    """Print class and variants of the file in the argument as a line of JSON."""
-    try:
-        about = class_and_variants(sys.argv[1])
-    except Refusal as refusal:
-        about = {"refusal": str(refusal)}
-    print(f"\n{json.dumps(about)}", end="")
-
-
-def class_and_variants(name: str) -> dict[str, Any]:
-    """Return the name of the detector class of a module, or None, and the settings of its members as text.
-
-    Raises:
-        Refusal: it cannot be imported, or has several detectors.
-    """
-    module = load_module(name, name)
-    found = [
-        value.__name__
-        for value in vars(module).values()
-        if inspect.isclass(value)
-        and value.__module__ == module.__name__
-        and callable(getattr(value, "update", None))
-        and not inspect.isabstract(value)
-    ]
-    if len(found) > 1:
-        raise Refusal(f"{name} has {len(found)} detectors ({', '.join(found)}): give every family a file of its own")
-    variants = getattr(module, VARIANTS, {})
-    return {"class": found[0] if found else None, "variants": {str(key): repr(value) for key, value in variants.items()}}
+def left_out(refusal: Refusal) -> str:
+    """Return a refusal of a detector without the option of ``dcrb score`` that gives one."""
+    return str(refusal).removeprefix("--python ")
 
 
 def _file_digest(file: Path) -> str:

@@ -15,8 +15,9 @@ import socket
 import sys
 import threading
 import time
+from collections.abc import Callable
 from functools import partial
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.exam.packets import receive_packet, send_packet
@@ -29,7 +30,8 @@ from dcrb_ros.exam.running_detector import (
     checked_output,
 )
 from dcrb_ros.runtime.memory import keep_freed_memory
-from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.schema.printable import shortened
+from dcrb_ros.schema.refusal import LONGEST, Refusal
 from dcrb_ros.stream.vehicle_description import VehicleDescription
 
 READY, NOTHING, MESSAGE, VERDICT, STATUSES, REFUSED, FAILED, LEFTOVER = b"+", b"-", b"m", b"v", b"s", b"r", b"f", b"l"
@@ -37,6 +39,9 @@ READY, NOTHING, MESSAGE, VERDICT, STATUSES, REFUSED, FAILED, LEFTOVER = b"+", b"
 failure, done with threads left."""
 THREAD_PATIENCE = 2.0
 """Time in which the threads of a detector must end after its last block [s]."""
+
+
+Imported = TypeVar("Imported")
 
 
 class Begin(NamedTuple):
@@ -64,15 +69,9 @@ Running: TypeAlias = RunningDetector | RunningVehicleDetector
 
 def main() -> None:
     """Serve the socket, the class and the memory [bytes] in the arguments until the exam closes the socket or the detector fails."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-    channel, given = socket.socket(fileno=int(sys.argv[1])), sys.argv[2]
-    channel.set_inheritable(False)
-    keep_freed_memory()
-    _limit_memory(int(sys.argv[3]))
-    try:
-        factory = load_plugin(given)
-    except Refusal as refusal:
-        send_packet(channel, REFUSED + str(refusal).encode(errors="replace"))
+    channel = connected()
+    factory = imported(channel, load_plugin)
+    if factory is None:
         return
     send_packet(channel, READY)
     with contextlib.suppress(OSError):  # the exam has ended
@@ -81,6 +80,28 @@ def main() -> None:
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(0)  # whatever threads are left
+
+
+def connected() -> socket.socket:
+    """Return the socket in the arguments, after this process has been prepared for a detector with the memory in them."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    channel = socket.socket(fileno=int(sys.argv[1]))
+    channel.set_inheritable(False)
+    keep_freed_memory()
+    _limit_memory(int(sys.argv[3]))
+    return channel
+
+
+def imported(channel: socket.socket, load: Callable[[str], Imported]) -> Imported | None:
+    """Return what ``load`` gives for the name in the arguments; None after sending the reason why it cannot be imported."""
+    try:
+        return load(sys.argv[2])
+    except Refusal as refusal:
+        answer = _reason(REFUSED, refusal)
+    except BaseException as error:  # such as KeyboardInterrupt
+        answer = REFUSED + f"--python {sys.argv[2]} cannot be imported: {type(error).__name__}".encode()
+    send_packet(channel, answer)
+    return None
 
 
 def _scenario(channel: socket.socket, factory: Any) -> bool:
@@ -101,13 +122,18 @@ def _scenario(channel: socket.socket, factory: Any) -> bool:
                 assert detector is not None
                 answer = _answer(detector, request)
         except Refusal as refusal:
-            answer = REFUSED + str(refusal).encode(errors="replace")
+            answer = _reason(REFUSED, refusal)
         except BaseException as error:  # whatever the detector raises
-            answer = FAILED + (str(error) or type(error).__name__).encode(errors="replace")
+            answer = _reason(FAILED, error)
         send_packet(channel, answer)
         if answer[:1] in (REFUSED, FAILED):
             return False
     return False
+
+
+def _reason(kind: bytes, error: BaseException) -> bytes:
+    """Return the answer for an exception, whose text may have any length."""
+    return kind + shortened(str(error) or type(error).__name__, LONGEST).encode(errors="replace")
 
 
 def _made(factory: Any, begin: Begin | BeginVehicle) -> Running:
@@ -129,7 +155,10 @@ def _answer(detector: Running, block: DetectorBlock | VehiclePiece) -> bytes:
         return VERDICT + output.encode()
     from dcrb_ros.messages.topics.diagnosis import encode_diagnosis  # a second, which most detectors do not need
 
-    return MESSAGE + encode_diagnosis(output)
+    try:
+        return MESSAGE + encode_diagnosis(output)
+    except Exception as error:
+        raise RuntimeError(f"update returned a diagnosis with an invalid value: {error}") from error
 
 
 def _threads_left(before: set[threading.Thread]) -> bytes:

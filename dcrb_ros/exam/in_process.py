@@ -57,9 +57,9 @@ def score(detector: DetectorFactory, exam: str | Path = "smoke", *, recordings: 
         raise Refusal(f"detector = {detector!r} cannot be called: give a class such as dcrb_ros.FaultDetector, or a function")
     if not 1 <= workers <= MOST_WORKERS:
         raise Refusal(f"workers = {workers} is outside 1 .. {MOST_WORKERS}: give the number of parallel simulations")
-    folder = checked_folder(Path(recordings) if recordings is not None else default_folder())
     candidate = PythonDetector(getattr(detector, "__name__", type(detector).__name__), detector, parallel=False)
     given = read_exam(exam)
-    if given.replica is not None:
-        return evaluate(candidate, replica_scenarios(given, folder), workers=workers)
-    return evaluate(candidate, simulated_scenarios(given, folder), workers=workers)
+    with checked_folder(Path(recordings) if recordings is not None else default_folder()) as folder:
+        if given.replica is not None:
+            return evaluate(candidate, replica_scenarios(given, folder), workers=workers)
+        return evaluate(candidate, simulated_scenarios(given, folder), workers=workers)

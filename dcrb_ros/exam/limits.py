@@ -14,3 +14,5 @@ class Limits(NamedTuple):
     """Wall time of a scenario beyond its recorded time [s]; also of the import of the detector."""
     memory: int = 4096
     """Memory that the detector can write to [MiB]."""
+    options: bool = True
+    """Whether the command has options for the limits, which a message then names."""

@@ -6,6 +6,7 @@ import importlib
 import importlib.metadata
 import importlib.util
 import sys
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -47,11 +48,32 @@ def load_plugin(given: str) -> DetectorFactory:
         )
     if not bracket:
         return factory
-    variants = getattr(module, VARIANTS, {})
+    variants = variants_of(given, module)
     if member not in variants:
         known = f"{', '.join(variants) or 'none'}{nearest(member, variants)}"
         raise Refusal(f"--python {given}: {module_name} has no member '{member}' in {VARIANTS} (known: {known}): give one of them")
     return partial(factory, **variants[member])
+
+
+def variants_of(given: str, module: Any) -> Mapping[str, Mapping[str, Any]]:
+    """Return the settings of each member of the family in a module; none if it has no `VARIANTS`.
+
+    Raises:
+        Refusal: they are no mapping from names to settings.
+    """
+    variants = getattr(module, VARIANTS, {})
+    if not (_named(variants) and all(map(_named, variants.values()))):
+        raise Refusal(
+            f"--python {given}: {VARIANTS} is {variants!r}: give a mapping from the name of each member to the settings of its class, such "
+            "as {'published': {}, 'short window': {'window': 0.5}}"
+        )
+    named: Mapping[str, Mapping[str, Any]] = variants
+    return named
+
+
+def _named(values: Any) -> bool:
+    """Return whether values have names."""
+    return isinstance(values, Mapping) and all(isinstance(name, str) for name in values)
 
 
 def load_module(given: str, name: str) -> Any:
@@ -71,7 +93,8 @@ def load_module(given: str, name: str) -> Any:
     except Refusal:
         raise
     except (Exception, SystemExit) as error:
-        raise Refusal(f"--python {given} cannot be imported: {type(error).__name__}: {error}") from None
+        text = f": {error}" if str(error) else ""
+        raise Refusal(f"--python {given} cannot be imported: {type(error).__name__}{text}") from None
 
 
 def _from_file(path: Path) -> Any:

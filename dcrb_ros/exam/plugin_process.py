@@ -32,7 +32,7 @@ MIB = 1 << 20
 """[bytes]"""
 EXIT_PATIENCE = 2.0
 """Time in which a process must end after it has closed its socket [s]."""
-PROGRAM = "import sys; sys.path[:] = {path!r}; from dcrb_ros.exam.detector_process import main; main()"
+PROGRAM = "import sys; sys.path[:] = {path!r}; from {module} import main; main()"
 """What the interpreter runs; the modules that can be imported are those of this process."""
 
 
@@ -43,8 +43,11 @@ class DetectorFailure(RuntimeError):
 class DetectorProcess:
     """A process in which new detectors of one class run, one scenario after another."""
 
-    def __init__(self, given: str, limits: Limits) -> None:
-        """Start the process and import the detector ``given`` as `load_plugin` takes it.
+    imported: bytes
+    """What the program has sent after the import."""
+
+    def __init__(self, given: str, limits: Limits, module: str = "dcrb_ros.exam.detector_process") -> None:
+        """Start the process and import the detector ``given`` as `load_plugin` takes it; ``module`` contains the program.
 
         Raises:
             CandidateRefusal: it cannot be imported within the limits.
@@ -55,7 +58,7 @@ class DetectorProcess:
         number = str(theirs.fileno())
         guard = self._resources.enter_context(group_guard(0.0))
         self._process = subprocess.Popen(
-            [sys.executable, "-u", "-c", PROGRAM.format(path=sys.path), number, given, str(limits.memory * MIB)],
+            [sys.executable, "-u", "-c", PROGRAM.format(path=sys.path, module=module), number, given, str(limits.memory * MIB)],
             stdin=subprocess.DEVNULL,
             stdout=self._output.writing,
             stderr=subprocess.STDOUT,
@@ -66,13 +69,17 @@ class DetectorProcess:
         theirs.close()
         self._output.begin()
         try:
-            self._answered(limits.scenario, "its import took longer than {limit:g} s (--scenario-limit)", "while it was imported")
+            slow = f"its import took longer than {limits.scenario:g} s{self._option('--scenario-limit')}"
+            _, self.imported = self._answered(limits.scenario, slow, "while it was imported")
         except DetectorFailure as failure:
             self.close()
-            raise CandidateRefusal(f"--python {given} cannot be used: {failure}{self._output.last_lines()}") from None
+            raise CandidateRefusal(f"--python {given} cannot be used: {failure}{self._output.last_line()}") from None
         except Refusal as refusal:
             self.close()
             raise CandidateRefusal(str(refusal)) from None
+        except BaseException:
+            self.close()
+            raise
 
     def diagnose(self, signal: Signal) -> Outcome:
         """Return the outcome of a new detector for a signal; after a failure the process is closed.
@@ -136,9 +143,9 @@ class DetectorProcess:
         limits = self._limits
         rest = start + recorded + limits.scenario - time.monotonic()
         if rest < limits.block:
-            slow = f"the scenario took {limits.scenario:g} s longer than its recorded time (--scenario-limit)"
+            slow = f"the scenario took {limits.scenario:g} s longer than its recorded time{self._option('--scenario-limit')}"
         else:
-            slow = f"a block took longer than {limits.block:g} s {where} (--block-limit)"
+            slow = f"a block took longer than {limits.block:g} s {where}{self._option('--block-limit')}"
         seconds = max(0.0, min(rest, limits.block))
         try:
             send_packet(self._channel, pickle.dumps(request, pickle.HIGHEST_PROTOCOL), max(seconds, 1e-3))
@@ -152,7 +159,7 @@ class DetectorProcess:
         try:
             packet = receive_packet(self._channel, seconds)
         except TimeoutError:
-            raise DetectorFailure(slow.format(limit=seconds)) from None
+            raise DetectorFailure(slow) from None
         if self._output.excessive:
             raise DetectorFailure(f"it printed more than {MOST_OUTPUT // MIB} MiB {where}")
         if not packet:
@@ -162,11 +169,15 @@ class DetectorProcess:
             sentence = printable(content.decode(errors="replace"))
             if kind == REFUSED:
                 raise Refusal(sentence)
-            memory = f"; it may use {self._limits.memory} MiB (--memory-limit)" if "MemoryError" in sentence else ""
+            memory = f"; it may use {self._limits.memory} MiB{self._option('--memory-limit')}" if "MemoryError" in sentence else ""
             raise DetectorFailure(f"{sentence}{memory}")
         if kind not in (READY, NOTHING, MESSAGE, VERDICT, STATUSES, LEFTOVER):
             raise DetectorFailure(f"its process sent an invalid answer {where}")
         return kind, content
+
+    def _option(self, name: str) -> str:
+        """Return the option for a limit in brackets, where there is one."""
+        return f" ({name})" if self._limits.options else ""
 
     def _end(self) -> str:
         """Return how the process ended."""

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from dcrb_ros.core.signed_file import DamagedFile, read_signed, signed
-from dcrb_ros.exam.detector_families import BrokenFamily, Member
+from dcrb_ros.exam.detector_families import BrokenFamily, Member, left_out
 from dcrb_ros.exam.evaluation import OnDone
 from dcrb_ros.exam.limits import Limits
 from dcrb_ros.exam.measured import measured_criteria
@@ -84,22 +84,20 @@ def answers_of(
 def run_member(given: str, tasks: Sequence[Task[Any]], limits: Limits) -> dict[str, str] | str:
     """Return the answers of a detector by the digest of the task, or why it failed."""
     criteria, found = measured_criteria(), {}
-    try:
-        process = DetectorProcess(given, limits)
-    except Refusal as refusal:
-        return str(refusal)
+    process: DetectorProcess | None = None
     try:
         for task in tasks:
-            if process.closed:
+            if process is None or process.closed:
                 process = DetectorProcess(given, limits)
             outcome = process.diagnose(task.signal)
             if outcome.failure:
                 return f"it failed on {task.signal.recording.name}: {outcome.failure}"
             found[task.digest] = score_scenario(task.signal.expectation(), outcome.received, criteria).answer
     except Refusal as refusal:
-        return str(refusal)
+        return left_out(refusal)
     finally:
-        process.close()
+        if process is not None:
+            process.close()
     return found
 
 

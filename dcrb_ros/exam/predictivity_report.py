@@ -26,7 +26,7 @@ from dcrb_ros.exam.replica import table_digest
 from dcrb_ros.exam.statistics import CONFIDENCE, Interval
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.printable import printable
-from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal, repeated
 from dcrb_ros.text.markdown import table as markdown_table
 
 LABELS = {"srcc": "SRCC", "rho": "rho", "tau_b": "tau-b", "mmrv": "MMRV"}
@@ -75,9 +75,13 @@ def compare_with_field(
     """Return the comparison of a replica with the measured recordings of its table.
 
     Raises:
-        Refusal: a recording is not there, the replica is one of another table, or fewer than three families are left.
+        Refusal: a recording is not there, the replica is one of another table, two detectors have one name, or fewer than three families
+            are left.
     """
     check_families([member.family for member in members], _reasons(broken))
+    if (twice := repeated(member.name for member in members)) is not None:
+        families = " and ".join(member.family for member in members if member.name == twice)
+        raise Refusal(f"the name '{twice}' is that of detectors in {families}: give each another name, in VARIANTS or as its file")
     origin = origin_of(exam, table)
     measured = read_table(table, origin.speed)
     first = measured_tasks(measured, origin.longest)

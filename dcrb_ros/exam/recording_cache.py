@@ -11,6 +11,7 @@ import json
 import os
 import re
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 import platformdirs
@@ -45,8 +46,11 @@ def default_folder() -> Path:
     return Path(platformdirs.user_cache_dir("dcrb_ros")) / "exam"
 
 
-def checked_folder(folder: Path) -> Path:
-    """Create a folder if necessary, check that it is writable, and return it.
+@contextlib.contextmanager
+def checked_folder(folder: Path) -> Iterator[Path]:
+    """Create a folder if necessary, check that it is writable, and yield it.
+
+    What killed processes have left there is removed, at the end also that of workers which were stopped.
 
     Raises:
         Refusal: it cannot be created or written.
@@ -55,10 +59,13 @@ def checked_folder(folder: Path) -> Path:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             pass
-        remove_abandoned(folder)
-        return folder
     except OSError as error:
         raise Refusal(f"{folder} cannot hold the exam's recordings: {error.strerror}; {OTHER_FOLDER}") from None
+    remove_abandoned(folder)
+    try:
+        yield folder
+    finally:
+        remove_abandoned(folder)
 
 
 def case_hash(case: Case) -> str:

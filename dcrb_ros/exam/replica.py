@@ -40,6 +40,8 @@ from dcrb_ros.settings.files import changed, fields_by_key, load_configuration
 from dcrb_ros.settings.measured_rate import rates
 from dcrb_ros.settings.parameters import rpm
 from dcrb_ros.simulation.healthy_level import healthy_level
+from dcrb_ros.text.files import read_bytes
+from dcrb_ros.text.tables import LARGEST_TABLE
 
 BENCH = "ball_bearing_6205"
 BALLS = "hertz"
@@ -134,8 +136,12 @@ def replica_tree(table: Path, plan: ReplicaPlan, speed: str = "lines") -> dict[s
 
 
 def table_digest(table: Path) -> str:
-    """Return the SHA-256 of a table."""
-    return hashlib.sha256(table.read_bytes()).hexdigest()
+    """Return the SHA-256 of a table.
+
+    Raises:
+        Refusal: it cannot be read.
+    """
+    return hashlib.sha256(read_bytes(table, LARGEST_TABLE)).hexdigest()
 
 
 def _counterparts(

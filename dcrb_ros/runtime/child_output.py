@@ -6,12 +6,12 @@ import os
 from collections.abc import Callable
 
 from dcrb_ros.runtime.threads import NamedThread
-from dcrb_ros.schema.printable import printable
+from dcrb_ros.schema.printable import printable, shortened
 
 KEPT = 20_000
 """Bytes at the end of the output that are kept."""
-SHOWN_LINES = 6
-"""Lines of it that are shown."""
+SHOWN_LINES, SHOWN_LENGTH = 6, 200
+"""Lines of it that are shown, and characters of each at most."""
 PATIENCE = 1.0
 """Time in which the rest of the output is read after the process has ended [s]."""
 
@@ -40,9 +40,18 @@ class ChildOutput:
 
     def last_lines(self) -> str:
         """Return the end of the output as the end of a sentence; the empty string if there was none."""
+        lines = self._lines()
+        return "; its last output:\n" + "\n".join(f"    {line}" for line in lines) if lines else ""
+
+    def last_line(self) -> str:
+        """Return the last line of the output as the end of a sentence in one line; the empty string if there was none."""
+        lines = self._lines()
+        return f"; its last output is '{lines[-1].strip()}'" if lines else ""
+
+    def _lines(self) -> list[str]:
         self._thread.join(PATIENCE)
         lines = [printable(line) for line in self._end.decode(errors="replace").splitlines() if line.strip()]
-        return "; its last output:\n" + "\n".join(f"    {line}" for line in lines[-SHOWN_LINES:]) if lines else ""
+        return [shortened(line, SHOWN_LENGTH) for line in lines[-SHOWN_LINES:]]
 
     def _read(self) -> None:
         with os.fdopen(self._reading, "rb", buffering=0) as stream:

@@ -49,21 +49,24 @@ def resident_memory() -> int | None:
 def in_processes(calls: Mapping[Key, Callable[[], Value]], workers: int) -> Iterator[tuple[Key, Value]]:
     """Yield the key and the result of each call in the order of completion; calls must be picklable, such as partials of functions.
 
-    If the iteration ends early, by Ctrl-C for instance, the processes are terminated at once; they also end with this process. An exception
+    If the iteration ends early, by Ctrl-C for instance, the processes have been terminated; they also end with this process. An exception
     in a call is raised here.
     """
     # Spawned, because a process forked from one with threads may deadlock.
     with ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"), initializer=_prepare_worker) as pool:
-        with worker_signals_blocked():
-            jobs: dict[Future[Value], Key] = {pool.submit(call): key for key, call in calls.items()}
         try:
+            with worker_signals_blocked():  # a signal takes effect at its end
+                jobs: dict[Future[Value], Key] = {pool.submit(call): key for key, call in calls.items()}
             for job in as_completed(jobs):
                 # Results may be large and many: drop each one after it has been yielded.
                 yield jobs.pop(job), job.result()
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
-            for worker in multiprocessing.active_children():
+            stopped = multiprocessing.active_children()
+            for worker in stopped:
                 worker.terminate()
+            for worker in stopped:
+                worker.join()
             raise
 
 

@@ -54,14 +54,17 @@ class ViewerFailure(RuntimeError):
 def open_window(document: Path, *, web: bool = False) -> int:
     """Show a Rerun file until the viewer is closed; return its exit status. The viewer accepts local connections only.
 
+    Its temporary files are beside the file.
+
     Raises:
         ViewerFailure: it cannot be opened.
     """
     if not (web or _has_display()):
         raise ViewerFailure(f"the viewer cannot open its window, because there is no display: {WINDOW_REMEDY}")
     command = [*_command(), "--bind", LOOPBACK, "--port", str(_free_port())]
+    environment = _environment(document.parent)
     try:
-        return _serve_page(command, document) if web else _call([*command, str(document)])
+        return _serve_page(command, document, environment) if web else _call([*command, str(document)], environment)
     except KeyboardInterrupt:
         return 0
 
@@ -70,19 +73,22 @@ def _has_display() -> bool:
     return sys.platform != "linux" or any(os.environ.get(name) for name in DISPLAYS)
 
 
-def _environment() -> dict[str, str]:
-    """Return the environment of the viewer; it logs errors only, without escape codes, unless RUST_LOG asks for more."""
-    return {"RUST_LOG": "error", **os.environ, "NO_COLOR": "1"}
+def _environment(folder: Path) -> dict[str, str]:
+    """Return the environment of the viewer; it logs errors only, without escape codes, unless RUST_LOG asks for more.
+
+    It keeps its temporary files in ``folder``, since it leaves them behind if it is killed.
+    """
+    return {"RUST_LOG": "error", **os.environ, "NO_COLOR": "1", "TMPDIR": str(folder)}
 
 
-def _call(command: list[str]) -> int:
+def _call(command: list[str], environment: dict[str, str]) -> int:
     """Run the viewer with a window until it is closed.
 
     Raises:
         ViewerFailure: it ended with an error; the message quotes its last line.
     """
     with tempfile.TemporaryFile() as output:
-        status = subprocess.call(command, stdout=output, stderr=output, env=_environment())
+        status = subprocess.call(command, stdout=output, stderr=output, env=environment)
         output.seek(0)
         lines = output.read().decode(errors="replace").splitlines()
     if status > 0:
@@ -117,14 +123,14 @@ def page_address(page: str, data: str) -> str:
     return f"{page}/?url={urllib.parse.quote(data, safe='')}&theme=dark&hide_welcome_screen"
 
 
-def _serve_page(command: list[str], document: Path) -> int:
+def _serve_page(command: list[str], document: Path, environment: dict[str, str]) -> int:
     """Serve the viewer as a web page, open it in the browser and wait until the server ends."""
     port = _free_port()
     page = f"http://{LOOPBACK}:{port}"
     serving = [*command, "--serve-web", "--web-viewer-port", str(port)]
     with document_served(document, page) as data, group_guard(END_TIMEOUT) as guarded:
         # In a group of its own, since `rerun_cli` starts the server as its child.
-        server = subprocess.Popen(serving, env=_environment(), start_new_session=True)
+        server = subprocess.Popen(serving, env=environment, start_new_session=True)
         try:
             guarded(server.pid)
             _wait_for(server, "serve its page", lambda: _listens(port), "its messages are printed above")
@@ -145,6 +151,8 @@ def _listens(port: int) -> bool | None:
 def save_screenshot(document: Path, picture: Path, *, at_ns: int, width: int = 1600, height: int = 1000) -> None:
     """Write a PNG of the viewer with the cursor at ``at_ns`` [ns], without opening a window; ``width`` and ``height`` in pixels.
 
+    Temporary files of the viewer are left beside ``document``.
+
     Raises:
         ViewerFailure: the installed Rerun is too old, or the viewer failed.
     """
@@ -155,7 +163,7 @@ def save_screenshot(document: Path, picture: Path, *, at_ns: int, width: int = 1
     port = _free_port()
     size = f"{width}x{height + BAR_HEIGHT}"
     options = ["--headless", "--bind", LOOPBACK, "--port", str(port), "--hide-welcome-screen", "--window-size", size]
-    with _running([*_command(), *options, str(document)]) as viewer:
+    with _running([*_command(), *options, str(document)], document.parent) as viewer:
         started = time.monotonic()
         client = _wait_for(viewer, "load the recording", lambda: _client_with_recording(port))
         client.set_time(TIMELINE, timestamp=at_ns / 1e9, play_state="paused")
@@ -185,9 +193,12 @@ def _free_port() -> int:
 
 
 @contextlib.contextmanager
-def _running(command: list[str]) -> Iterator[subprocess.Popen[bytes]]:
-    """Run the viewer in a process group of its own and kill the whole group afterwards: ``rerun_cli`` starts the viewer as its child."""
-    environment = {**os.environ, "RERUN_APP_ONLY": "true"}
+def _running(command: list[str], folder: Path) -> Iterator[subprocess.Popen[bytes]]:
+    """Run the viewer in a process group of its own and kill the whole group afterwards: ``rerun_cli`` starts the viewer as its child.
+
+    It keeps its temporary files in ``folder``.
+    """
+    environment = {**os.environ, "RERUN_APP_ONLY": "true", "TMPDIR": str(folder)}
     with tempfile.TemporaryFile() as output:
         viewer = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=output, stderr=output, env=environment, start_new_session=True)
         try:

@@ -5,13 +5,17 @@ from __future__ import annotations
 import io
 import os
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from numba.core import event
 from rich.console import Console
+from same_process import dcrb
 
 from dcrb_ros.cli import first_start
 from dcrb_ros.core.announcement import OF_LAWS, SENTENCE, WORKERS, announce_laws, no_announcement
+from dcrb_ros.exam import replica
+from dcrb_ros.schema.refusal import Refusal
 
 FILM = OF_LAWS.format(laws="film")
 
@@ -56,6 +60,20 @@ def test_compiled_kernels_need_no_note(capsys: pytest.CaptureFixture[str]) -> No
     with first_start.compilation_shown():
         pass
     assert capsys.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("options", [("replica", "a.csv", "-o", "new.yaml"), ("predictivity", "a.csv")], ids=lambda options: options[0])
+def test_the_machines_of_a_replica_are_simulated_with_a_note(
+    options: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def simulated(*_: object) -> None:
+        compile_kernel()
+        raise Refusal("simulated")
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(replica, "replica_tree", simulated)
+    assert dcrb("exam", *options) == 2
+    assert capsys.readouterr().err == f"{SENTENCE}\ndcrb: simulated\n"
 
 
 def test_a_terminal_shows_a_spinner_that_disappears(monkeypatch: pytest.MonkeyPatch) -> None:

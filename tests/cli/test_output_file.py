@@ -109,10 +109,19 @@ def outputs(tmp_path: Path, bag: Path) -> dict[str, list[str]]:
         "copy": ["recover", str(bag), "-o", str(tmp_path / "copy")],
         "again": ["simulate", "healthy", "--duration", "0.01", "-o", str(tmp_path / "again")],
         "bench": ["bench", "healthy", "--record", str(tmp_path / "bench")],
+        "report.xml": ["score", str(bag), "--reference", "--junit", str(tmp_path / "report.xml")],
+        "report.png": ["score", str(bag), "--reference", "--figure", str(tmp_path / "report.png")],
+        "entry.json": ["score", str(bag), "--reference", "--entry", str(tmp_path / "entry.json")],
+        "tables.md": ["exam", "predictivity", "recordings.csv", "-o", str(tmp_path / "tables.md")],
+        "marks.png": ["exam", "predictivity", "recordings.csv", "--figure", str(tmp_path / "marks.png")],
     }
 
 
-@pytest.mark.parametrize("name", ["picture.png", "wave.npz", "wave.npz.yaml", "view.rrd", "shot.png", "copy", "again", "bench"])
+WRITTEN = ("picture.png", "wave.npz", "wave.npz.yaml", "view.rrd", "shot.png", "copy", "again", "bench")
+REPORTS = ("report.xml", "report.png", "entry.json")
+
+
+@pytest.mark.parametrize("name", [*WRITTEN, *REPORTS, "tables.md", "marks.png"])
 def test_every_command_refuses_what_exists(name: str, bag: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / name).write_text("old")
     assert dcrb(*outputs(tmp_path, bag)[name]) == 2
@@ -125,6 +134,13 @@ def test_every_command_replaces_with_force(name: str, bag: Path, tmp_path: Path)
     (tmp_path / name).write_text("old")
     assert dcrb(*outputs(tmp_path, bag)[name], "--force") == 0
     assert (tmp_path / name).is_dir() or (tmp_path / name).read_bytes() != b"old"
+
+
+@pytest.mark.parametrize("name", REPORTS)
+def test_a_report_is_replaced_with_force(name: str, bag: Path, tmp_path: Path) -> None:
+    (tmp_path / name).write_text("old")
+    assert dcrb(*outputs(tmp_path, bag)[name], "--force", "--workers", "1") == 1  # the recording is too short for a verdict
+    assert (tmp_path / name).read_bytes() != b"old"
 
 
 def test_work_that_writes_nothing_brings_back_the_old_one(bag: Path, tmp_path: Path) -> None:

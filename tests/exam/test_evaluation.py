@@ -95,10 +95,25 @@ def test_unfinished_recordings_of_killed_processes_are_deleted(tmp_path: Path) -
     for folder in (unfinished, other):
         folder.mkdir()
     with temporary(tmp_path) as running:
-        assert checked_folder(tmp_path) == tmp_path
+        with checked_folder(tmp_path) as kept:
+            assert kept == tmp_path
+            assert not unfinished.exists()
+            unfinished.mkdir()
         assert running.is_dir()
     assert list(tmp_path.iterdir()) == [other]
-    assert checked_folder(tmp_path / "new" / "deep").is_dir()
+    with checked_folder(tmp_path / "new" / "deep") as kept:
+        assert kept.is_dir()
+
+
+def test_unfinished_recordings_of_stopped_workers_are_deleted(tmp_path: Path) -> None:
+    def stopped() -> None:
+        with checked_folder(tmp_path):
+            (tmp_path / ".writing-0123456789abcdef").mkdir()
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        stopped()
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_recording_that_another_process_finished_first_is_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

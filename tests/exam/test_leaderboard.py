@@ -292,6 +292,11 @@ def test_the_leaderboard_states_how_it_agrees_with_measured_recordings(tmp_path:
         assert "Kendall's tau-b -1.00" in html.unescape(text)
         for share in ranks.measured:
             assert f"| {share:.0f}% |" in text or f"<td>{share:.0f}%</td>" in text
+    assert dcrb("exam", "agreement", str(tmp_path), str(recorded)) == 0
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "exam score [-]" in printed
+    for name, score, share in zip(ranks.detectors, ranks.exam, ranks.measured, strict=True):
+        assert f"│ {name} │ {score:.1f} │ {share:.0f} │" in printed
     (recorded / "3.json").unlink()
     assert dcrb("exam", "table", str(tmp_path), "--measured", str(recorded), "-o", str(tmp_path / "other")) == 2
     assert not (tmp_path / "other").exists()

@@ -88,6 +88,15 @@ class Wrong(Well):
     def misbehave(self):
         raise ValueError("\\x1b[2Jwrong")
 
+class Invalid(Well):
+    def update(self, index, acceleration, shaft_angle):
+        from dcrb_ros import Diagnosis
+        return super().update(index, acceleration, shaft_angle) if self.blocks < 2 else Diagnosis(index, "now", "healthy", "block 3")
+
+class Wordy(Well):
+    def misbehave(self):
+        raise ValueError("word " * (20 << 20))
+
 class Made(Well):
     def __init__(self, orders, rate):
         sys.exit("not made")
@@ -156,6 +165,8 @@ def only_processes_of_this_test(monkeypatch: pytest.MonkeyPatch) -> Iterator[Non
         ("Loud", "it printed more than 16 MiB at 0.04 s"),
         ("Large", "update failed at sample 2048: MemoryError; it may use 1024 MiB (--memory-limit)"),
         ("Wrong", "update failed at sample 2048: ValueError: \\x1b[2Jwrong"),
+        ("Invalid", "update returned a diagnosis with an invalid value: "),
+        ("Wordy", "update failed at sample 2048: ValueError: word word"),
         ("Made", "its class failed: SystemExit: not made"),
         ("Closing", "at 0.04 s of the signal"),
     ],
@@ -169,9 +180,9 @@ def test_whatever_a_detector_does_fails_its_scenario_with_the_cause(
     assert sentence in outcome.failure
     assert len(outcome.received) == (0 if name == "Made" else BLOCKS if name == "Endless" else 2)
     assert "\x1b" not in outcome.failure
-    if name not in ("Made", "Loud"):
+    if name not in ("Made", "Loud", "Invalid"):
         assert "its last output:\n    block 1\n    block 2\n    block 3" in outcome.failure
-    assert len(outcome.failure) < 1000 or name == "Loud"
+    assert len(outcome.failure) < (3000 if name == "Wordy" else 1000)
     assert capfd.readouterr() == ("", "")
     assert not plugin_process._PROCESSES
 
@@ -219,6 +230,9 @@ def test_a_scenario_has_a_limit_beyond_its_recorded_time(source: Path, bag: Path
     [
         ("import sys; sys.exit(0)", "cannot be imported: SystemExit: 0"),
         ("import os; os._exit(0)", "its process ended with exit status 0 while it was imported"),
+        ("print('no\\nlicence', flush=True); import os; os._exit(1)", "while it was imported; its last output is 'licence'"),
+        ("raise KeyboardInterrupt", "cannot be imported: KeyboardInterrupt"),
+        ("raise MemoryError", "cannot be imported: MemoryError"),
         ("while True: pass", "its import took longer than 4 s (--scenario-limit)"),
     ],
 )
@@ -229,6 +243,20 @@ def test_an_import_that_ends_or_hangs_is_refused(text: str, sentence: str, tmp_p
         DetectorProcess(f"{tmp_path / 'ends.py'}:Detector", limits)
     assert sentence in str(refused.value)
     assert str(refused.value).startswith("--python ")
+
+
+def test_an_import_that_is_interrupted_ends_the_process(source: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    started: list[int] = []
+
+    def interrupted(process: DetectorProcess, *_: object) -> None:
+        started.append(process._process.pid)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(DetectorProcess, "_answered", interrupted)
+    with pytest.raises(KeyboardInterrupt) as kept:  # the exception keeps the guard of the process from being collected
+        DetectorProcess(f"{source}:Well", Limits())
+    assert not runs(started[0])
+    del kept
 
 
 def test_a_detector_that_ends_its_process_fails_one_scenario_and_the_others_are_scored(tmp_path: Path) -> None:

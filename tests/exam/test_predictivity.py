@@ -12,6 +12,7 @@ import pytest
 from attacked_files import ATTACKS
 from full_disk import files_of_at_most
 from same_process import dcrb
+from waiting import runs, wait_for
 
 from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.exam import predictivity_marks, predictivity_report
@@ -24,7 +25,7 @@ from dcrb_ros.exam.marking import VerdictMarking
 from dcrb_ros.exam.measured import led_scenarios, read_measured, whole_scenarios
 from dcrb_ros.exam.plugin import load_plugin
 from dcrb_ros.exam.predictivity import Compared, Marks, class_mean, drawn_bearings, drawn_families, halves, predictivities, scopes
-from dcrb_ros.exam.predictivity_marks import answers_of
+from dcrb_ros.exam.predictivity_marks import answers_of, run_member
 from dcrb_ros.exam.predictivity_report import Comparison, as_json, compare_entries, markdown
 from dcrb_ros.exam.predictivity_task import measured_tasks
 from dcrb_ros.exam.verification import differences
@@ -170,6 +171,74 @@ def test_families_are_files_with_a_complete_detector(tmp_path: Path) -> None:
     (tmp_path / "empty" / "alone.py").write_text("import helper_elsewhere\n")
     with pytest.raises(Refusal, match=r"no detector that can be used: \S*alone.py cannot be imported: .*'helper_elsewhere'"):
         families_of(tmp_path / "empty")
+
+
+FAMILY = "class Detector:\n    def __init__(self, orders, rate): pass\n    def update(self, *block): return 'healthy'\n"
+IMPORTS = {
+    "exits": ("import os; os._exit(7)", "its process ended with exit status 7 while it was imported"),
+    "interrupted": ("raise KeyboardInterrupt", "cannot be imported: KeyboardInterrupt"),
+    "asking": ("input()", "cannot be imported: EOFError"),
+    "large": ("memory = bytearray(8 << 30)", "cannot be imported: MemoryError"),
+    "loud": ("while True: print('x' * 100_000)", "it printed more than 16 MiB while it was imported"),
+    "listed": ("VARIANTS = ['fast']", "VARIANTS is ['fast']: give a mapping from the name of each member"),
+    "numbered": ("VARIANTS = {'fast': 3}", "VARIANTS is {'fast': 3}: give a mapping"),
+}
+
+
+@pytest.mark.parametrize("name", IMPORTS)
+def test_a_family_that_cannot_be_imported_is_left_out_with_the_reason(name: str, tmp_path: Path) -> None:
+    source, reason = IMPORTS[name]
+    (tmp_path / f"{name}.py").write_text(f"{source}\n{FAMILY}")
+    (tmp_path / "sound.py").write_text(FAMILY)
+    members, (broken,) = families_of(tmp_path)
+    assert [one.name for one in members] == ["sound"]
+    assert broken.name == name
+    assert reason in broken.reason
+    assert broken.reason.startswith(f"{tmp_path / name}.py")
+
+
+def test_what_a_family_starts_or_prints_at_its_import_does_not_hinder_it(tmp_path: Path) -> None:
+    noted = tmp_path / "process"
+    start = f"import atexit, subprocess\nopen({str(noted)!r}, 'w').write(str(subprocess.Popen(['sleep', '1000']).pid))\n"
+    (tmp_path / "starting.py").write_text(f"{start}atexit.register(print, '\\nbye')\n{FAMILY}")
+    members, broken = families_of(tmp_path)
+    assert [one.name for one in members] == ["starting"]
+    assert not broken
+    wait_for(lambda: not runs(int(noted.read_text())))
+
+
+def test_what_is_named_like_a_source_but_is_none_is_left_out(tmp_path: Path) -> None:
+    (tmp_path / "folder.py").mkdir()
+    (tmp_path / "sound.py").write_text(FAMILY)
+    members, broken = families_of(tmp_path)
+    assert [one.name for one in members] == ["sound"]
+    assert [(one.name, "is not a file that can be read" in one.reason) for one in broken] == [("folder", True)]
+
+
+def test_two_detectors_of_one_name_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder, detectors = measured_folder(tmp_path / "measured"), folder_of_detectors(tmp_path / "detectors")
+    (detectors / "other.py").write_text(FAMILY)
+    made, kept = tmp_path / "replica.yaml", tmp_path / "kept"
+    assert dcrb("exam", "replica", str(folder), "--without", "background", "-o", str(made)) == 0
+    given = ("--replica", str(made), "--detectors", str(detectors), "--recordings", str(kept), "--workers", "1", "--quiet")
+    assert dcrb("exam", "predictivity", str(folder), *given) == 2
+    assert "the name 'other' is that of detectors in calm and other: give each another name" in capsys.readouterr().err
+
+
+def test_a_table_that_is_not_there_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    given = ("--replica", str(Path(__file__).parents[2] / "examples" / "detectors" / "exam.yaml"))
+    assert dcrb("exam", "predictivity", str(tmp_path / "none.csv"), *given) == 2
+    assert capsys.readouterr().err == f"dcrb: {tmp_path / 'none.csv'} cannot be read: No such file or directory\n"
+
+
+def test_a_limit_without_an_option_names_none(tmp_path: Path) -> None:
+    (tmp_path / "slow.py").write_text(FAMILY.replace("return 'healthy'", "__import__('time').sleep(1e3)"))
+    tasks = measured_tasks(read_measured(measured_folder(tmp_path / "measured")), 1.0)
+    reason = run_member(f"{tmp_path / 'slow.py'}:Detector", tasks, Limits(block=1.0, options=False))
+    assert reason == "it failed on calm_1: a block took longer than 1 s at 0.00 s of the signal"
+    (tmp_path / "slow.py").write_text("while True: pass\n")
+    reason = run_member(f"{tmp_path / 'slow.py'}:Detector", tasks, Limits(scenario=3.0, options=False))
+    assert reason == f"{tmp_path / 'slow.py'}:Detector cannot be used: its import took longer than 3 s"
 
 
 def test_a_changed_file_or_helper_is_another_detector(tmp_path: Path) -> None:

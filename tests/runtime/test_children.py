@@ -38,6 +38,34 @@ if __name__ == "__main__":
     print(next(jobs)[1], flush=True)
     threading.Event().wait(1000.0)
 """
+STOPPED_POOL = """
+import multiprocessing, os, signal, sys, time
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
+from pathlib import Path
+from dcrb_ros.runtime.processes import in_processes
+
+workers = []
+
+def submit(pool, call, submit=ProcessPoolExecutor.submit):
+    future = submit(pool, call)
+    workers.extend(worker.pid for worker in multiprocessing.active_children())
+    os.kill(os.getpid(), signal.SIGINT)
+    return future
+
+if __name__ == "__main__":
+    ProcessPoolExecutor.submit = submit
+    try:
+        next(in_processes({number: partial(time.sleep, 1000.0) for number in range(2)}, 2))
+    except KeyboardInterrupt:
+        sys.exit(1 if not workers or any(Path("/proc", str(worker)).exists() for worker in workers) else 7)
+"""
+
+
+def test_a_pool_that_is_stopped_while_its_workers_start_ends_at_once(tmp_path: Path) -> None:
+    (tmp_path / "program.py").write_text(STOPPED_POOL)
+    done = subprocess.run([sys.executable, str(tmp_path / "program.py")], timeout=PATIENCE, check=False)
+    assert done.returncode == 7
 
 
 def test_a_child_ends_like_after_sigterm_when_its_standard_input_is_closed() -> None:

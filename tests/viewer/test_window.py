@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from waiting import wait_for
 
 from dcrb_ros.viewer import window
 
@@ -36,8 +37,16 @@ def test_a_closed_window_is_no_failure(tmp_path: Path, monkeypatch: pytest.Monke
     assert window.open_window(tmp_path / "none.rrd") == 0
 
 
-def test_the_viewer_logs_errors_only_and_no_escape_codes(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_viewer_logs_errors_only_and_no_escape_codes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("RUST_LOG", raising=False)
-    assert {"RUST_LOG": "error", "NO_COLOR": "1"}.items() <= window._environment().items()
+    assert {"RUST_LOG": "error", "NO_COLOR": "1"}.items() <= window._environment(tmp_path).items()
     monkeypatch.setenv("RUST_LOG", "debug")
-    assert window._environment()["RUST_LOG"] == "debug"
+    assert window._environment(tmp_path)["RUST_LOG"] == "debug"
+
+
+def test_a_viewer_that_is_killed_leaves_its_files_beside_the_document(tmp_path: Path) -> None:
+    assert window._environment(tmp_path)["TMPDIR"] == str(tmp_path)
+    command = [sys.executable, "-c", "import tempfile, time; tempfile.mkdtemp(prefix='viewer-'); time.sleep(1000)"]
+    with window._running(command, tmp_path):
+        wait_for(lambda: any(tmp_path.iterdir()))
+    assert [path.name.startswith("viewer-") for path in tmp_path.iterdir()] == [True]
