@@ -86,7 +86,7 @@ def sorted_changes(vehicle: Vehicle, wheels: Mapping[str, Wheel], changes: Mappi
         if parameter == "wheel":
             defects = ", ".join(f"{key}.{defect}" for defect in Wheel.model_fields)
             raise Refusal(f"{where}'{key}' is a group of parameters: give one of {defects}")
-        if parameter == SWAPPED:
+        if parameter in (SWAPPED, "bench"):
             raise Refusal(f"{where}'{key}' cannot change during a run: give it in the vehicle's file")
         if parameter.startswith("wheel."):
             worn.setdefault(name, {})[parameter.removeprefix("wheel.")] = value

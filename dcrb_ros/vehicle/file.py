@@ -14,10 +14,11 @@ import yaml
 
 from dcrb_ros.schema.arguments import of_type, texts
 from dcrb_ros.schema.fields import Group
+from dcrb_ros.schema.parameter_field import more
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten, load_configuration, nest, validated
-from dcrb_ros.settings.sections import KEY
+from dcrb_ros.settings.sections import read_sections
 from dcrb_ros.settings.shipped import find_shipped
 from dcrb_ros.text.yaml import parsed, read_yaml
 from dcrb_ros.vehicle.description import SIDES, Axle, Body, Box, Frame, Gear, Journey, Motor, Paths, Suspension, Track, Vehicle, Wheel
@@ -53,6 +54,8 @@ OWN_BACKGROUND = ("impact_rate", "impact_level", "hum_level", "hum_frequency")
 SWAPPED = "sensor.swapped_with"
 """Key of the box whose accelerometer is connected to the channel of this one."""
 SEEDS = 2**31 - 1
+NODE = "vehicle_simulator"
+"""Node whose sections of a ROS parameter file describe the vehicle."""
 
 
 def read_vehicle(source: str | Path, settings: Sequence[str] | Mapping[str, Any] = ()) -> Vehicle:
@@ -80,13 +83,14 @@ def read_parameters(source: str | Path, settings: Sequence[str] | Mapping[str, A
         texts("settings", settings)
     path = find_shipped("vehicle", source)
     tree = read_yaml(path)
-    while isinstance(tree, Mapping) and len(tree) == 1 and (next(iter(tree)) in ("/**", KEY)):
-        tree = next(iter(tree.values()))
-    if not isinstance(tree, Mapping):
+    if not isinstance(tree, Mapping) or not tree:
         raise Refusal(
             f"{source} is not a vehicle: give groups such as 'vehicle: {{speed_kmh: 100.0}}' and 'axle_1: {{left: {{}}, right: {{}}}}'"
         )
-    return layered(tree, settings)
+    sections, wrong = read_sections(tree, NODE)
+    if wrong:
+        raise Refusal(f"{source}: {wrong[0]}{more(len(wrong))}")
+    return layered({key: value for section in sections for key, value in flatten(section).items()}, settings)
 
 
 def layered(tree: Mapping[str, Any], settings: Sequence[str] | Mapping[str, Any]) -> dict[str, Any]:
@@ -219,7 +223,7 @@ def _axle(source: str, name: str, given: Any) -> tuple[Axle, dict[str, Mapping[s
         if not isinstance(parameters, Mapping):
             raise Refusal(f"{source}: {name}.{part} = {parameters} is not a group of parameters")
         drive[part] = validated(as_floats(flatten(parameters), model), model, f"{source}, {name}.{part}")
-    boxes = {side: given[side] or {} for side in SIDES if side in given}
+    boxes = {side: {} if given[side] is None else given[side] for side in SIDES if side in given}
     for side, box in boxes.items():
         if not isinstance(box, Mapping):
             raise Refusal(f"{source}: {name}.{side} = {box} is not a box: give {{}} for the bench without changes")
@@ -240,6 +244,9 @@ def _box(
     swapped = flat.pop(SWAPPED, "")
     if not isinstance(swapped, str):
         raise Refusal(f"{source}: {name}.{SWAPPED} = {swapped} is not the name of a box, such as axle_2.left")
+    if flat.get("wheel", {}) != {}:
+        raise Refusal(f"{source}: {name}.wheel = {flat['wheel']} is not a group of parameters: give one of {', '.join(Wheel.model_fields)}")
+    flat.pop("wheel", None)
     wheel = {key.removeprefix("wheel."): flat.pop(key) for key in list(flat) if key.startswith("wheel.")}
     for key in flat:
         if owner := made_by_vehicle(key):

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from dcrb_ros.schema.arguments import of_type
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.numbers import finite_number
 from dcrb_ros.schema.refusal import Refusal
@@ -107,8 +108,9 @@ class VehicleSimulation:
         Raises
         ------
         Refusal
-            A parameter of the vehicle is invalid.
+            The vehicle is of another type, or one of its parameters is invalid.
         """
+        of_type(Vehicle)("vehicle", vehicle)
         self.vehicle = vehicle
         self._model = VehicleModel(vehicle)
         self.scenario = scenario or VehicleScenario({}, ())

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 from altered_recording import altered
 from mcap.records import Metadata
 from same_process import dcrb
@@ -28,7 +29,7 @@ from dcrb_ros.recordings.vehicle import VehicleRecording, VehicleReproduction
 from dcrb_ros.recordings.vehicle_recorder import VehicleRecorder
 from dcrb_ros.recordings.verification import digest_mismatch
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.settings.files import flatten, load_configuration
 from dcrb_ros.settings.shipped import shipped
 from dcrb_ros.simulation.failure import ModelFailure
 from dcrb_ros.simulation.loop import Simulation
@@ -171,6 +172,7 @@ def test_slides_and_wheels_change_while_the_vehicle_runs() -> None:
         ({"axle_1.left.operating.speed": 50.0}, "belongs to the vehicle"),
         ({"axle_1.left.background.flat_level": 5.0}, "belongs to the vehicle"),
         ({"axle_1.left.sensor.swapped_with": "axle_2.left"}, "cannot change during a run"),
+        ({"axle_1.left.bench": "dry"}, "'axle_1.left.bench' cannot change during a run: give it in the vehicle's file"),
         ({"axle_1.slide": 0.5}, "outside 0 .. 0.2"),
         ({"axle_1.slide": True}, "outside 0 .. 0.2"),
         ({"axle_1.left.wheel.flat": 5.0}, "flat"),
@@ -362,6 +364,9 @@ def test_a_run_in_which_every_channel_is_silent_ends_with_a_sentence(monkeypatch
             "mine.yaml, vehicle: speed_kmh = 200 .* loads axle_1.right with -118.9 kN",
         ),
         ({"axle_1.left": 5}, "is not a box"),
+        ({"axle_1.left": 0}, "axle_1.left = 0 is not a box"),
+        ({"axle_1.left": []}, "is not a box"),
+        ({"axle_1.left.wheel": 5}, "axle_1.left.wheel = 5 is not a group of parameters: give one of unbalance"),
         ({"axle_1.gear": "spur"}, "axle_1.gear = spur is not a group"),
         ({"axle_1.left.recording.path": "bag"}, "belongs to the whole vehicle"),
         ({"publishing.block_sice": 512}, "block_sice"),
@@ -381,6 +386,31 @@ def test_a_vehicle_that_cannot_be_is_refused_in_a_sentence(parameters: dict[str,
     with pytest.raises(Refusal, match=message) as caught:
         vehicle_of(whole, "mine.yaml")
     assert "\n" not in str(caught.value)
+
+
+def test_empty_boxes_and_wheels_are_those_without_changes() -> None:
+    sides = {"left": None, "right": {"wheel": {}}}
+    assert vehicle_of(flatten({"axle_1": sides, "axle_2": sides}), "mine.yaml").boxes == vehicle_of({name: {} for name in BOXES}, "").boxes
+
+
+@pytest.mark.parametrize("section", ["/**", "vehicle_simulator", "/dcrb/vehicle_simulator"])
+def test_a_parameter_file_of_ros_describes_a_vehicle(section: str, tmp_path: Path) -> None:
+    file = tmp_path / "mine.yaml"
+    tree = {section: {"ros__parameters": {"vehicle": {"speed_kmh": 90.0}}}, "/**/vehicle_detector": {"ros__parameters": {"window": 3.0}}}
+    file.write_text(yaml.safe_dump(tree), encoding="utf-8")
+    assert read_parameters(file, ["axle_1.creep=0.001"]) == {"vehicle.speed_kmh": 90.0, "axle_1.creep": 0.001}
+
+
+def test_what_no_node_reads_in_a_file_of_a_vehicle_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "mine.yaml"
+    file.write_text("/**: {ros__parameters: {vehicle: {speed_kmh: 90.0}}}\ntrack: {joints: 20.0}", encoding="utf-8")
+    with pytest.raises(Refusal, match=r"mine\.yaml: 'track' is beside the section '/\*\*', so no node would read it"):
+        read_parameters(file)
+
+
+def test_another_type_than_a_vehicle_is_refused() -> None:
+    with pytest.raises(Refusal, match="vehicle is a int: give a value of the type Vehicle"):
+        VehicleSimulation(3)  # type: ignore[arg-type]
 
 
 def test_a_wheelset_on_a_track_has_two_boxes() -> None:

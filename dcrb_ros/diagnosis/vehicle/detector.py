@@ -120,10 +120,14 @@ class VehicleDetector:
         Raises
         ------
         Refusal
-            A box is unknown, or a block has arrays of another shape or type; the detector continues with the next blocks.
+            A box is unknown, what is given is no block, or it has arrays of another shape or type; the detector continues with the next
+            blocks.
         """
-        for name in blocks:
+        of_type(Mapping)("blocks", blocks)
+        for name, block in blocks.items():
             self._known(name)
+            if not all(hasattr(block, field) for field in BoxBlock.__annotations__):
+                raise Refusal(f"{block!r} is not a block of {name}: give a BoxBlock with {', '.join(BoxBlock.__annotations__)}")
         diagnosis = None
         for pieces in _divided(blocks, self._hop):
             for name, (index, acceleration, angle) in pieces.items():

@@ -257,6 +257,14 @@ def test_an_unknown_box_is_refused_by_name() -> None:
         VehicleDetector(DESCRIPTION).add({"axle_1/lefft": BoxBlock(0, np.zeros((10, 2)), np.zeros(10))})
 
 
+@pytest.mark.parametrize(
+    ("blocks", "message"), [(None, "blocks is a NoneType"), ({"axle_1/left": 3}, "3 is not a block of axle_1/left: give a BoxB")]
+)
+def test_what_is_no_block_is_refused(blocks: Any, message: str) -> None:
+    with pytest.raises(Refusal, match=message):
+        VehicleDetector(DESCRIPTION).add(blocks)
+
+
 def test_bands_without_a_width_are_refused() -> None:
     with pytest.raises(Refusal, match="are empty"):
         VehicleDetector(DESCRIPTION, VehicleDetectorParameters(wheel_low=9000.0, wheel_high=8000.0))
