@@ -9,7 +9,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.text.files import checked_path
+from dcrb_ros.text.files import checked_path, special_kind
 from dcrb_ros.text.temporary import WRITING, abandoned, new_locked, remove, remove_abandoned
 
 PICTURES = (".png", ".svg", ".pdf")
@@ -65,11 +65,14 @@ def check_free(option: str, path: Path, *, force: bool) -> None:
 def check_file(option: str, file: Path, suffixes: Sequence[str] = (), *, force: bool) -> None:
     """Refuse a file that could not be written, or that exists unless ``force`` is given; `whole_file` then replaces it in one step.
 
+    A device or a pipe, such as ``/dev/stdout``, is not replaced but written.
+
     Raises:
         Refusal: see `check_output` and `check_free`.
     """
     check_output(option, file, suffixes)
-    check_free(option, file, force=force)
+    if not special_kind(file):
+        check_free(option, file, force=force)
 
 
 def check_force(outputs: str, *given: object, force: bool) -> None:

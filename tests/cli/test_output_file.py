@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -46,6 +47,12 @@ def test_an_existing_file_is_checked_but_not_moved(tmp_path: Path) -> None:
     with pytest.raises(Refusal, match=r"-o .*/b is a folder: give the name of a file in it"):
         check_file("-o", tmp_path / "b", force=True)
     assert (tmp_path / "a").read_text() == "old"
+
+
+def test_a_device_or_a_pipe_is_written_without_force(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    for path in (tmp_path / "pipe", Path("/dev/null")):
+        check_file("--junit", path, force=False)
 
 
 def test_an_existing_file_or_recording_is_replaced(bag: Path, tmp_path: Path) -> None:
