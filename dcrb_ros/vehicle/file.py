@@ -119,35 +119,14 @@ def vehicle_of(flat: Mapping[str, Any], source: str) -> Vehicle:
     # Empty groups are copied, because other keys may be put into them.
     own = {key: {} if value == {} else value for key, value in flat.items() if key not in common and (value != {} or key not in GROUPS)}
     tree = nest(own)
-    names = [*GROUPS, *COMMON, *DEFAULT_X]
-    unknown = next((name for name in tree if name not in names), None)
-    if unknown is not None:
-        raise Refusal(f"{source}: unknown group '{unknown}'{nearest(str(unknown), names)} (known: {', '.join(names)})")
-    groups: dict[str, Any] = {}
-    for name, model in GROUPS.items():
-        given = tree.get(name, {})
-        if not isinstance(given, Mapping):
-            raise Refusal(f"{source}: {name} = {given} is not a group of parameters")
-        groups[name] = validated(as_floats(flatten(given), model), model, f"{source}, {name}")
+    groups = _groups(source, tree)
     axles: list[Axle] = []
     parts: list[tuple[str, int, str, Mapping[str, Any]]] = []
     for number, name in enumerate(name for name in DEFAULT_X if name in tree):
         axle, sides = _axle(source, name, tree[name])
         axles.append(axle)
         parts += [(f"{name}.{side}", number, side, given) for side, given in sides.items()]
-    if not parts:
-        raise Refusal(f"{source}: there is no box: give axle_1 with left, right or both")
-    if len(axles) == 2 and abs(axles[0].x - axles[1].x) < axles[0].radius + axles[1].radius:
-        raise Refusal(
-            f"{source}: the wheels of {axles[0].name} at x = {axles[0].x:g} m and of {axles[1].name} at x = {axles[1].x:g} m overlap: "
-            f"place the wheelsets at least {axles[0].radius + axles[1].radius:g} m apart"
-        )
-    bare_axle = next((axle.name for number, axle in enumerate(axles) if all(part[1] != number for part in parts)), None)
-    if bare_axle is not None:
-        raise Refusal(f"{source}: {bare_axle} has no box: give left and right ({{}} for the bench without changes), or leave it out")
-    half = next((axle.name for number, axle in enumerate(axles) if sum(part[1] == number for part in parts) == 1), None)
-    if half is not None and not is_smooth(groups["track"]):
-        raise Refusal(f"{source}: {half} has one box, but it rolls on two wheels: give both ({{}} for the bench without changes)")
+    _check_wheelsets(source, axles, [axle for _, axle, _, _ in parts], groups["track"])
     journey: Journey = groups["vehicle"]
     bench = load_configuration(journey.bench)
     _check_run(source, bench, common)
@@ -161,6 +140,44 @@ def vehicle_of(flat: Mapping[str, Any], source: str) -> Vehicle:
         turning = speed * (1.0 + axle.creep - axle.slide) / axle.radius
         configuration, wheel, swapped = _box(source, name, {**common, **given}, journey, turning, x, -y)
         boxes.append(Box(name, box.axle, box.side, configuration, wheel, swapped))
+    _check_clock(source, boxes)
+    return replace(vehicle, boxes=_connected(source, boxes))
+
+
+def _groups(source: str, tree: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the groups of the vehicle."""
+    names = [*GROUPS, *COMMON, *DEFAULT_X]
+    unknown = next((name for name in tree if name not in names), None)
+    if unknown is not None:
+        raise Refusal(f"{source}: unknown group '{unknown}'{nearest(str(unknown), names)} (known: {', '.join(names)})")
+    groups: dict[str, Any] = {}
+    for name, model in GROUPS.items():
+        given = tree.get(name, {})
+        if not isinstance(given, Mapping):
+            raise Refusal(f"{source}: {name} = {given} is not a group of parameters")
+        groups[name] = validated(as_floats(flatten(given), model), model, f"{source}, {name}")
+    return groups
+
+
+def _check_wheelsets(source: str, axles: Sequence[Axle], boxes: Sequence[int], track: Track) -> None:
+    """Refuse wheelsets that overlap or lack boxes; ``boxes`` has the number of the wheelset of each box."""
+    if not boxes:
+        raise Refusal(f"{source}: there is no box: give axle_1 with left, right or both")
+    if len(axles) == 2 and abs(axles[0].x - axles[1].x) < axles[0].radius + axles[1].radius:
+        raise Refusal(
+            f"{source}: the wheels of {axles[0].name} at x = {axles[0].x:g} m and of {axles[1].name} at x = {axles[1].x:g} m overlap: "
+            f"place the wheelsets at least {axles[0].radius + axles[1].radius:g} m apart"
+        )
+    for number, axle in enumerate(axles):
+        count = boxes.count(number)
+        if count == 0:
+            raise Refusal(f"{source}: {axle.name} has no box: give left and right ({{}} for the bench without changes), or leave it out")
+        if count == 1 and not is_smooth(track):
+            raise Refusal(f"{source}: {axle.name} has one box, but it rolls on two wheels: give both ({{}} for the bench without changes)")
+
+
+def _check_clock(source: str, boxes: Sequence[Box]) -> None:
+    """Refuse boxes that differ in what all share."""
     first = boxes[0].configuration
     for box in boxes[1:]:
         for what, here, there in (
@@ -171,7 +188,6 @@ def vehicle_of(flat: Mapping[str, Any], source: str) -> Vehicle:
         ):
             if here != there:
                 raise Refusal(f"{source}: {boxes[0].name} and {box.name} differ in {what} ({here} and {there}): boxes share one clock")
-    return replace(vehicle, boxes=_connected(source, boxes))
 
 
 def _check_run(source: str, bench: Configuration, common: Mapping[str, Any]) -> None:
