@@ -6,11 +6,11 @@ import os
 import struct
 import zlib
 from abc import ABC, abstractmethod
-from collections.abc import Container, Iterator
+from collections.abc import Container, Iterator, Sequence
 from contextlib import suppress
 from io import BytesIO
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, NamedTuple
 
 import lz4.frame
 import zstandard
@@ -105,15 +105,17 @@ class McapRecords(FileRecords):
             if stream.read(len(MAGIC)) != MAGIC:
                 self._report("it does not begin as an MCAP file")
                 return
-            known, starts = _summary(stream, size)
-            self._summarized = {(type(record), record.id): record for record in known}
-            for record in known:
+            summary = _summary(stream, size)
+            if summary.changed:
+                self._report("the summary does not match its checksum, so it is not used")
+            self._summarized = {(type(record), record.id): record for record in summary.known}
+            for record in summary.known:
                 self._register(record)
                 yield record
-            yield from self._data(stream, size, starts)
+            yield from self._data(stream, size, summary)
 
-    def _data(self, stream: BinaryIO, size: int, starts: list[int]) -> Iterator[Any]:
-        """Yield the records up to the footer; after an invalid length continue at the next of the chunks, which begin at ``starts``."""
+    def _data(self, stream: BinaryIO, size: int, summary: Summary) -> Iterator[Any]:
+        """Yield the records up to the footer, or to a changed summary; after an invalid length continue at the next chunk."""
         offset = len(MAGIC)
         while True:
             stream.seek(offset)
@@ -122,13 +124,13 @@ class McapRecords(FileRecords):
             if offset + HEAD.size + length > size or not opcode:
                 missing = "the footer is missing" if offset == size else f"the record at byte {offset} reaches beyond the end of the file"
                 self._report(f"{missing} at {size}")
-                later = [start for start in starts if offset < start < size]
+                later = [start for start in summary.chunks if offset < start < size]
                 if not later:
                     return
                 offset = later[0]
                 continue
             yield from self._record(stream, opcode, length, offset)
-            if opcode == Opcode.FOOTER:
+            if opcode == Opcode.FOOTER or (opcode == Opcode.DATA_END and summary.changed):
                 return
             offset += HEAD.size + length
 
@@ -263,35 +265,46 @@ def decompressed(chunk: Chunk) -> bytes:
 def has_summary(path: Path) -> bool:
     """Return whether a file ends with an intact summary, which most other readers need."""
     with path.open("rb") as stream:
-        return bool(_summary(stream, path.stat().st_size)[0])
+        return bool(_summary(stream, path.stat().st_size).known)
 
 
-def _summary(stream: BinaryIO, size: int) -> tuple[list[Any], list[int]]:
-    """Return schemas and channels from the summary of a file, and the positions of its chunks; nothing if it is missing or was changed.
+class Summary(NamedTuple):
+    """What the summary of a file says; nothing if it is missing or was changed.
 
     Schemas and channels are also in the chunks, but those may be damaged.
     """
+
+    known: Sequence[Any] = ()
+    """Schemas and channels."""
+    chunks: Sequence[int] = ()
+    """Positions of the chunks in increasing order [bytes]."""
+    changed: bool = False
+    """Whether it does not match its checksum."""
+
+
+def _summary(stream: BinaryIO, size: int) -> Summary:
+    """Return the summary of a file."""
     known: list[Any] = []
     starts: list[int] = []
     stream.seek(max(0, size - FOOTER - len(MAGIC)))
     tail = stream.read(FOOTER + len(MAGIC))
     if len(tail) < FOOTER + len(MAGIC) or not tail.endswith(MAGIC) or tail[0] != Opcode.FOOTER:
-        return known, starts
+        return Summary()
     begin, _, checksum = FOOTER_FIELDS.unpack_from(tail, HEAD.size)
     end = size - len(tail)
     if not len(MAGIC) < begin < end or end - begin > MAX_RECORD:
-        return known, starts
+        return Summary()
     stream.seek(begin)
     summary = stream.read(end - begin)
     if checksum not in (0, zlib.crc32(summary + tail[: FOOTER - CHECKSUM])):
-        return known, starts
+        return Summary(changed=True)
     with suppress(Exception):  # what follows damage in a summary without a checksum counts as missing
         for opcode, _, payload in _records(summary):
             if opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
                 known.append(parsed(opcode, bytes(payload)))
             elif opcode == Opcode.CHUNK_INDEX:
                 starts.append(CHUNK_START.unpack_from(payload)[2])
-    return known, sorted(starts)
+    return Summary(known, sorted(starts))
 
 
 def _records(data: bytes) -> Iterator[tuple[int, int, memoryview]]:
