@@ -67,6 +67,7 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
     if _importing(frame):  # an exception in an import may be swallowed, or leave half a module behind
         _deliver_later(number)
     else:
+        sys.unraisablehook = _deliver_again_in_silence
         raise KeyboardInterrupt
 
 
@@ -84,6 +85,12 @@ def _deliver_again(unraisable: sys.UnraisableHookArgs) -> None:
         _deliver_later(signal.SIGINT)
     else:
         sys.__unraisablehook__(unraisable)
+
+
+def _deliver_again_in_silence(unraisable: sys.UnraisableHookArgs) -> None:
+    """Deliver a swallowed interrupt again; report nothing else, such as the destructor of an object that an interrupt left half made."""
+    if isinstance(unraisable.exc_value, KeyboardInterrupt):
+        _deliver_later(signal.SIGINT)
 
 
 def _deliver_later(number: int) -> None:

@@ -87,6 +87,26 @@ except KeyboardInterrupt:
     assert run(code) == (0, "interrupted\n")
 
 
+def test_the_destructor_of_an_object_that_an_interrupt_left_half_made_prints_nothing() -> None:
+    code = """
+class HalfMade:
+    def __init__(self):
+        send()
+        for _ in range(1000): pass
+        self.part = 1
+    def __del__(self):
+        del self.part
+
+signals.interrupt()
+try:
+    HalfMade()
+except KeyboardInterrupt as interrupt:
+    del interrupt
+print("stopped")
+"""
+    assert run(code) == (0, "stopped\n")
+
+
 def test_other_failures_of_destructors_are_reported() -> None:
     status, printed = run("signals.interrupt()\nclass Failing:\n    def __del__(self): raise ValueError('mine')\nFailing()\n")
     assert (status, "ValueError: mine" in printed) == (0, True)
