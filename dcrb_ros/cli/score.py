@@ -187,7 +187,10 @@ def _check_effect(context: typer.Context, measured: Path | None, node: str | Non
 
 
 def _is_recording(path: Path) -> bool:
-    """Return whether a path is that of a recording or of a box in one; a missing one, or an exam's name as a folder without any, is not."""
+    """Return whether a path names a recording or a box in one, and not an exam.
+
+    A folder with the name of a shipped exam is a recording only if it contains one.
+    """
     if path.is_dir():
         from dcrb_ros.settings.shipped import shipped
 

@@ -27,7 +27,7 @@ def class_and_variants(name: str) -> dict[str, Any]:
         Refusal: it cannot be imported, has several detectors, or its `VARIANTS` are invalid.
     """
     module = load_module(name, name)
-    found = [
+    detectors = [
         value.__name__
         for value in vars(module).values()
         if inspect.isclass(value)
@@ -35,7 +35,7 @@ def class_and_variants(name: str) -> dict[str, Any]:
         and callable(getattr(value, "update", None))
         and not inspect.isabstract(value)
     ]
-    if len(found) > 1:
-        raise Refusal(f"{name} has {len(found)} detectors ({', '.join(found)}): give every family a file of its own")
-    variants = variants_of(name, module) if found else {}
-    return {"class": found[0] if found else None, "variants": {key: repr(settings) for key, settings in variants.items()}}
+    if len(detectors) > 1:
+        raise Refusal(f"{name} has {len(detectors)} detectors ({', '.join(detectors)}): give every family a file of its own")
+    variants = variants_of(name, module) if detectors else {}
+    return {"class": detectors[0] if detectors else None, "variants": {key: repr(settings) for key, settings in variants.items()}}

@@ -52,9 +52,9 @@ class FaultHistory:
         ends = [*(time for time, _ in self.faults[1:]), math.inf]
         correct = dict.fromkeys(class_of(names) for (_, names), end in zip(self.faults, ends, strict=True) if end >= onset)
         if contradicts(verdict, correct):
-            found = " and then ".join(present for present in correct if present != "healthy") or "healthy"
+            classes = " and then ".join(present for present in correct if present != "healthy") or "healthy"
             raise Refusal(
-                f"{where}: verdict = {verdict} contradicts its faults, which make {found} correct: change the verdict, or the faults in "
+                f"{where}: verdict = {verdict} contradicts its faults, which make {classes} correct: change the verdict, or the faults in "
                 "base, set, fault, scenario and timeline"
             )
 

@@ -200,6 +200,7 @@ def _check_words(row: dict[str, str], folder: Path) -> None:
 
 
 def _number(row: dict[str, str], column: str) -> float:
+    """Return the number in a column."""
     try:
         return float(row[column])
     except (TypeError, ValueError):

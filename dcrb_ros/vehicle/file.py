@@ -150,13 +150,14 @@ def _groups(source: str, tree: Mapping[str, Any]) -> dict[str, Any]:
     unknown = next((name for name in tree if name not in names), None)
     if unknown is not None:
         raise Refusal(f"{source}: unknown group '{unknown}'{nearest(str(unknown), names)} (known: {', '.join(names)})")
-    groups: dict[str, Any] = {}
-    for name, model in GROUPS.items():
-        given = tree.get(name, {})
-        if not isinstance(given, Mapping):
-            raise Refusal(f"{source}: {name} = {given} is not a group of parameters")
-        groups[name] = validated(as_floats(flatten(given), model), model, f"{source}, {name}")
-    return groups
+    return {name: _group(source, name, tree.get(name, {}), model) for name, model in GROUPS.items()}
+
+
+def _group(source: str, name: str, given: Any, model: type[Group]) -> Any:
+    """Return a group of parameters."""
+    if not isinstance(given, Mapping):
+        raise Refusal(f"{source}: {name} = {given} is not a group of parameters: give one of {', '.join(model.model_fields)}")
+    return validated(as_floats(flatten(given), model), model, f"{source}, {name}")
 
 
 def _check_wheelsets(source: str, axles: Sequence[Axle], boxes: Sequence[int], track: Track) -> None:
@@ -233,12 +234,7 @@ def _axle(source: str, name: str, given: Any) -> tuple[Axle, dict[str, Mapping[s
         if isinstance(value, bool) or not isinstance(value, (int, float)) or not low <= value <= high:
             raise Refusal(f"{source}: {name}.{key} = {value} is outside {low:g} .. {high:g} {unit}")
         values[key] = float(value)
-    drive: dict[str, Any] = {}
-    for part, model in DRIVE.items():
-        parameters = given.get(part, {})
-        if not isinstance(parameters, Mapping):
-            raise Refusal(f"{source}: {name}.{part} = {parameters} is not a group of parameters")
-        drive[part] = validated(as_floats(flatten(parameters), model), model, f"{source}, {name}.{part}")
+    drive = {part: _group(source, f"{name}.{part}", given.get(part, {}), model) for part, model in DRIVE.items()}
     boxes = {side: {} if given[side] is None else given[side] for side in SIDES if side in given}
     for side, box in boxes.items():
         if not isinstance(box, Mapping):
@@ -260,9 +256,7 @@ def _box(
     swapped = flat.pop(SWAPPED, "")
     if not isinstance(swapped, str):
         raise Refusal(f"{source}: {name}.{SWAPPED} = {swapped} is not the name of a box, such as axle_2.left")
-    if flat.get("wheel", {}) != {}:
-        raise Refusal(f"{source}: {name}.wheel = {flat['wheel']} is not a group of parameters: give one of {', '.join(Wheel.model_fields)}")
-    flat.pop("wheel", None)
+    _group(source, f"{name}.wheel", flat.pop("wheel", {}), Wheel)
     wheel = {key.removeprefix("wheel."): flat.pop(key) for key in list(flat) if key.startswith("wheel.")}
     for key in flat:
         if owner := made_by_vehicle(key):
