@@ -67,7 +67,8 @@ def bench(
             scheduled_changes(tree, starting_configuration(tree, configuration, str(scenario)), str(scenario))
     else:
         raise Refusal("Missing argument 'CONFIG': give a YAML file or a shipped name, such as healthy, or --vehicle NAME")
-    refuse_late(tree, seconds, f"the scenario {scenario}", "increase --duration or leave out --scenario")
+    if scenario:
+        refuse_late(tree, seconds, f"the scenario {scenario}", "increase --duration or leave out --scenario")
     parameters = detector_parameters(detector)
     recorded = configuration.recording.path
     check_force("--record", recorded, force=force)

@@ -106,8 +106,9 @@ def simulate(
         from dcrb_ros.recordings.recorder import Recorder
         from dcrb_ros.simulation.loop import Simulation
 
-        changes = scheduled_changes(tree, configuration, str(scenario)) if tree else ()
-        refuse_late(tree, seconds, f"the scenario {scenario}", "increase --duration or leave out --scenario")
+        changes = scheduled_changes(tree, configuration, str(scenario)) if tree is not None else ()
+        if scenario:
+            refuse_late(tree, seconds, f"the scenario {scenario}", "increase --duration or leave out --scenario")
         simulation = Simulation(configuration, changes)
         with Recorder(path, configuration, simulation.bodies, scenario=tree) as recorder:
             progress = _run(path.name, simulation.blocks(seconds), seconds, recorder.write, quiet=quiet, partial=True)
@@ -174,7 +175,8 @@ def simulate_vehicle(
     tree, path = read_scenario_file(scenario) if scenario else None, output or Path(Path(source).stem)
     parameters = starting_parameters(tree, read_parameters(source, settings), str(scenario))
     simulation = simulation_of(parameters, source, tree, str(scenario))
-    refuse_late(tree, seconds, f"the scenario {scenario}", "increase --duration or leave out --scenario")
+    if scenario:
+        refuse_late(tree, seconds, f"the scenario {scenario}", "increase --duration or leave out --scenario")
     with replacing("-o", path, force=force), VehicleRecorder(path, parameters, simulation) as recorder:
         progress = _run(path.name, simulation.blocks(seconds), seconds, recorder.write, quiet=quiet, partial=True)
     for failure in simulation.silent.values():

@@ -1,4 +1,4 @@
-"""Scenarios that begin after the end of their run."""
+"""Scenarios that change nothing in their run: empty ones, and those that begin after its end."""
 
 from __future__ import annotations
 
@@ -18,9 +18,11 @@ def refuse_late(tree: Any, end: float, scenario: str, remedy: str) -> None:
         remedy: what to change.
 
     Raises:
-        Refusal: it has no ``start``, and every entry is at or after the end.
+        Refusal: it has no ``start``, and no entry before the end.
     """
     timeline = tree.get("timeline") if isinstance(tree, Mapping) and not tree.get("start") else None
+    if tree is None or timeline == []:
+        raise Refusal(f"{scenario} has no entries, so that it changes nothing: give some under 'timeline:', or leave it out")
     entries = timeline if isinstance(timeline, list) else []
     times = [entry.get("at") if isinstance(entry, Mapping) else None for entry in entries]
     late = [at for at in times if isinstance(at, (int, float)) and at >= end]

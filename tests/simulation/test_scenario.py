@@ -245,6 +245,16 @@ def test_a_scenario_that_begins_after_the_run_is_refused(command: str, tmp_path:
     assert not (tmp_path / "bag").exists()
 
 
+@pytest.mark.parametrize("command", BENCHES)
+@pytest.mark.parametrize("content", ["", "timeline: []", "{}"])
+def test_a_scenario_without_entries_is_refused(content: str, command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    scenario = tmp_path / "empty.yaml"
+    scenario.write_text(content)
+    assert dcrb(*command.split(), "--scenario", str(scenario), "--duration", "0.2") == 2
+    sentence = "empty.yaml is not a scenario: give" if content == "{}" else "empty.yaml has no entries, so that it changes nothing"
+    assert sentence in capsys.readouterr().err
+
+
 SHIPPED = sorted((Path(__file__).parents[2] / "config" / "scenarios").glob("*.yaml"))
 PROFILES = [path for path in SHIPPED if not path.stem.startswith("bogie")]
 """Those of a bench; tests/vehicle has the others."""
