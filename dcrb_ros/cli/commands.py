@@ -6,6 +6,7 @@ A unit in brackets is not read as markup. An option of one value is taken once, 
 from __future__ import annotations
 
 import copy
+import sys
 from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
@@ -100,6 +101,14 @@ class Commands(typer.Typer):
 
     def __init__(self, *, cls: type[LiteralGroup] = LiteralGroup, **options: Any) -> None:
         super().__init__(cls=cls, no_args_is_help=True, **options)
+
+    def __call__(self, *args: Any, **options: Any) -> Any:
+        """Run the command line. Of the commands, the one that is called is prepared; typer takes 0.06 s for all of them."""
+        called, name = copy.copy(self), sys.argv[1:2]
+        called.registered_commands = [command for command in self.registered_commands if [command.name] == name]
+        called.registered_groups = [group for group in self.registered_groups if [group.name] == name]
+        known = called.registered_commands or called.registered_groups
+        return typer.Typer.__call__(called if known else self, *args, **options)
 
     def command(self, name: str | None = None, **options: Any) -> Any:
         """Return the decorator that adds a command, see `typer.Typer.command`."""

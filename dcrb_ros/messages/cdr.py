@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
+from dcrb_ros.messages.definitions import DEFINITIONS, FIRST
 from dcrb_ros.schema.refusal import Refusal
 
 POINT_CLOUD = "sensor_msgs/msg/PointCloud2"
@@ -26,26 +27,38 @@ STAMP_END = 12
 """Length of a message with a header up to its frame [bytes]."""
 
 
+def typestore(type_name: str) -> Typestore:
+    """Return a type store that has a message type, if ROS 2 Jazzy has it; the types in `definitions` have a store of their own."""
+    own = _own_types()
+    return own if type_name in own.types else _all_types()
+
+
 @cache
-def typestore() -> Typestore:
-    """Return the message types of ROS 2 Jazzy."""
+def _own_types() -> Typestore:
+    store = get_typestore(Stores.EMPTY)
+    store.register(get_types_from_msg(DEFINITIONS, FIRST))
+    return store
+
+
+@cache
+def _all_types() -> Typestore:
     return get_typestore(Stores.ROS2_JAZZY)
 
 
 def definition_of(type_name: str) -> str:
     """Return the text of a message definition with those of nested messages; the empty string if the type is unknown."""
-    store = typestore()
+    store = typestore(type_name)
     return store.generate_msgdef(type_name, ros_version=2)[0] if type_name in store.types else ""
 
 
 def ros_type(name: str) -> Any:
     """Return the class of a message type."""
-    return typestore().types[name]
+    return typestore(name).types[name]
 
 
 def encoded(type_name: str, message: Any) -> bytes:
     """Return a message in CDR."""
-    return bytes(typestore().serialize_cdr(message, type_name))
+    return bytes(typestore(type_name).serialize_cdr(message, type_name))
 
 
 def header(time_ns: int, frame: str = FRAME) -> Any:
@@ -66,7 +79,7 @@ def decoded(data: bytes, type_name: str) -> Any:
         Refusal: the bytes are not such a message.
     """
     try:
-        return typestore().deserialize_cdr(data, type_name)
+        return typestore(type_name).deserialize_cdr(data, type_name)
     except Exception as error:  # the decoders that rosbags generates raise exceptions of any kind
         raise Refusal(f"a message of {len(data)} bytes is not a valid {type_name}: {type(error).__name__}") from None
 

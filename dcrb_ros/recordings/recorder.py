@@ -45,7 +45,7 @@ def qos_profiles(topic: Topic) -> list[dict[str, Any]]:
 
 def channel_of(topic: Topic, namespace: str) -> Channel:
     """Return the description of a topic in a file."""
-    store = typestore()
+    store = typestore(topic.type)
     definition, _ = store.generate_msgdef(topic.type, ros_version=2)
     profiles = str(yaml.safe_dump(qos_profiles(topic), sort_keys=False))
     return Channel(topic.resolved(namespace), topic.type, definition, profiles, store.hash_rihs01(topic.type))

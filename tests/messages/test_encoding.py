@@ -10,9 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from made_up_blocks import BODIES, blocks
+from ros_types import typestore
 from runs import simulated
 
-from dcrb_ros.messages.cdr import IMU, decoded, typestore
+from dcrb_ros.messages.cdr import IMU, decoded
 from dcrb_ros.messages.description import decode_frame, decode_sensor, sensor_text
 from dcrb_ros.messages.encoder import BlockEncoder, diagnosis_messages
 from dcrb_ros.messages.joints import decode_joints

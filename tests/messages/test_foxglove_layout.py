@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 import pytest
 from made_up_blocks import recorded
+from ros_types import typestore
 
 from dcrb_ros.diagnosis.detector import Diagnosis
-from dcrb_ros.messages.cdr import typestore
 from dcrb_ros.messages.encoder import diagnosis_messages
 from dcrb_ros.messages.points import decode_vibration
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, DETECTED, GROUND_TRUTH, NAMESPACE, SIMULATED, VIBRATION

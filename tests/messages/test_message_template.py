@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from ros_types import typestore
 
-from dcrb_ros.messages.cdr import JOINT_STATE, POINT_CLOUD, typestore
+from dcrb_ros.messages.cdr import JOINT_STATE, POINT_CLOUD
 from dcrb_ros.messages.joints import decode_joints, encode_joints
 from dcrb_ros.messages.message_template import MessageTemplate, placeholder_bytes
 from dcrb_ros.messages.plain import encode_preview

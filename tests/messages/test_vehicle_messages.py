@@ -13,8 +13,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from made_up_blocks import BODIES, blocks
+from ros_types import typestore
 
-from dcrb_ros.messages.cdr import decoded, stamp_of, typestore
+from dcrb_ros.messages.cdr import decoded, stamp_of
 from dcrb_ros.messages.statuses import ERROR, OK, WARN, decode_diagnostics
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, SIMULATED
 from dcrb_ros.messages.topics.transforms import TF

@@ -6,9 +6,9 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from made_up_blocks import BODIES, blocks
+from ros_types import typestore
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 
-from dcrb_ros.messages.cdr import typestore
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.topics import NAMESPACE, Message, Topic
 from dcrb_ros.settings.configuration import Configuration
