@@ -48,6 +48,7 @@ def _import_numba() -> None:
     """Import numba with its objects exempt from garbage collection, and change how it loads this package's functions."""
     if "numba" not in sys.modules:
         collecting, unmeasured = gc.isenabled(), "coverage" not in sys.modules
+        gc.collect()  # garbage of the program must not stay; that of the import, some 400 objects, may
         gc.disable()
         if unmeasured:
             sys.modules["coverage"] = None  # type: ignore[assignment]  # numba would import it to report the coverage of kernels
@@ -58,7 +59,6 @@ def _import_numba() -> None:
                 del sys.modules["coverage"]
             if collecting:
                 gc.enable()
-        gc.collect()  # what is garbage already must not stay
         gc.freeze()
     if sys.modules["numba"].__version__ in KNOWN:
         _replace_loading()
