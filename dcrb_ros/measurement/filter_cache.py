@@ -1,6 +1,7 @@
-"""Results of scipy cached on disk beside the compiled kernels: importing scipy takes longer than everything else at a start.
+"""Results cached on disk beside the compiled kernels: importing scipy takes longer than everything else at a start.
 
-These are the designs of filters, the static equilibrium and the weights of the contacts.
+These are the designs of filters, the static equilibrium, the weights of the contacts, and the impulse response of the housing, which takes
+a kernel with 5000 modes 0.03 s.
 """
 
 from __future__ import annotations
@@ -25,6 +26,8 @@ from dcrb_ros.schema.arrays import Floats
 
 MOST_RESULTS = 256
 """Files in the cache of one function; the oldest are removed [-]."""
+MOST_BYTES = 8_000_000
+"""Size of these files together [bytes]."""
 
 P = ParamSpec("P")
 
@@ -100,10 +103,12 @@ def _versions(sources: Path) -> bytes:
 
 
 def _keep_newest(cache: Path, pattern: str) -> None:
-    """Remove all but the newest files of a pattern."""
+    """Remove all but the newest files of a pattern, as many and as large as the limits allow."""
     files = sorted(cache.glob(pattern), key=lambda file: file.stat().st_mtime, reverse=True)
-    for file in files[MOST_RESULTS:]:
-        file.unlink(missing_ok=True)
+    sizes = itertools.accumulate(file.stat().st_size for file in files)
+    for number, (file, size) in enumerate(zip(files, sizes, strict=True)):
+        if number >= MOST_RESULTS or size > MOST_BYTES:
+            file.unlink(missing_ok=True)
 
 
 def _write(made: Floats, path: Path) -> None:

@@ -7,11 +7,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dcrb_ros.measurement.filter_cache import cached_at_start
 from dcrb_ros.measurement.filters import HIGHEST_SHARE, Filter, resonance
 from dcrb_ros.measurement.housing_priors import PRIORS, HousingName
 from dcrb_ros.measurement.random_streams import random_stream
 from dcrb_ros.schema.arrays import Floats
 
+FIRST_HOUSINGS = 8
+"""Impulse responses of a process that are cached on disk [-]: two for each box of a bogie."""
 DURATION = 0.1
 """Length of an impulse response [s]."""
 HIGHEST_MODE = 40000.0
@@ -75,6 +78,7 @@ def seat_sections(modes: DenseModes, rate: float) -> Floats:
     return resonance(min(modes.seat, HIGHEST_SHARE * rate), SEAT_DAMPING, rate)
 
 
+@cached_at_start(FIRST_HOUSINGS)
 def impulse_response(modes: DenseModes, rate: float, direct: Floats) -> Floats:
     r"""Return the causal impulse response of a housing at a rate [Hz], shape (2, taps).
 

@@ -256,7 +256,7 @@ def load_configuration(source: Configuration | str | Path, settings: Mapping[str
         The name of a shipped configuration (``"healthy"``), a YAML file, or a configuration to change.
     settings
         Parameters and values: ``{"operating.speed": 100.0}``, nested or with dotted keys, or texts such as
-        ``"operating.speed=100.0"``, one or several.
+        ``"operating.speed=100.0"``, one or several; of several for one parameter, the last one counts.
 
     Raises
     ------

@@ -25,6 +25,7 @@ from dcrb_ros.simulation.ground_truth import GroundTruth
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.scenario import ScheduledChange, read_scenario_file, scheduled_changes, starting_configuration
 from dcrb_ros.stream.block import Block
+from dcrb_ros.stream.late_scenario import refuse_late
 
 LONGEST = 3600.0
 """Longest run that is returned as arrays [s]."""
@@ -114,6 +115,7 @@ def simulate(
         tree, source = (read_scenario_file(Path(scenario)), str(scenario)) if isinstance(scenario, (str, Path)) else (scenario, "scenario")
         start = starting_configuration(tree, asked, source)
         events = scheduled_changes(tree, start, source)
+        refuse_late(tree, duration, source, "simulate longer, or leave out the scenario")
     rate = start.sensor.sampling_rate
     if round(duration * rate) < 1:
         raise Refusal(f"duration = {duration:g} s is shorter than one sample ({1e6 / rate:.3g} us at {rate} Hz): simulate longer")

@@ -100,8 +100,9 @@ def test_only_the_first_results_of_a_process_are_cached(made: list[float]) -> No
     assert len(list(filter_cache.folder().iterdir())) == 2
 
 
-def test_the_oldest_results_are_removed(made: list[float], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(filter_cache, "MOST_RESULTS", 2)
+@pytest.mark.parametrize(("limit", "value"), [("MOST_RESULTS", 2), ("MOST_BYTES", 400)])  # a file has 176 bytes
+def test_the_oldest_results_are_removed(limit: str, value: int, made: list[float], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(filter_cache, limit, value)
     thirds = design(made)
     for factor in (0.1, 0.2, 0.3):
         thirds(factor)
