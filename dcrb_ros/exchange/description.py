@@ -28,6 +28,8 @@ RELATIVE = "relative"
 UNITS = (*ACCELERATION_UNITS, *VOLTS, RELATIVE)
 COPY = "a copy of ax"
 """What the description of a sensor with one axis says of the second."""
+LOWEST_RATE = 100
+"""Lowest sampling rate [Hz]."""
 SENSITIVITY = re.compile(r"((?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?) *(m?V)/(g|\(m/s\^2\)|m/s\^2)")
 """A sensitivity with its unit."""
 
@@ -94,7 +96,7 @@ class Description(Group):
     """The description of an external waveform."""
 
     channels: Channels
-    sampling_rate: float | None = Field(None, ge=100, le=HIGHEST_RATE)
+    sampling_rate: float | None = Field(None, ge=LOWEST_RATE, le=HIGHEST_RATE)
     """[Hz]"""
     unit: Literal["m/s^2", "g", "mm/s^2", "V", "mV", "relative"] | None = None
     sensitivity: str | None = None

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.bearing.frequencies import Orders
-from dcrb_ros.exchange.description import COPY, RELATIVE, Description, read_description
+from dcrb_ros.exchange.description import COPY, LOWEST_RATE, RELATIVE, Description, read_description
 from dcrb_ros.exchange.joining import JoinedFiles
 from dcrb_ros.exchange.pulse_train import PulseTrain, counted_pulses, joined_turns, pulse_train, turns_at_speed, wrapped, wrapped_angle
 from dcrb_ros.exchange.temperatures import CHANNELS, LATEST_STAMP, checked_channels, readings_of
@@ -33,6 +33,7 @@ from dcrb_ros.recordings.recorder import channel_of
 from dcrb_ros.recordings.splitting import Bag
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.numbers import HIGHEST_RATE
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.sensor_limits import LONGEST_BLOCK
 from dcrb_ros.stream.block import Block
@@ -83,7 +84,9 @@ class WaveformImport:
         if given is not None and stated is not None and given != stated:
             raise Refusal(f"{self._about} gives sampling_rate = {given:g} Hz, but {self._files} contains {stated:g} Hz: correct the former")
         rate = float(given or stated or 0.0)
-        if contradiction := self._files.contradiction(rate):
+        if not LOWEST_RATE <= rate <= HIGHEST_RATE:
+            raise Refusal(f"{self._files} states a sampling rate of {rate:g} Hz, outside {LOWEST_RATE} .. {HIGHEST_RATE} Hz: correct it")
+        if contradiction := self._files.contradiction(rate, self.description.channels.ax):
             raise Refusal(f"{self._about} gives sampling_rate = {rate:g} Hz, but {contradiction}: correct one of them")
         return rate
 
