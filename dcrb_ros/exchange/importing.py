@@ -280,11 +280,18 @@ class WaveformImport:
             return f"from pulses of a tacho, {self.description.pulses_per_turn or 1} per turn{irregular}"
         return {"shaft_angle": "measured", "rpm": "from the measured speed"}.get(self._source, "from the stated speed")
 
+    def jump_in_time(self) -> str:
+        """Return a sentence on a jump of the time of the samples, or the empty string; a channel ``index`` contains the gaps."""
+        channels = self.description.channels
+        return self._files.jump(channels.ax) if channels.index is None else ""
+
     def remarks(self) -> list[str]:
         """Return sentences about the differences between the recording and the measurement."""
         notes = []
         if self.measured_rate != self.rate:
-            notes.append(f"the sampling rate of {self.measured_rate:g} Hz is recorded as {self.rate} Hz, since stamps count whole samples")
+            notes.append(
+                f"the sampling rate of {self.measured_rate:.12g} Hz is recorded as {self.rate} Hz, since stamps count whole samples"
+            )
         gaps = int(np.count_nonzero(np.diff(self.index) != 1))
         if gaps:
             notes.append(f"the waveform has {gaps} gap{'s' * (gaps > 1)}")

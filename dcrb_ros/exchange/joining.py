@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,9 @@ RATES = ("fs", "sr", "sampling_rate", "sample_rate", "samplerate")
 """Names of the sampling rate beside data."""
 TIMES = ("t", "time", "time_s", "time [s]", "time(s)", "seconds")
 """Names of the time of each sample."""
+
+JUMP = 3.0
+"""Least jump of a time relative to its usual step [-]; a time that is rounded to a few digits advances by up to two usual steps."""
 
 
 class JoinedFiles:
@@ -47,25 +51,39 @@ class JoinedFiles:
 
         In a structure, only the fields ``beside`` the channel are compared. A time may be in s, ms or us.
         """
+        for file, name, values in self._beside(beside, RATES):
+            if values.size == 1 and not np.isclose(values[0], rate, rtol=1e-3):
+                return f"'{name}' is {values[0]:g} in {file}"
+        for file, name, values in self._beside(beside, TIMES):
+            if values.size < 3:
+                continue
+            # The median bridges gaps in the time, the mean its rounding to a few digits.
+            steps = float(np.median(np.diff(values))), float((values[-1] - values[0]) / (values.size - 1))
+            if steps[0] > 0.0 and not any(np.isclose(np.multiply(steps, rate), scale, rtol=1e-2).any() for scale in (1.0, 1e3, 1e6)):
+                return f"'{name}' advances by {steps[0]:g} for each sample in {file}"
+        return ""
+
+    def jump(self, beside: str | int) -> str:
+        """Return a sentence on the first jump of a time ``beside`` the channel, where samples may be missing, or the empty string."""
+        for file, name, values in self._beside(beside, TIMES):
+            steps = np.diff(values)
+            if not len(rising := steps[steps > 0.0]):
+                continue
+            usual = max(float(np.median(steps)), float(rising.min()))  # a rounded time rises at some samples only
+            jumps = np.flatnonzero((steps > JUMP * usual) | (steps < 0.0))
+            if len(jumps):
+                return f"'{name}' in {file} advances by {steps[jumps[0]]:g} after sample {jumps[0]}, but by {usual:g} elsewhere"
+        return ""
+
+    def _beside(self, beside: str | int, words: Sequence[str]) -> Iterator[tuple[Path, str, Floats]]:
+        """Yield the file, name and values of each channel with one of the names ``words``, at the top or in the structure of another."""
         for file, external in zip(self.files, self._externals, strict=True):
-            group = str(matching(external, file, beside)).rpartition(".")[0]
+            group = str(matching(external, file, beside)).lower().rpartition(".")[0]
             for name in external.names:
                 owner, _, word = name.lower().rpartition(".")
-                if owner not in ("", group.lower()) or word not in (*RATES, *TIMES):
-                    continue
-                try:
-                    values = channel(external, file, name).astype(np.float64)
-                except Refusal:
-                    continue
-                if word in RATES and values.size == 1 and not np.isclose(values[0], rate, rtol=1e-3):
-                    return f"'{name}' is {values[0]:g} in {file}"
-                if word not in TIMES or values.size < 3:
-                    continue
-                # The median bridges gaps in the time, the mean its rounding to a few digits.
-                steps = float(np.median(np.diff(values))), float((values[-1] - values[0]) / (values.size - 1))
-                if steps[0] > 0.0 and not any(np.isclose(np.multiply(steps, rate), scale, rtol=1e-2).any() for scale in (1.0, 1e3, 1e6)):
-                    return f"'{name}' advances by {steps[0]:g} for each sample in {file}"
-        return ""
+                if owner in ("", group) and word in words:
+                    with suppress(Refusal):
+                        yield file, name, channel(external, file, name).astype(np.float64)
 
     def parts(self, name: str | int, *, nan: bool = False) -> list[Floats]:
         """Return a channel of each file, shape (files,) of (samples,).

@@ -11,7 +11,8 @@ import numpy as np
 
 from dcrb_ros.bearing.waveform import Waveform
 from dcrb_ros.exchange.importing import WaveformImport
-from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.exchange.plausibility import implausible
+from dcrb_ros.schema.refusal import Refusal, repeated
 from dcrb_ros.settings.shipped import find_shipped
 from dcrb_ros.text.tables import read_rows
 
@@ -36,6 +37,8 @@ class ListedRun(NamedTuple):
     """Origin of the recording, from its description."""
     fields: dict[str, Any]
     """The other columns: ``fault``, `TEXTS` and `NUMBERS` that are given."""
+    warnings: list[str]
+    """Sentences on what is implausible in the recording."""
 
 
 def listed_runs(table: Path, about: str, rate: int = 0) -> Iterator[ListedRun]:
@@ -62,6 +65,9 @@ def listed_runs(table: Path, about: str, rate: int = 0) -> Iterator[ListedRun]:
         if not file.is_file():
             raise Refusal(f"{line}: there is no file {file}")
         settings = [part.strip() for part in (row.get("set") or "").split(";") if part.strip()]
+        keys = [*(["speed_rpm"] if row.get("speed_rpm") else []), *(part.partition("=")[0].strip() for part in settings)]
+        if (twice := repeated(keys)) is not None:
+            raise Refusal(f"{line}: {twice} is given more than once: give it once, in the column set or in one of its own")
         if row.get("speed_rpm"):  # it is that of the file, and replaces the speed of the description
             settings = ["channels.rpm=null", "speed=null", *settings, f"speed_rpm={row['speed_rpm']}"]
         read = _imported(file, find_shipped("description", description), settings, line)
@@ -75,7 +81,9 @@ def listed_runs(table: Path, about: str, rate: int = 0) -> Iterator[ListedRun]:
         sizes = {name: _number(row[name], f"{line}: {name}") for name in NUMBERS if row.get(name)}
         fields |= _checked_sizes(sizes, row["fault"], line)
         source = dict(read.description.source or {})
-        yield ListedRun(row.get("name") or file.stem, decimated(waveform, rate, str(file)) if rate else waveform, source, fields)
+        warnings = [f"{line}: {sentence}" for sentence in implausible(read)]
+        name = row.get("name") or file.stem
+        yield ListedRun(name, decimated(waveform, rate, str(file)) if rate else waveform, source, fields, warnings)
 
 
 def _description(about: str, folder: Path, line: str) -> Path:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -118,6 +120,22 @@ def test_exports_carry_labels_and_manifest(tmp_path: Path) -> None:
         export(bag, tmp_path / "a.xlsx")
     with pytest.raises(Refusal, match="there is no folder"):
         export(bag, tmp_path / "none" / "a.npz")
+    with pytest.raises(Refusal, match=r"must end in one of \.csv"):
+        export(bag, Path())
+    done = dcrb("export", str(BAGS / "inner_ring_defect"), "-o", ".")
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert "-o . has an unknown file type" in done.stderr
+
+
+def test_a_table_is_exported_through_a_pipe(tmp_path: Path) -> None:
+    bag = Recording(recorded(tmp_path / "bag", 3))
+    os.mkfifo(tmp_path / "a.csv")
+    with ThreadPoolExecutor() as readers:
+        read = readers.submit((tmp_path / "a.csv").read_text)
+        export(bag, tmp_path / "a.csv")
+        text = read.result(timeout=60.0)
+    export(bag, tmp_path / "b.csv")
+    assert text == (tmp_path / "b.csv").read_text()
 
 
 @pytest.mark.parametrize("suffix", [".npz", ".csv", ".mat", ".parquet"])
@@ -268,6 +286,10 @@ def test_a_csv_file_that_was_cut_off_is_refused_in_words_of_the_file(tmp_path: P
         ({"orders": {**ORDERS, "BPFI": 4.9}}, "is not the number of rolling elements"),
         ({"orders": {**ORDERS, "BSF": 2.0 * ORDERS["BSF"]}}, "may be the ball defect frequency, so halve it"),
         ({"orders": None}, "has neither bearing nor orders"),
+        ({"orders": {**ORDERS, "BPFo": 3.6}}, r"unknown key 'orders\.BPFo'; did you mean 'BPFO'\?"),
+        ({"channels": {"ax": "de", "shaft-angle": "fe"}}, r"unknown key 'channels\.shaft-angle'; did you mean 'shaft_angle'\?"),
+        ({"channels": {"ax": True}}, r"channels\.ax = True is refused: a channel is a name, or a number from 1"),
+        ({"channels": {"ax": 0}}, r"channels\.ax = 0 is refused: a channel is a name, or a number from 1"),
         ({"orders": {"FTF": 0.4}}, r"orders\.BPFO is refused: field required"),
         ({"sampling_rate": 1000.4}, "sampling_rate = 1000.4 Hz is refused: a recording has an integer rate"),
         ({"sampling_rate": "fast"}, "sampling_rate = 'fast' is refused"),

@@ -13,6 +13,7 @@ from separate_process import dcrb
 
 from dcrb_ros.exchange.files import channel, read_external
 from dcrb_ros.exchange.importing import WaveformImport
+from dcrb_ros.exchange.plausibility import implausible
 from dcrb_ros.schema.refusal import Refusal
 
 
@@ -173,6 +174,23 @@ def test_a_sampling_rate_that_the_file_contradicts_is_refused(beside: dict[str, 
         return
     with pytest.raises(Refusal, match=f"gives sampling_rate = 12000 Hz, but {words}"):
         WaveformImport(tmp_path / "x.npz", about(tmp_path))
+
+
+@pytest.mark.parametrize(
+    ("time", "words"),
+    [
+        (np.arange(2400) / 12000 + (np.arange(2400) > 1200), "advances by 1.00008 after sample 1200, but by 8.33333e-05 elsewhere"),
+        (np.mod(np.arange(2400), 1200) / 12000, "advances by -0.0999167 after sample 1199"),
+        (np.round(np.arange(2400) / 12000, 3), ""),
+        (np.round(np.arange(2400) / 12000, 4), ""),
+        (np.round(np.arange(2400) / 12000, 5), ""),
+    ],
+)
+def test_a_time_that_jumps_is_a_warning_unless_an_index_has_the_gaps(time: np.ndarray, words: str, tmp_path: Path) -> None:
+    np.savez(tmp_path / "x.npz", a=np.sin(np.arange(2400)), time=time, i=np.arange(2400) + 12000 * (np.arange(2400) > 1200))
+    warnings = implausible(WaveformImport(tmp_path / "x.npz", about(tmp_path)))
+    assert [words in sentence for sentence in warnings] == [True] * bool(words)
+    assert not implausible(WaveformImport(tmp_path / "x.npz", about(tmp_path, channels={"ax": "a", "index": "i"})))
 
 
 @pytest.mark.parametrize("rate", ["fs", "sr"])

@@ -111,7 +111,7 @@ def test_a_fractional_rate_keeps_the_speed(tmp_path: Path) -> None:
     found = WaveformImport(tmp_path / "x.npz", about(tmp_path, sampling_rate=rate, speed_rpm=1500.0))
     recording = imported(tmp_path, found)
     assert (recording.sampling_rate, found.sensor()["measured_sampling_rate"]) == (48828, rate)
-    assert found.remarks() == ["the sampling rate of 48828.1 Hz is recorded as 48828 Hz, since stamps count whole samples"]
+    assert found.remarks() == ["the sampling rate of 48828.125 Hz is recorded as 48828 Hz, since stamps count whole samples"]
     turns = np.unwrap(found.angle.astype(float))[-1] / (2.0 * np.pi)
     assert turns == pytest.approx(25.0 * 99_999 / rate, rel=1e-7)
     exported = tmp_path / "again.npz"
