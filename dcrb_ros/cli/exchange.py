@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from dcrb_ros.cli.options import Bag, Force, each_once, warn_of_digest
-from dcrb_ros.cli.output_file import check_file, replacing
+from dcrb_ros.cli.output_file import check_file, check_free, replacing
 from dcrb_ros.schema.refusal import Refusal
 
 
@@ -75,6 +75,7 @@ def import_(
     if not files or not about or output is None:
         missing = "FILE" if not files else "--about" if not about else "-o"
         raise Refusal(f"{missing} is missing: dcrb import FILE --about ABOUT.yaml -o RECORDING, or dcrb import --list")
+    check_free("-o", output, force=force)
     waveform = WaveformImport(files, find_shipped("description", about), settings or ())
     with replacing("-o", output, force=force):
         samples = waveform.write(output)
