@@ -164,6 +164,16 @@ def test_a_list_that_cannot_be_used_is_refused(files: Path, tmp_path: Path, text
     assert not list(tmp_path.rglob("outside.*"))
 
 
+@pytest.mark.parametrize(
+    ("row", "reason"), [("none.npz,roller,", "there is no file"), ("97.npz,roller,wide", "width = 'wide' is not a number")]
+)
+def test_all_rows_are_checked_before_a_file_is_read(row: str, reason: str, files: Path, tmp_path: Path) -> None:
+    table = files / f"{tmp_path.name}.csv"
+    table.write_text(f"file,fault,width\nabout.yaml,healthy,\n{row}\n", encoding="utf-8")
+    done = CliRunner().invoke(app, ["collect", str(table), "--about", str(files / "about.yaml"), "-o", str(tmp_path / "set")])
+    assert f"line 3: {reason}" in str(done.exception)
+
+
 def test_an_implausible_recording_is_named(files: Path, tmp_path: Path) -> None:
     table = files / f"{tmp_path.name}.csv"
     table.write_text("file,fault,set\n105.npz,healthy,unit=mm/s^2\n97.npz,healthy,unit=V;sensitivity=0.001 mV/g\n", encoding="utf-8")
