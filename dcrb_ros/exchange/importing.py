@@ -128,9 +128,8 @@ class WaveformImport:
         name, first = d.channels.index, d.first_index
         if name is None:
             # A long gap must not overflow the index before it is checked.
-            self._check_stamp(
-                first + sum(lengths) + (d.gap or 0.0) * self.rate * (len(lengths) - 1) - 1, f"{self._about}: first_index = {first}"
-            )
+            last = first + sum(lengths) + (d.gap or 0.0) * self.rate * (len(lengths) - 1) - 1
+            self._check_stamp(last, f"{self._about}: first_index = {first}" + (f" and gap = {d.gap:g} s" if d.gap else ""))
             return self._files.index(lengths, first, d.gap, self.measured_rate, self._about)
         if d.gap is not None:
             raise Refusal(f"{self._about} gives gap and the channel index, which contains the gaps: leave out gap")
@@ -151,7 +150,8 @@ class WaveformImport:
         """Refuse an index whose time exceeds the range of a time stamp."""
         if last >= LATEST_STAMP * self.rate:
             raise Refusal(
-                f"{source} gives sample {last:.3g}, after {LATEST_STAMP} s at {self.rate} Hz, the range of time stamps: start at 0"
+                f"{source} gives sample {last:.3g}, after {LATEST_STAMP} s at {self.rate} Hz, the range of time stamps: start at 0, "
+                "with shorter gaps"
             )
 
     def _angle(self) -> npt.NDArray[np.float32]:

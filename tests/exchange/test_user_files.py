@@ -139,6 +139,19 @@ def test_files_are_joined_with_the_gap_between_them(tmp_path: Path) -> None:
     assert apart.manifest()["imported"]["files"] == ["0.npz", "1.npz", "2.npz", "3.npz"]
 
 
+def test_times_that_begin_again_in_each_file_are_named(tmp_path: Path) -> None:
+    np.savez(tmp_path / "x.npz", a=np.ones(12000), b=np.array([40.0, 41.0]), u=np.array([0.0, 0.5]))
+    channels = {"ax": "a", "box_temperature": "b", "temperature_time": "u"}
+    with pytest.raises(Refusal, match=r"0 s follows 0\.5 s: .* in several files the times count from sample 0 of the first one"):
+        WaveformImport([tmp_path / "x.npz"] * 2, about(tmp_path, channels=channels, gap=0))
+
+
+def test_gaps_beyond_the_range_of_time_stamps_are_named(tmp_path: Path) -> None:
+    np.savez(tmp_path / "x.npz", a=np.ones(10))
+    with pytest.raises(Refusal, match=r"first_index = 0 and gap = 1e\+08 s gives sample .*: start at 0, with shorter gaps"):
+        WaveformImport([tmp_path / "x.npz"] * 30, about(tmp_path, gap=1e8))
+
+
 def test_files_of_other_rates_or_channels_are_not_joined(tmp_path: Path) -> None:
     from scipy.io import wavfile
 
