@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated
 from warnings import catch_warnings, simplefilter
@@ -37,9 +38,15 @@ def collect(
         raise Refusal(f"there is no list {table}: give a CSV file with the columns file and fault")
     if output.is_file():
         raise Refusal(f"-o {output} is a file: give an empty or a new folder")
-    runs = (MeasuredRun(run.name, run.waveform, source=run.source, **run.fields) for run in listed_runs(table, about, rate))
+
+    def runs() -> Iterator[MeasuredRun]:
+        for run in listed_runs(table, about, rate):
+            for sentence in run.warnings:
+                typer.echo(f"warning: {sentence}", err=True)
+            yield MeasuredRun(run.name, run.waveform, source=run.source, **run.fields)
+
     shape = Windows(length=window, overlap=overlap, kind="parquet")
-    counts = write_measured_set(runs, Store(str(output)), title=title, licence=licence, windows=shape)
+    counts = write_measured_set(runs(), Store(str(output)), title=title, licence=licence, windows=shape)
     with catch_warnings(record=True) as warned:
         simplefilter("always")
         DataSet(output)  # reads what was written, and compares it with its hashes

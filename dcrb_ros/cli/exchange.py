@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from dcrb_ros.cli.options import Bag, Force, each_once, warn_of_digest
-from dcrb_ros.cli.output_file import check_file, replacing
+from dcrb_ros.cli.output_file import check_file, check_free, replacing
 from dcrb_ros.schema.refusal import Refusal
 
 
@@ -23,17 +23,16 @@ def export(
     """
     from dcrb_ros.exchange.export import description_of
     from dcrb_ros.exchange.export import export as exported
+    from dcrb_ros.exchange.files import WRITERS
     from dcrb_ros.recordings.reader import Recording
 
-    for file in (output, description_of(output)):
-        check_file("-o", file, force=force)
+    check_file("-o", output, tuple(WRITERS), force=force)
+    check_file("-o", description_of(output), force=force)
     recording, notes = Recording(bag), list[str]()
     described = exported(recording, output, notes=notes, force=force)
     warn_of_digest(recording, str(bag))
     for sentence in [*recording.damage, *notes]:
         typer.echo(f"dcrb: {sentence}", err=True)
-    if output.suffix.lower() == ".wav" and (len(recording.temperatures()) or len(recording.tacho())):
-        typer.echo("a WAV file has neither temperatures nor pulses of a tacho: export npz, mat, csv or parquet to keep them", err=True)
     print(f"{output}, described by {described}")
 
 
@@ -76,6 +75,7 @@ def import_(
     if not files or not about or output is None:
         missing = "FILE" if not files else "--about" if not about else "-o"
         raise Refusal(f"{missing} is missing: dcrb import FILE --about ABOUT.yaml -o RECORDING, or dcrb import --list")
+    check_free("-o", output, force=force)
     waveform = WaveformImport(files, find_shipped("description", about), settings or ())
     with replacing("-o", output, force=force):
         samples = waveform.write(output)

@@ -28,6 +28,8 @@ RELATIVE = "relative"
 UNITS = (*ACCELERATION_UNITS, *VOLTS, RELATIVE)
 COPY = "a copy of ax"
 """What the description of a sensor with one axis says of the second."""
+LOWEST_RATE = 100
+"""Lowest sampling rate [Hz]."""
 SENSITIVITY = re.compile(r"((?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?) *(m?V)/(g|\(m/s\^2\)|m/s\^2)")
 """A sensitivity with its unit."""
 
@@ -48,6 +50,14 @@ def _plain(given: Any) -> Any:
     return given if given is None or isinstance(given, (bool, int, float, str)) else str(given)
 
 
+def _channel(given: Any) -> Any:
+    """Return the name or the number of a channel."""
+    if isinstance(given, bool) or not isinstance(given, (str, int)) or given == "" or (isinstance(given, int) and given < 1):
+        raise ValueError("a channel is a name, or a number from 1")
+    return given
+
+
+Channel = Annotated[str | int, BeforeValidator(_channel)]
 Whole = Annotated[int, BeforeValidator(_whole)]
 Labels = Annotated[dict[str, Any], BeforeValidator(_plain)]
 
@@ -55,27 +65,27 @@ Labels = Annotated[dict[str, Any], BeforeValidator(_plain)]
 class Channels(Group):
     """The names of the channels: a column, a variable, or a column number from 1; ``*`` matches any characters of a name."""
 
-    ax: str | int
+    ax: Channel
     """Acceleration of the first axis."""
-    ay: str | int | None = None
+    ay: Channel | None = None
     """Acceleration of the second axis; if omitted, a copy of the first."""
-    az: str | int | None = None
+    az: Channel | None = None
     """Acceleration of the third axis; if omitted, there are two."""
-    shaft_angle: str | int | None = None
+    shaft_angle: Channel | None = None
     """Angle of the shaft [rad], NaN where unknown."""
-    tacho: str | int | None = None
+    tacho: Channel | None = None
     """Pulses of a tacho, ``pulses_per_turn`` of them per turn, in any unit."""
-    rpm: str | int | None = None
+    rpm: Channel | None = None
     """Speed of the shaft [rpm]: a single value, or values over the same time as the acceleration."""
-    index: str | int | None = None
+    index: Channel | None = None
     """Index of each sample; if omitted, the samples have no gaps."""
-    outer_ring_temperature: str | int | None = None
+    outer_ring_temperature: Channel | None = None
     """Readings of a sensor at the outer ring [deg C]: at their ``temperature_time``, one per sample, or fewer over the same time."""
-    box_temperature: str | int | None = None
+    box_temperature: Channel | None = None
     """Readings of a sensor in the axle box [deg C]."""
-    ambient_temperature: str | int | None = None
+    ambient_temperature: Channel | None = None
     """Readings of a sensor in the air [deg C]."""
-    temperature_time: str | int | None = None
+    temperature_time: Channel | None = None
     """Times of the readings since sample 0 [s]."""
 
     @model_validator(mode="after")
@@ -94,7 +104,7 @@ class Description(Group):
     """The description of an external waveform."""
 
     channels: Channels
-    sampling_rate: float | None = Field(None, ge=100, le=HIGHEST_RATE)
+    sampling_rate: float | None = Field(None, ge=LOWEST_RATE, le=HIGHEST_RATE)
     """[Hz]"""
     unit: Literal["m/s^2", "g", "mm/s^2", "V", "mV", "relative"] | None = None
     sensitivity: str | None = None
@@ -186,6 +196,10 @@ class Description(Group):
         return value * VOLTS[parts[2]] / ACCELERATION_UNITS[parts[3].strip("()")]
 
 
+GROUPS: Mapping[str, type[Group]] = {"": Description, "channels": Channels, "bearing": Geometry, "orders": GivenOrders}
+"""The description, and its keys whose values have keys of their own."""
+
+
 def read_description(path: Path, settings: Sequence[str] = ()) -> Description:
     """Return the description in a YAML file, changed by ``settings`` such as ``speed_rpm=1797`` or ``channels.rpm=null``.
 
@@ -197,9 +211,11 @@ def read_description(path: Path, settings: Sequence[str] = ()) -> Description:
         raise Refusal(f"{path} is not a description: it must have the keys channels, unit, sampling_rate, speed and bearing or orders")
     for setting in settings:
         _change(tree, setting)
-    for key in tree:
-        if key not in Description.model_fields:
-            raise Refusal(f"{path}: unknown key '{key}'{nearest(str(key), Description.model_fields)}")
+    for name, group in GROUPS.items():
+        values = tree.get(name) if name else tree
+        for key in values if isinstance(values, dict) else ():
+            if key not in group.model_fields:
+                raise Refusal(f"{path}: unknown key '{name}{'.' * bool(name)}{key}'{nearest(str(key), group.model_fields)}")
     try:
         return Description.model_validate(tree)
     except RecursionError:

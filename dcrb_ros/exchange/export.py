@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,8 @@ from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.axes import AXES
 from dcrb_ros.stream.block import Truth
-from dcrb_ros.text.files import checked_path
+from dcrb_ros.text.counts import counted
+from dcrb_ros.text.files import checked_path, special_kind
 from dcrb_ros.text.writing import whole_files
 from dcrb_ros.text.yaml import yaml_text
 
@@ -42,23 +43,24 @@ def description_of(path: Path) -> Path:
 def export(recording: Recording, path: Path, *, notes: list[str] | None = None, force: bool = False) -> Path:
     """Write the waveform to ``path`` and its description to `description_of` it; return the path of the latter.
 
-    Existing files are replaced with ``force``. Blocks that came twice or too late are written once, in their place; a sentence on them is
-    appended to ``notes``.
+    Existing files are replaced with ``force``. Blocks that came twice or too late are written once, in their place. A sentence on them, and
+    one on what the format leaves out, is appended to ``notes``.
 
     Raises:
         Refusal: the suffix is unknown, a file exists without ``force``, the recording has no waveform, or a file cannot be written.
     """
-    writer, described = WRITERS.get(path.suffix.lower()), description_of(path)
+    writer = WRITERS.get(path.suffix.lower())
     if writer is None:
         raise Refusal(f"{path} has an unknown file type: its name must end in one of {', '.join(WRITERS)}")
+    described = description_of(path)
     for file in (path, described):
-        if checked_path(file).exists() and not force:
+        if checked_path(file).exists() and not force and not special_kind(file):
             raise Refusal(f"{file} exists: give another name or remove it")
     if not path.absolute().parent.is_dir():
         raise Refusal(f"{path} cannot be written: there is no folder {path.absolute().parent}; create it or give another path")
     notes = [] if notes is None else notes
     rate = recording.sampling_rate if path.suffix.lower() == ".wav" else _measured_rate(recording)
-    columns, extra, labels, block_size = _collect(recording, notes, rate, whole=path.suffix.lower() in WITH_FURTHER_ARRAYS)
+    columns, extra, labels, block_size = _collect(recording, notes, rate, path.suffix.lower())
     about = {"manifest": recording.manifest, "outcome": recording.outcome, "labels": labels}
     description = _description(recording, path, rate, {**columns, **extra}, labels, block_size)
     with whole_files(path, described) as (waveform, text):
@@ -75,12 +77,13 @@ def _measured_rate(recording: Recording) -> float:
 
 
 def _collect(
-    recording: Recording, notes: list[str], measured_rate: float, *, whole: bool
+    recording: Recording, notes: list[str], measured_rate: float, suffix: str
 ) -> tuple[dict[str, Array], dict[str, Array], dict[str, Any], int]:
     """Return the sample columns with times at ``measured_rate`` [Hz], the ground truth over time, the labels and the block size.
 
-    Readings of temperature are arrays of their own if ``whole``, otherwise columns beside the samples.
+    Readings of temperature are arrays of their own or columns beside the samples, as the format of ``suffix`` requires.
     """
+    whole = suffix in WITH_FURTHER_ARRAYS
     blocks, truth_messages = [], []
     for message in recording.messages((VIBRATION, GROUND_TRUTH)):
         if message.topic == VIBRATION:
@@ -105,9 +108,22 @@ def _collect(
     tacho, readings = recording.tacho(), recording.temperatures()
     if len(tacho):
         columns["tacho"] = sampled_pulses(tacho.time * rate, index)
-    columns |= {} if whole else beside_samples(readings, index, rate)
+    beside = {} if whole else beside_samples(readings, index, rate)
+    columns |= beside
+    if suffix == ".wav" and (len(tacho) or len(readings)):
+        notes.append("a WAV file has neither temperatures nor pulses of a tacho: export npz, mat, csv or parquet to keep them")
+    elif not whole and (left_out := len(readings) - _readings_in(beside)):
+        notes.append(
+            f"{left_out} of {counted(len(readings), 'reading')} of temperature are at no sample, but before or after the waveform or in a "
+            "gap, and are left out: export npz or mat to keep them"
+        )
     extra: dict[str, Array] = {**(own_arrays(readings) if whole else {}), **_truth_arrays(truths)}
     return columns, extra, _labels(recording, truths), max(len(block.shaft_angle) for block in blocks)
+
+
+def _readings_in(beside: Mapping[str, Array]) -> int:
+    """Return the number of samples that have a reading of temperature."""
+    return int(np.isfinite(list(beside.values())).any(axis=0).sum()) if beside else 0
 
 
 def _truth_arrays(truths: Sequence[Truth]) -> dict[str, Array]:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import csv
 import itertools
 import json
 import math
 import re
 import struct
+import warnings
 import zipfile
 import zlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,6 +22,7 @@ import numpy.typing as npt
 from dcrb_ros.runtime.optional import installed
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.stream.axes import AXES
+from dcrb_ros.text.counts import counted
 from dcrb_ros.text.files import check_regular, checked_path
 
 Array = npt.NDArray[Any]
@@ -34,6 +37,15 @@ MAT_BYTES = {"int8": 1, "uint8": 1, "int16": 2, "uint16": 2, "int32": 4, "uint32
 
 TWO_INTEGERS = re.compile(r"-?[0-9]+,[0-9]+")
 """A line that is two integers, or a number with a decimal comma."""
+NOT_A_NUMBER = re.compile(r"could not convert string (.*) to \w+ at row \d+, column (\d+)", re.DOTALL)
+COLUMNS_CHANGED = re.compile(r"the number of columns changed from \d+ to \d+")
+"""Errors of `numpy.loadtxt`, which counts rows instead of lines."""
+LONGEST_SHOWN = 40
+"""Longest text of a file in an error message [characters]."""
+OBJECTS = "Object arrays cannot be loaded"
+"""Beginning of what numpy says of an array of pickled objects."""
+WAVE_FORMS = (b"RIFF", b"RIFX", b"RF64")
+"""Beginnings of WAV files: little and big endian, and that with sizes of 64 bits."""
 MAT_HEADER, MAT_COMPRESSED, MAT_PIECE = 128, 15, 1 << 20
 """Size of the header of a MAT file [bytes], type of a compressed variable, and size of a part that is unpacked at a time [bytes]."""
 LARGEST_ELEMENT = 8
@@ -89,6 +101,8 @@ def channel(external: ExternalFile, source: Path, name: str | int) -> Array:
     """
     try:
         array = np.asarray(external.column(name))
+    except Refusal:
+        raise
     except (KeyError, IndexError, AttributeError, ValueError, TypeError):
         known = ", ".join(external.names[:20]) or "none"
         raise Refusal(f"{source} has no channel '{name}'{nearest(str(name), external.names)} (available: {known})") from None
@@ -102,40 +116,90 @@ def _read_npz(path: Path) -> ExternalFile:
     with zipfile.ZipFile(path) as packed:
         _check_loaded(path, sum(entry.file_size for entry in packed.infolist()))
     with np.load(path, allow_pickle=False) as file:
-        arrays = {name: file[name] for name in file.files}
+        arrays = {name: _without_objects(file, name) for name in file.files}
     return ExternalFile(tuple(arrays), lambda name: arrays[str(name)])
 
 
+def _without_objects(file: Mapping[str, Array], name: str) -> Array:
+    """Return an array of an NPZ file; an array of objects, which only unpickling would load, is empty."""
+    try:
+        return file[name]
+    except ValueError as error:
+        if OBJECTS not in str(error):
+            raise
+        return np.empty(0, object)
+
+
 def _read_csv(path: Path) -> ExternalFile:
+    try:
+        return _read_table(path)
+    except UnicodeDecodeError:
+        raise Refusal(f"{path} contains characters that are not UTF-8: save it as UTF-8") from None
+
+
+def _read_table(path: Path) -> ExternalFile:
     with path.open(encoding="utf-8-sig") as stream:
         first = next((line for line in iter(lambda: stream.readline(LONGEST_LINE), "") if line.strip() and not line.startswith("#")), "")
     if len(first) == LONGEST_LINE:
         raise Refusal(f"{path} has a line of {LONGEST_LINE} characters or more: give a file with one column per channel")
     delimiter = next((character for character in ";\t," if character in first), None)
-    names = tuple(word.strip().strip('"') for word in first.strip().split(delimiter))
+    names = _fields(first, delimiter)
     headed = not all(_is_number(name) for name in names)
+    number = 0
+
+    def filled(stream: Iterator[str]) -> Iterator[str]:
+        nonlocal number
+        for number, line in enumerate(stream, 1):  # noqa: B007
+            if line.strip():
+                yield line
+
     with path.open(encoding="utf-8-sig") as stream:
-        lines = itertools.dropwhile(lambda line: line.startswith("#"), (line for line in stream if line.strip()))
+        lines = itertools.dropwhile(lambda line: line.startswith("#"), filled(stream))
         if headed:
             next(lines, None)
         begin = next(lines, None)
         if begin is None:
             raise Refusal(f"{path} contains no numbers: give a file with one column per channel")
         if (delimiter != "," and "," in begin) or (not headed and TWO_INTEGERS.fullmatch(begin.strip())):
-            raise Refusal(f"{path} may have decimal commas ({begin.strip()[:40]!r}): write decimal points, and the names in the first line")
+            raise Refusal(
+                f"{path} may have decimal commas ({begin.strip()[:LONGEST_SHOWN]!r}): write decimal points, the names in the first line, "
+                "and a # before other lines above them"
+            )
         try:
             table = np.loadtxt(itertools.chain([begin], lines), delimiter=delimiter, ndmin=2, comments=None)
         except ValueError as error:
-            reason, advice, _ = str(error).partition("; use `usecols`")  # a parameter of numpy
-            remedy = "; a file that was cut off lacks columns in its last line: copy it again, or delete the line" if advice else ""
-            raise Refusal(f"{path} cannot be read as CSV: {reason}{remedy}") from None
+            raise Refusal(f"{path} cannot be read as CSV: line {number}{_mistake_in_table(str(error))}") from None
 
     def column(name: str | int) -> Array:
-        if isinstance(name, str) and headed:
-            return table[:, names.index(name)]
-        return _by_number(table, name)
+        if not isinstance(name, str) or not headed:
+            return _by_number(table, name)
+        if len(names) != table.shape[1]:
+            raise Refusal(
+                f"{path} has {len(names)} names in its first line, but {counted(table.shape[1], 'column')}: give each one a name, or the "
+                "numbers of the channels"
+            )
+        if names.count(name) > 1:
+            raise Refusal(f"{path} has {names.count(name)} columns called '{name}': give the number of the channel, from 1")
+        return np.asarray(table[:, names.index(name)])
 
     return ExternalFile(names if headed else tuple(str(k + 1) for k in range(table.shape[1])), column)
+
+
+def _fields(line: str, delimiter: str | None) -> tuple[str, ...]:
+    """Return the words of a line of a table; a delimiter in quotes belongs to its word."""
+    if delimiter is None:
+        return tuple(word.strip('"') for word in line.split())
+    return tuple(word.strip() for word in next(csv.reader([line.strip()], delimiter=delimiter, skipinitialspace=True)))
+
+
+def _mistake_in_table(error: str) -> str:
+    """Return what is wrong in a line of a table, from an error of `numpy.loadtxt`."""
+    if (found := NOT_A_NUMBER.search(error)) is not None:
+        text = f"{found[1][:LONGEST_SHOWN]} is not a number" if found[1] != "''" else "the field is empty"
+        return f", column {found[2]}: {text}: write plain numbers, and nan for an unknown one"
+    if (found := COLUMNS_CHANGED.search(error)) is not None:
+        return f": {found[0]}; a file that was cut off lacks columns in its last line: copy it again, or delete the line"
+    return f": {error}"
 
 
 def _is_number(word: str) -> bool:
@@ -158,7 +222,9 @@ def _read_wav(path: Path) -> ExternalFile:
     from scipy.io import wavfile
 
     _check_chunks(path)
-    rate, table = wavfile.read(path)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", wavfile.WavFileWarning)  # of chunks that contain no samples
+        rate, table = wavfile.read(path)
     table = table[:, None] if table.ndim == 1 else table
     kind = table.dtype
     if kind.kind == "u":
@@ -168,13 +234,24 @@ def _read_wav(path: Path) -> ExternalFile:
 
 
 def _check_chunks(path: Path) -> None:
-    """Refuse a WAV file with a chunk that states more bytes than follow."""
+    """Refuse a file that is no WAV file, and one with a chunk that states more bytes than follow."""
     with path.open("rb") as file:
-        order = ">" if file.read(12)[:4] == b"RIFX" else "<"
+        form = file.read(12)
+        if form[:4] not in WAVE_FORMS or form[8:] != b"WAVE":
+            raise Refusal(f"{path} is not a WAV file: it begins with {form!r}, not with RIFF, a size and WAVE; give it its own suffix")
+        order, sizes = ">" if form[:4] == b"RIFX" else "<", dict[bytes, int]()
         while len(head := file.read(8)) == 8:
-            size, left = struct.unpack(f"{order}4xI", head)[0], path.stat().st_size - file.tell()
+            name, size = head[:4], struct.unpack(f"{order}4xI", head)[0]
+            left = path.stat().st_size - file.tell()
+            if name == b"ds64" and left >= 16:  # the sizes of the file and of its samples
+                sizes[b"data"] = struct.unpack("<8xQ", file.read(16))[0]
+                file.seek(-16, 1)
+            size = sizes.get(name, size)
             if size > left:
-                raise Refusal(f"{path} is cut off: its chunk {head[:4]!r} states {size} bytes, but {left} follow; copy the file again")
+                raise Refusal(
+                    f"{path} is cut off: its chunk {name!r} states {size} bytes, but {left} follow; copy the file again, or, if its "
+                    "recording never finished, repair its header with an audio program"
+                )
             file.seek(size + size % 2, 1)
 
 
@@ -189,8 +266,15 @@ def _read_mat(path: Path) -> ExternalFile:
         variables = loadmat(path, squeeze_me=True, struct_as_record=False)
     except NotImplementedError:  # so scipy answers files of version 7.3, which are HDF5
         return _read_hdf5(path)
-    names = tuple(name for name in variables if not name.startswith("__"))
-    return ExternalFile(names, lambda name: _nested(variables, str(name)))
+    names = _field_names({name: value for name, value in variables.items() if not name.startswith("__")})
+    return ExternalFile(tuple(names), lambda name: _nested(variables, str(name)))
+
+
+def _field_names(values: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the names of variables, and of a structure those of its fields, such as ``bearing.gs``."""
+    for name, value in values.items():
+        fields = {f"{name}.{field}": getattr(value, field) for field in getattr(value, "_fieldnames", ())}
+        yield from _field_names(fields) if fields else [name]
 
 
 def _unpacked_mat(path: Path) -> int:
@@ -222,6 +306,8 @@ def _nested(variables: Mapping[str, Any], name: str) -> Array:
     head, *parts = re.findall(r"[^.\[\]]+", name)
     value = variables[head]
     for part in parts:
+        if part == "0":
+            raise IndexError(name)
         value = np.atleast_1d(value)[int(part) - 1] if part.isdigit() else getattr(value, part)
     return np.asarray(value)
 
@@ -275,7 +361,8 @@ def _write_csv(path: Path, columns: Columns, extra: Columns, rate: float, about:
     # Nine digits represent a float32 exactly; a time is given to the nanosecond.
     forms = ["%d" if values.dtype.kind == "i" else "%.9f" if name == "time" else "%.9g" for name, values in columns.items()]
     table = np.column_stack([values.astype(np.float64) for values in columns.values()])
-    np.savetxt(path, table, fmt=forms, delimiter=",", header=",".join(columns), comments="")
+    with path.open("w", encoding="utf-8") as stream:  # a pipe can be opened once; numpy opens a path twice
+        np.savetxt(stream, table, fmt=forms, delimiter=",", header=",".join(columns), comments="")
 
 
 def _write_mat(path: Path, columns: Columns, extra: Columns, rate: float, about: Mapping[str, Any]) -> None:

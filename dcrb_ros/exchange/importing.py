@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.bearing.frequencies import Orders
-from dcrb_ros.exchange.description import COPY, RELATIVE, Description, read_description
+from dcrb_ros.exchange.description import COPY, LOWEST_RATE, RELATIVE, Description, read_description
 from dcrb_ros.exchange.joining import JoinedFiles
 from dcrb_ros.exchange.pulse_train import PulseTrain, counted_pulses, joined_turns, pulse_train, turns_at_speed, wrapped, wrapped_angle
 from dcrb_ros.exchange.temperatures import CHANNELS, LATEST_STAMP, checked_channels, readings_of
@@ -33,6 +33,7 @@ from dcrb_ros.recordings.recorder import channel_of
 from dcrb_ros.recordings.splitting import Bag
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.numbers import HIGHEST_RATE
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.sensor_limits import LONGEST_BLOCK
 from dcrb_ros.stream.block import Block
@@ -83,7 +84,9 @@ class WaveformImport:
         if given is not None and stated is not None and given != stated:
             raise Refusal(f"{self._about} gives sampling_rate = {given:g} Hz, but {self._files} contains {stated:g} Hz: correct the former")
         rate = float(given or stated or 0.0)
-        if contradiction := self._files.contradiction(rate):
+        if not LOWEST_RATE <= rate <= HIGHEST_RATE:
+            raise Refusal(f"{self._files} states a sampling rate of {rate:g} Hz, outside {LOWEST_RATE} .. {HIGHEST_RATE} Hz: correct it")
+        if contradiction := self._files.contradiction(rate, self.description.channels.ax):
             raise Refusal(f"{self._about} gives sampling_rate = {rate:g} Hz, but {contradiction}: correct one of them")
         return rate
 
@@ -125,9 +128,8 @@ class WaveformImport:
         name, first = d.channels.index, d.first_index
         if name is None:
             # A long gap must not overflow the index before it is checked.
-            self._check_stamp(
-                first + sum(lengths) + (d.gap or 0.0) * self.rate * (len(lengths) - 1) - 1, f"{self._about}: first_index = {first}"
-            )
+            last = first + sum(lengths) + (d.gap or 0.0) * self.rate * (len(lengths) - 1) - 1
+            self._check_stamp(last, f"{self._about}: first_index = {first}" + (f" and gap = {d.gap:g} s" if d.gap else ""))
             return self._files.index(lengths, first, d.gap, self.measured_rate, self._about)
         if d.gap is not None:
             raise Refusal(f"{self._about} gives gap and the channel index, which contains the gaps: leave out gap")
@@ -148,7 +150,8 @@ class WaveformImport:
         """Refuse an index whose time exceeds the range of a time stamp."""
         if last >= LATEST_STAMP * self.rate:
             raise Refusal(
-                f"{source} gives sample {last:.3g}, after {LATEST_STAMP} s at {self.rate} Hz, the range of time stamps: start at 0"
+                f"{source} gives sample {last:.3g}, after {LATEST_STAMP} s at {self.rate} Hz, the range of time stamps: start at 0, "
+                "with shorter gaps"
             )
 
     def _angle(self) -> npt.NDArray[np.float32]:
@@ -277,11 +280,18 @@ class WaveformImport:
             return f"from pulses of a tacho, {self.description.pulses_per_turn or 1} per turn{irregular}"
         return {"shaft_angle": "measured", "rpm": "from the measured speed"}.get(self._source, "from the stated speed")
 
+    def jump_in_time(self) -> str:
+        """Return a sentence on a jump of the time of the samples, or the empty string; a channel ``index`` contains the gaps."""
+        channels = self.description.channels
+        return self._files.jump(channels.ax) if channels.index is None else ""
+
     def remarks(self) -> list[str]:
         """Return sentences about the differences between the recording and the measurement."""
         notes = []
         if self.measured_rate != self.rate:
-            notes.append(f"the sampling rate of {self.measured_rate:g} Hz is recorded as {self.rate} Hz, since stamps count whole samples")
+            notes.append(
+                f"the sampling rate of {self.measured_rate:.12g} Hz is recorded as {self.rate} Hz, since stamps count whole samples"
+            )
         gaps = int(np.count_nonzero(np.diff(self.index) != 1))
         if gaps:
             notes.append(f"the waveform has {gaps} gap{'s' * (gaps > 1)}")

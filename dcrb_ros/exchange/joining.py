@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -13,10 +14,13 @@ from dcrb_ros.exchange.files import Array, ExternalFile, channel, read_external
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
 
-RATES = ("fs", "sampling_rate", "sample_rate", "samplerate")
+RATES = ("fs", "sr", "sampling_rate", "sample_rate", "samplerate")
 """Names of the sampling rate beside data."""
 TIMES = ("t", "time", "time_s", "time [s]", "time(s)", "seconds")
 """Names of the time of each sample."""
+
+JUMP = 3.0
+"""Least jump of a time relative to its usual step [-]; a time that is rounded to a few digits advances by up to two usual steps."""
 
 
 class JoinedFiles:
@@ -42,26 +46,44 @@ class JoinedFiles:
             raise Refusal(f"{file} and {other} have different {quantity}, {first} and {second}: import them separately")
         return next(iter(stated))
 
-    def contradiction(self, rate: float) -> str:
+    def contradiction(self, rate: float, beside: str | int) -> str:
         """Return a sentence on a number or a time in the files that belongs to another sampling ``rate`` [Hz], or the empty string.
 
-        A time may be in s, ms or us.
+        In a structure, only the fields ``beside`` the channel are compared. A time may be in s, ms or us.
         """
-        for file, external in zip(self.files, self._externals, strict=True):
-            for name in external.names:
-                try:
-                    values = channel(external, file, name).astype(np.float64)
-                except Refusal:
-                    continue
-                if name.lower() in RATES and values.size == 1 and not np.isclose(values[0], rate, rtol=1e-3):
-                    return f"'{name}' is {values[0]:g} in {file}"
-                if name.lower() not in TIMES or values.size < 3:
-                    continue
-                # The median bridges gaps in the time, the mean its rounding to a few digits.
-                steps = float(np.median(np.diff(values))), float((values[-1] - values[0]) / (values.size - 1))
-                if steps[0] > 0.0 and not any(np.isclose(np.multiply(steps, rate), scale, rtol=1e-2).any() for scale in (1.0, 1e3, 1e6)):
-                    return f"'{name}' advances by {steps[0]:g} for each sample in {file}"
+        for file, name, values in self._beside(beside, RATES):
+            if values.size == 1 and not np.isclose(values[0], rate, rtol=1e-3):
+                return f"'{name}' is {values[0]:g} in {file}"
+        for file, name, values in self._beside(beside, TIMES):
+            if values.size < 3:
+                continue
+            # The median bridges gaps in the time, the mean its rounding to a few digits.
+            steps = float(np.median(np.diff(values))), float((values[-1] - values[0]) / (values.size - 1))
+            if steps[0] > 0.0 and not any(np.isclose(np.multiply(steps, rate), scale, rtol=1e-2).any() for scale in (1.0, 1e3, 1e6)):
+                return f"'{name}' advances by {steps[0]:g} for each sample in {file}"
         return ""
+
+    def jump(self, beside: str | int) -> str:
+        """Return a sentence on the first jump of a time ``beside`` the channel, where samples may be missing, or the empty string."""
+        for file, name, values in self._beside(beside, TIMES):
+            steps = np.diff(values)
+            if not len(rising := steps[steps > 0.0]):
+                continue
+            usual = max(float(np.median(steps)), float(rising.min()))  # a rounded time rises at some samples only
+            jumps = np.flatnonzero((steps > JUMP * usual) | (steps < 0.0))
+            if len(jumps):
+                return f"'{name}' in {file} advances by {steps[jumps[0]]:g} after sample {jumps[0]}, but by {usual:g} elsewhere"
+        return ""
+
+    def _beside(self, beside: str | int, words: Sequence[str]) -> Iterator[tuple[Path, str, Floats]]:
+        """Yield the file, name and values of each channel with one of the names ``words``, at the top or in the structure of another."""
+        for file, external in zip(self.files, self._externals, strict=True):
+            group = str(matching(external, file, beside)).lower().rpartition(".")[0]
+            for name in external.names:
+                owner, _, word = name.lower().rpartition(".")
+                if owner in ("", group) and word in words:
+                    with suppress(Refusal):
+                        yield file, name, channel(external, file, name).astype(np.float64)
 
     def parts(self, name: str | int, *, nan: bool = False) -> list[Floats]:
         """Return a channel of each file, shape (files,) of (samples,).
@@ -97,14 +119,21 @@ def matching(external: ExternalFile, file: Path, name: str | int) -> str | int:
     """
     if isinstance(name, int) or "*" not in name or name in external.names:
         return name
+    whole = _alike(name, external.names)
     head, dot, rest = name.partition(".")
-    pattern = re.compile(".*".join(re.escape(part) for part in head.split("*")))
-    matches = [known for known in external.names if pattern.fullmatch(known)]
+    parts = [] if whole else _alike(head, dict.fromkeys(known.partition(".")[0] for known in external.names))
+    matches = whole or [f"{part}{dot}{rest}" for part in parts]
     if len(matches) != 1:
         has = f"the channels {', '.join(matches[:8])}" if matches else "no channel"
         known = ", ".join(external.names[:20]) or "none"
         raise Refusal(f"{file} has {has} like '{name}', but one is needed (available: {known}): give its whole name")
-    return matches[0] + dot + rest
+    return matches[0]
+
+
+def _alike(name: str, known: Iterable[str]) -> list[str]:
+    """Return the ``known`` names that ``name`` with its ``*`` stands for."""
+    pattern = re.compile(".*".join(re.escape(part) for part in name.split("*")))
+    return [word for word in known if pattern.fullmatch(word)]
 
 
 def _numbers(values: Array, file: Path, name: str | int, *, nan: bool) -> Floats:

@@ -6,6 +6,7 @@ import numpy as np
 
 from dcrb_ros.exchange.importing import WaveformImport
 from dcrb_ros.settings.parameters import rpm
+from dcrb_ros.text.counts import counted
 
 FASTEST = 500.0
 """Speed of the shaft beyond which rpm were most likely meant [rad/s]."""
@@ -42,4 +43,16 @@ def implausible(waveform: WaveformImport) -> list[str]:
     span = f"{QUIETEST:g} .. {LOUDEST:g} m/s^2"
     if waveform.description.unit != "relative" and not QUIETEST <= level <= LOUDEST:
         sentences.append(f"an acceleration of {level:.3g} m/s^2 rms is outside {span}: check unit and sensitivity")
+    if jump := waveform.jump_in_time():
+        sentences.append(f"{jump}: if samples are missing there, name a channel index, or import the parts as files with a gap")
+    end = (waveform.index[-1] + 1) / waveform.measured_rate
+    for channel, (time_ns, _) in waveform.readings.items():
+        late = time_ns[time_ns > end * 1e9]
+        if not len(time_ns):
+            sentences.append(f"{channel} has no reading, because all of its values are NaN: check the channel")
+        if len(late):
+            sentences.append(
+                f"{len(late)} of {counted(len(time_ns), 'reading')} of {channel} are later than the waveform, which ends at {end:g} s, "
+                f"up to {late[-1] * 1e-9:g} s: check that temperature_time is in seconds since sample 0"
+            )
     return sentences

@@ -54,23 +54,29 @@ def pulse_train(pulses: Floats, index: npt.NDArray[np.int64], per_turn: int, lev
     An edge is where the signal rises through the mean of two ``levels``, interpolated between samples, after it was below the lower one
     and before it exceeds the upper one. By default the levels lie at a third and two thirds of its range. An interval that is a multiple of
     its neighbours has missing pulses, which are counted; one below half of them ends with an additional pulse, which is left out.
+    One across missing samples has as many pulses as its neighbours suggest, and counts as regular.
 
     Raises:
         Refusal: there are fewer than three edges, or a tenth of the intervals are irregular; ``source`` names the channel.
     """
     low, high = levels or _levels(pulses)
-    edges, _ = _edges(pulses, index, low, high)
+    edges, borders = _edges(pulses, index, low, high)
     if len(edges) < FEWEST_EDGES:
         raise Refusal(
             f"{source} has {len(edges)} rising edges through {low:g} and {high:g}, but a speed needs {FEWEST_EDGES}: "
             "check the channel, or give tacho_levels"
         )
     intervals = np.diff(edges)
-    steps = np.rint(intervals / _median_of_neighbours(intervals))
-    irregular = int(np.count_nonzero(steps != 1.0))
-    if irregular > MOST_IRREGULAR * len(steps):
+    within = ~_across(edges, borders)
+    if not within.any():
+        raise Refusal(f"{source} has no two pulses without missing samples between them: give the speed by another key")
+    usual = np.interp(np.arange(len(intervals)), np.flatnonzero(within), _median_of_neighbours(intervals[within]))
+    steps = np.rint(intervals / usual)
+    steps[~within] = np.maximum(1.0, steps[~within])
+    regular, irregular = np.count_nonzero(within), int(np.count_nonzero(steps[within] != 1.0))
+    if irregular > MOST_IRREGULAR * regular:
         raise Refusal(
-            f"{source}: {irregular} of {len(steps)} intervals between pulses differ from their neighbours by half or more: "
+            f"{source}: {irregular} of {regular} intervals between pulses differ from their neighbours by half or more: "
             "give tacho_levels beyond the noise, or a smoother signal"
         )
     kept = np.concatenate([[True], steps > 0.0])
@@ -85,7 +91,7 @@ def counted_pulses(pulses: Floats, index: npt.NDArray[np.int64], per_turn: int, 
     """
     edges, borders = _edges(pulses, index, *(levels or _levels(pulses)))
     steps, intervals = np.ones(max(0, len(edges) - 1)), np.diff(edges)
-    across = np.searchsorted(borders, edges[1:]) != np.searchsorted(borders, edges[:-1])
+    across = _across(edges, borders)
     if across.any() and not across.all():
         steps[across] = np.maximum(1.0, np.rint(intervals[across] / np.median(intervals[~across])))
     return PulseTrain(edges, np.concatenate([np.zeros(min(1, len(edges))), np.cumsum(steps)]) / per_turn, 0)
@@ -112,6 +118,11 @@ def _edges(pulses: Floats, index: npt.NDArray[np.int64], low: float, high: float
     runs = np.flatnonzero(np.diff(index) != 1) + 1
     parts = zip(np.split(pulses, runs), np.split(index, runs), strict=True)
     return np.concatenate([begin[0] + edges for part, begin in parts for edges in [rising_edges(part, low, high)]]), index[runs]
+
+
+def _across(edges: Floats, borders: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
+    """Return whether samples are missing between each edge and the next one, shape (edges - 1,), from the samples after each gap."""
+    return np.asarray(np.searchsorted(borders, edges[1:]) != np.searchsorted(borders, edges[:-1]))
 
 
 def rising_edges(pulses: Floats, low: float, high: float) -> Floats:

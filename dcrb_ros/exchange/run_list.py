@@ -11,7 +11,8 @@ import numpy as np
 
 from dcrb_ros.bearing.waveform import Waveform
 from dcrb_ros.exchange.importing import WaveformImport
-from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.exchange.plausibility import implausible
+from dcrb_ros.schema.refusal import Refusal, repeated
 from dcrb_ros.settings.shipped import find_shipped
 from dcrb_ros.text.tables import read_rows
 
@@ -24,7 +25,7 @@ LARGEST_DEFECT = 0.05
 """Largest width or depth of a defect, as of one that is simulated [m]."""
 SHA256 = "sha256"
 """Column with the SHA-256 of a file; a file with another one is refused."""
-COLUMNS = (*NEEDED, *TEXTS, *NUMBERS, *IMPORT, SHA256)
+OPTIONAL = (*TEXTS, *NUMBERS, *IMPORT, SHA256)
 
 
 class ListedRun(NamedTuple):
@@ -36,14 +37,15 @@ class ListedRun(NamedTuple):
     """Origin of the recording, from its description."""
     fields: dict[str, Any]
     """The other columns: ``fault``, `TEXTS` and `NUMBERS` that are given."""
+    warnings: list[str]
+    """Sentences on what is implausible in the recording."""
 
 
 def listed_runs(table: Path, about: str, rate: int = 0) -> Iterator[ListedRun]:
-    """Yield the recordings of a list, one after the other.
+    """Yield the recordings of a list, one after the other. All rows are checked before the first file is read.
 
     Args:
-        table: CSV file with the columns `COLUMNS`, of which ``file`` and ``fault`` are needed; files and descriptions are relative to its
-            folder.
+        table: CSV file with the columns `NEEDED`, and any of `OPTIONAL`; files and descriptions are relative to its folder.
         about: description of the files whose row has none: a YAML file or the name of a public data set.
         rate: sampling rate to which all are decimated [Hz]; 0 leaves them.
 
@@ -51,31 +53,57 @@ def listed_runs(table: Path, about: str, rate: int = 0) -> Iterator[ListedRun]:
         Refusal: a column or a value is unknown, a defect is implausibly large or on a healthy bearing, a file cannot be imported or has
             another hash than stated, or a rate is not a whole multiple of ``rate``.
     """
-    for number, row in read_rows(table, NEEDED, COLUMNS[len(NEEDED) :]):
-        line = f"{table}, line {number}"
-        if not row["file"] or not row["fault"]:
-            raise Refusal(f"{line}: file and fault are needed: give both")
-        description = _description(row["about"], table.parent, line) if row.get("about") else about
-        if not description:
-            raise Refusal(f"{line}: there is no description of {row['file']}: add the column about, or give --about")
-        file = table.parent / row["file"]
-        if not file.is_file():
-            raise Refusal(f"{line}: there is no file {file}")
-        settings = [part.strip() for part in (row.get("set") or "").split(";") if part.strip()]
-        if row.get("speed_rpm"):  # it is that of the file, and replaces the speed of the description
-            settings = ["channels.rpm=null", "speed=null", *settings, f"speed_rpm={row['speed_rpm']}"]
-        read = _imported(file, find_shipped("description", description), settings, line)
+    for entry in [_entry(f"{table}, line {number}", row, table.parent, about) for number, row in read_rows(table, NEEDED, OPTIONAL)]:
+        line, file = entry.line, entry.file
+        read = _imported(file, entry.description, entry.settings, line)
         sha256 = read.sha256()
-        if (row.get(SHA256) or sha256).lower() != sha256:
-            raise Refusal(f"{line}: {file} has the SHA-256 {sha256} instead of {row[SHA256]}: get the file again, or correct the list")
+        if (entry.sha256 or sha256).lower() != sha256:
+            raise Refusal(f"{line}: {file} has the SHA-256 {sha256} instead of {entry.sha256}: get the file again, or correct the list")
         waveform = Waveform(
             acceleration=read.acceleration, shaft_angle=read.angle, sampling_rate=read.rate, index=read.index, orders=read.orders
         )
-        fields: dict[str, Any] = {"fault": row["fault"]} | {name: row[name] for name in TEXTS[1:] if row.get(name)}
-        sizes = {name: _number(row[name], f"{line}: {name}") for name in NUMBERS if row.get(name)}
-        fields |= _checked_sizes(sizes, row["fault"], line)
         source = dict(read.description.source or {})
-        yield ListedRun(row.get("name") or file.stem, decimated(waveform, rate, str(file)) if rate else waveform, source, fields)
+        warnings = [f"{line}: {sentence}" for sentence in implausible(read)]
+        yield ListedRun(entry.name, decimated(waveform, rate, str(file)) if rate else waveform, source, entry.fields, warnings)
+
+
+class _Entry(NamedTuple):
+    """A row of the list, checked before any file is read."""
+
+    line: str
+    name: str
+    file: Path
+    description: Path
+    settings: list[str]
+    sha256: str
+    fields: dict[str, Any]
+
+
+def _entry(line: str, row: dict[str, str], folder: Path, about: str) -> _Entry:
+    """Return a row, whose ``line`` begins the messages.
+
+    Raises:
+        Refusal: a value is missing, unknown or given twice, or there is no such file.
+    """
+    if not row["file"] or not row["fault"]:
+        raise Refusal(f"{line}: file and fault are needed: give both")
+    description = _description(row["about"], folder, line) if row.get("about") else about
+    if not description:
+        raise Refusal(f"{line}: there is no description of {row['file']}: add the column about, or give --about")
+    file = folder / row["file"]
+    if not file.is_file():
+        raise Refusal(f"{line}: there is no file {file}")
+    settings = [part.strip() for part in (row.get("set") or "").split(";") if part.strip()]
+    keys = [*(["speed_rpm"] if row.get("speed_rpm") else []), *(part.partition("=")[0].strip() for part in settings)]
+    if (twice := repeated(keys)) is not None:
+        raise Refusal(f"{line}: {twice} is given more than once: give it once, in the column set or in one of its own")
+    if row.get("speed_rpm"):  # it is that of the file, and replaces the speed of the description
+        settings = ["channels.rpm=null", "speed=null", *settings, f"speed_rpm={row['speed_rpm']}"]
+    fields: dict[str, Any] = {"fault": row["fault"]} | {name: row[name] for name in TEXTS[1:] if row.get(name)}
+    sizes = {name: _number(row[name], f"{line}: {name}") for name in NUMBERS if row.get(name)}
+    fields |= _checked_sizes(sizes, row["fault"], line)
+    name = row.get("name") or file.stem
+    return _Entry(line, name, file, find_shipped("description", description), settings, row.get(SHA256) or "", fields)
 
 
 def _description(about: str, folder: Path, line: str) -> Path:

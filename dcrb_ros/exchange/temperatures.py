@@ -84,8 +84,12 @@ def readings_of(
             f"{source} has a temperature of {outside[0]:g} deg C, outside {COLDEST:g} .. {HOTTEST:g} deg C: give degrees Celsius, NaN "
             "where unknown"
         )
-    if np.any(np.diff(time_ns) <= 0):
-        raise Refusal(f"{source}: the times in {TIME} must increase: sort the readings")
+    if len(back := np.flatnonzero(np.diff(time_ns) <= 0)):
+        first, second = time_ns[back[0] : back[0] + 2] * 1e-9
+        raise Refusal(
+            f"{source}: the times in {TIME} must increase, but {second:g} s follows {first:g} s: sort the readings; in several files the "
+            "times count from sample 0 of the first one"
+        )
     kept, last = [], -LEAST_INTERVAL_NS
     for number, reading_ns in enumerate(time_ns.tolist()):
         if reading_ns - last >= LEAST_INTERVAL_NS:

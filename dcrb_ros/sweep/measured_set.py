@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+import os
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -31,6 +32,9 @@ from dcrb_ros.sweep.windows import cut_windows, waveform_file, window_starts, wi
 from dcrb_ros.text.markdown import table
 from dcrb_ros.text.writing import check_empty, whole_folder
 
+LONGEST_NAME = 200
+"""Longest name of a run [bytes]; with a suffix it is that of a file."""
+
 
 @dataclass(frozen=True, eq=False)
 class MeasuredRun:
@@ -55,6 +59,8 @@ class MeasuredRun:
     def __post_init__(self) -> None:
         if self.name != Path(self.name).name or self.name in ("", "..") or not self.name.isprintable():
             raise Refusal(f"name = {self.name!r} is not the name of a file: give the run a name without a path")
+        if len(os.fsencode(self.name)) > LONGEST_NAME:
+            raise Refusal(f"name = {self.name!r} has more than {LONGEST_NAME} bytes, too many for the name of a file: give a shorter one")
         if self.fault not in FAULT_CLASSES:
             known = ", ".join(FAULT_CLASSES)
             raise Refusal(f"{self.name}: fault = '{self.fault}' is unknown{nearest(self.fault, FAULT_CLASSES)}: give one of {known}")
@@ -86,7 +92,7 @@ def write_measured_set(
         try:
             return _write(runs, Store(str(written)), title, licence, windows)
         except StoreFailed as failure:
-            raise StoreFailed(str(failure).replace(str(written), store.address)) from None
+            raise StoreFailed(str(failure).replace(str(written), store.address).removesuffix(" to continue")) from None  # nothing is kept
 
 
 def _write(runs: Iterable[MeasuredRun], store: Store, title: str, licence: str, windows: Windows) -> Counter[tuple[str, str]]:

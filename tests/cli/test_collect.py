@@ -149,6 +149,9 @@ def test_the_head_of_the_card_and_the_description_name_files_that_exist(kind: st
         ("file,fault,width\n105.npz,healthy,0.001\n", "line 2: width = 0.001 m, but the bearing is healthy"),
         ("file,fault,width\n105.npz,inner_ring,0.18\n", "line 2: width = 0.18 m is larger than 0.05 m: give it in metres"),
         ("file,fault,speed_rpm\n105.npz,healthy,fast\n", "line 2: "),
+        ("file,fault,set\n105.npz,healthy,unit=g;unit=m/s^2\n", "line 2: unit is given more than once: give it once"),
+        ("file,fault,set,speed_rpm\n105.npz,healthy,speed_rpm=10,1797\n", "line 2: speed_rpm is given more than once"),
+        (f"file,fault,name\n105.npz,healthy,{'n' * 201}\n", "has more than 200 bytes, too many for the name of a file"),
     ],
 )
 def test_a_list_that_cannot_be_used_is_refused(files: Path, tmp_path: Path, text: str, reason: str) -> None:
@@ -159,6 +162,26 @@ def test_a_list_that_cannot_be_used_is_refused(files: Path, tmp_path: Path, text
     assert reason in str(done.exception)
     assert not (tmp_path / "set").exists()
     assert not list(tmp_path.rglob("outside.*"))
+
+
+@pytest.mark.parametrize(
+    ("row", "reason"), [("none.npz,roller,", "there is no file"), ("97.npz,roller,wide", "width = 'wide' is not a number")]
+)
+def test_all_rows_are_checked_before_a_file_is_read(row: str, reason: str, files: Path, tmp_path: Path) -> None:
+    table = files / f"{tmp_path.name}.csv"
+    table.write_text(f"file,fault,width\nabout.yaml,healthy,\n{row}\n", encoding="utf-8")
+    done = CliRunner().invoke(app, ["collect", str(table), "--about", str(files / "about.yaml"), "-o", str(tmp_path / "set")])
+    assert f"line 3: {reason}" in str(done.exception)
+
+
+def test_an_implausible_recording_is_named(files: Path, tmp_path: Path) -> None:
+    table = files / f"{tmp_path.name}.csv"
+    table.write_text("file,fault,set\n105.npz,healthy,unit=mm/s^2\n97.npz,healthy,unit=V;sensitivity=0.001 mV/g\n", encoding="utf-8")
+    done = CliRunner().invoke(app, ["collect", str(table), "--about", str(files / "about.yaml"), "-o", str(tmp_path / "set")])
+    assert done.exit_code == 0, done.exception
+    assert done.stderr.count("warning: ") == 1
+    assert done.stderr.startswith(f"warning: {table}, line 3: an acceleration of ")
+    assert "m/s^2 rms is outside 0.0001 .. 2000 m/s^2: check unit" in done.stderr
 
 
 def test_the_output_is_no_file(files: Path) -> None:

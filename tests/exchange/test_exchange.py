@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -118,6 +120,22 @@ def test_exports_carry_labels_and_manifest(tmp_path: Path) -> None:
         export(bag, tmp_path / "a.xlsx")
     with pytest.raises(Refusal, match="there is no folder"):
         export(bag, tmp_path / "none" / "a.npz")
+    with pytest.raises(Refusal, match=r"must end in one of \.csv"):
+        export(bag, Path())
+    done = dcrb("export", str(BAGS / "inner_ring_defect"), "-o", ".")
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert "-o . has an unknown file type" in done.stderr
+
+
+def test_a_table_is_exported_through_a_pipe(tmp_path: Path) -> None:
+    bag = Recording(recorded(tmp_path / "bag", 3))
+    os.mkfifo(tmp_path / "a.csv")
+    with ThreadPoolExecutor() as readers:
+        read = readers.submit((tmp_path / "a.csv").read_text)
+        export(bag, tmp_path / "a.csv")
+        text = read.result(timeout=60.0)
+    export(bag, tmp_path / "b.csv")
+    assert text == (tmp_path / "b.csv").read_text()
 
 
 @pytest.mark.parametrize("suffix", [".npz", ".csv", ".mat", ".parquet"])
@@ -185,18 +203,30 @@ def test_fields_of_mat_structures_are_read(noise: np.ndarray[Any, Any], tmp_path
     external = read_external(tmp_path / "x.mat")
     for name in ("bearing.gs", "run.Y[2].Data"):
         assert np.array_equal(channel(external, tmp_path / "x.mat", name), noise)
-    with pytest.raises(Refusal, match=r"has no channel 'bearing\.gz'.*available: bearing, run"):
+    with pytest.raises(Refusal, match=r"'bearing\.gz'; did you mean 'bearing\.gs'.*available: bearing\.gs, bearing\.sr, run\.Y"):
         channel(external, tmp_path / "x.mat", "bearing.gz")
+    with pytest.raises(Refusal, match=r"has no channel 'run\.Y\[0\]\.Data'"):  # elements count from 1
+        channel(external, tmp_path / "x.mat", "run.Y[0].Data")
+
+
+def test_arrays_of_objects_beside_the_channels_are_skipped(noise: np.ndarray[Any, Any], tmp_path: Path) -> None:
+    np.savez(tmp_path / "x.npz", de=noise, notes=np.array([{"rig": 7}], dtype=object))
+    external = read_external(tmp_path / "x.npz")
+    assert np.array_equal(channel(external, tmp_path / "x.npz", "de"), noise)
+    with pytest.raises(Refusal, match=r"'notes' has shape .* type object: a channel must be one row"):
+        channel(external, tmp_path / "x.npz", "notes")
 
 
 def test_mat_version_7_3_is_read(noise: np.ndarray[Any, Any], tmp_path: Path) -> None:
     h5py = pytest.importorskip("h5py", reason="an extra of the package")
     with h5py.File(tmp_path / "x.mat", "w", userblock_size=512) as file:
-        file["run/de"] = noise[None, :]
+        file["run/de"], file["run/fe"] = noise[None, :], noise[None, :]
     with (tmp_path / "x.mat").open("r+b") as stream:
         stream.write(b"MATLAB 7.3 MAT-file".ljust(124) + bytes([0, 2]) + b"IM")
     found = WaveformImport(tmp_path / "x.mat", described(tmp_path, channels={"ax": "run.de"}, unit="m/s^2"))
     assert np.array_equal(found.acceleration[:, 0], noise.astype(np.float32))
+    starred = WaveformImport(tmp_path / "x.mat", described(tmp_path, channels={"ax": "r*.de"}, unit="m/s^2"))
+    assert np.array_equal(starred.acceleration, found.acceleration)
 
 
 def test_mat_version_7_3_without_h5py_is_refused_with_the_remedy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -230,7 +260,7 @@ def test_csv_dialects_are_read(text: str, tmp_path: Path) -> None:
 def test_a_csv_file_that_was_cut_off_is_refused_in_words_of_the_file(tmp_path: Path) -> None:
     path = tmp_path / "x.csv"
     path.write_text("de,fe\n1.5,2\n3.0", encoding="utf-8")
-    with pytest.raises(Refusal, match=r"from 2 to 1 at row 2; a file that was cut off lacks columns .* copy it again") as caught:
+    with pytest.raises(Refusal, match=r"line 3: .* from 2 to 1; a file that was cut off lacks columns .* copy it again") as caught:
         read_external(path)
     assert "usecols" not in str(caught.value)
 
@@ -256,6 +286,10 @@ def test_a_csv_file_that_was_cut_off_is_refused_in_words_of_the_file(tmp_path: P
         ({"orders": {**ORDERS, "BPFI": 4.9}}, "is not the number of rolling elements"),
         ({"orders": {**ORDERS, "BSF": 2.0 * ORDERS["BSF"]}}, "may be the ball defect frequency, so halve it"),
         ({"orders": None}, "has neither bearing nor orders"),
+        ({"orders": {**ORDERS, "BPFo": 3.6}}, r"unknown key 'orders\.BPFo'; did you mean 'BPFO'\?"),
+        ({"channels": {"ax": "de", "shaft-angle": "fe"}}, r"unknown key 'channels\.shaft-angle'; did you mean 'shaft_angle'\?"),
+        ({"channels": {"ax": True}}, r"channels\.ax = True is refused: a channel is a name, or a number from 1"),
+        ({"channels": {"ax": 0}}, r"channels\.ax = 0 is refused: a channel is a name, or a number from 1"),
         ({"orders": {"FTF": 0.4}}, r"orders\.BPFO is refused: field required"),
         ({"sampling_rate": 1000.4}, "sampling_rate = 1000.4 Hz is refused: a recording has an integer rate"),
         ({"sampling_rate": "fast"}, "sampling_rate = 'fast' is refused"),

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import struct
 from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
-from scipy.io import wavfile
+from scipy.io import savemat, wavfile
 from separate_process import dcrb
 
-from dcrb_ros.exchange.files import read_external
+from dcrb_ros.exchange.files import channel, read_external
 from dcrb_ros.exchange.importing import WaveformImport
+from dcrb_ros.exchange.plausibility import implausible
 from dcrb_ros.schema.refusal import Refusal
 
 
@@ -34,6 +36,9 @@ def about(folder: Path, **changes: object) -> Path:
         ("a;b\n0,123;1,5\n", "decimal commas"),
         ("a\n0.5\n#0.25\n0.125\n", "cannot be read as CSV"),
         ("a\n0.5\n0.25 # loose\n", "cannot be read as CSV"),
+        ("Rig 7\nrate,12000\na,b\n0.5,1\n", "and a # before other lines above them"),
+        ("a,b\n\ng,g\n0.5,1\n", "line 3, column 1: 'g' is not a number"),
+        ("# by X\na,b\n0.5,1\n0.25,\n", "line 4, column 2: the field is empty: .* nan for an unknown one"),
     ],
 )
 def test_decimal_commas_and_comments_inside_the_data_are_refused(text: str, words: str, tmp_path: Path) -> None:
@@ -47,12 +52,73 @@ def test_a_table_below_comments_is_read(tmp_path: Path) -> None:
     assert read_external(tmp_path / "x.csv").column("1").tolist() == [0.5, 0.25]
 
 
+@pytest.mark.parametrize("encoding", ["latin-1", "utf-16"])
+def test_a_table_in_another_encoding_is_refused_with_the_remedy(encoding: str, tmp_path: Path) -> None:
+    (tmp_path / "x.csv").write_bytes("a [m/s²]\n0.5\n".encode(encoding))
+    with pytest.raises(Refusal, match="not UTF-8: save it as UTF-8"):
+        read_external(tmp_path / "x.csv")
+
+
+@pytest.mark.parametrize(
+    ("names", "words"),
+    [
+        ("a,b,c", "has 3 names in its first line, but 2 columns"),
+        ("a,a", "has 2 columns called 'a': give the number"),
+    ],
+)
+def test_names_that_do_not_identify_a_column_are_refused(names: str, words: str, tmp_path: Path) -> None:
+    file = tmp_path / "x.csv"
+    file.write_text(f"{names}\n0.5,1\n0.25,2\n")
+    with pytest.raises(Refusal, match=words):
+        channel(read_external(file), file, "a")
+    assert channel(read_external(file), file, 2).tolist() == [1.0, 2.0]
+
+
+def test_a_quoted_name_may_contain_the_delimiter(tmp_path: Path) -> None:
+    file = tmp_path / "x.csv"
+    file.write_text('"Time, s", "Acc, g"\n0.5,1\n0.25,2\n')
+    assert channel(read_external(file), file, "Acc, g").tolist() == [1.0, 2.0]
+
+
 def test_a_wav_file_that_is_cut_off_is_refused(tmp_path: Path) -> None:
     wavfile.write(tmp_path / "x.wav", 12000, np.zeros(1000, np.float32))
     whole = (tmp_path / "x.wav").read_bytes()
     read_external(tmp_path / "x.wav")
     (tmp_path / "x.wav").write_bytes(whole[:-400])
     with pytest.raises(Refusal, match="states 4000 bytes, but 3600 follow"):
+        read_external(tmp_path / "x.wav")
+
+
+def riff(path: Path, kind: bytes = b"RIFF", *, rate: int = 12000, extra: bytes = b"") -> Path:
+    """Write a WAV file of 100 numbers of 16 bits, with ``extra`` chunks before them."""
+    samples = np.arange(100, dtype="<i2").tobytes()
+    stated = 2**32 - 1 if kind == b"RF64" else len(samples)
+    form = struct.pack("<4sIHHIIHH", b"fmt ", 16, 1, 1, rate, 2 * rate, 2, 16)
+    body = b"WAVE" + extra + form + struct.pack("<4sI", b"data", stated) + samples
+    path.write_bytes(kind + struct.pack("<I", 2**32 - 1 if kind == b"RF64" else len(body)) + body)
+    return path
+
+
+def test_a_wav_file_with_sizes_of_64_bits_is_read(tmp_path: Path) -> None:
+    sizes = struct.pack("<4sIQQQI", b"ds64", 28, 280, 200, 100, 0)
+    assert len(read_external(riff(tmp_path / "x.wav", b"RF64", extra=sizes)).column(1)) == 100
+
+
+def test_chunks_without_samples_print_nothing(tmp_path: Path, recwarn: pytest.WarningsRecorder) -> None:
+    assert len(read_external(riff(tmp_path / "x.wav", extra=struct.pack("<4sI4s", b"note", 3, b"abc"))).column(1)) == 100
+    assert not recwarn.list
+
+
+@pytest.mark.parametrize("rate", [0, 50, 20_000_000])
+def test_a_rate_of_the_file_outside_the_range_is_refused(rate: int, tmp_path: Path) -> None:
+    described = about(tmp_path, channels={"ax": 1}, full_scale=50.0, sampling_rate=None)
+    with pytest.raises(Refusal, match=rf"x.wav states a sampling rate of {rate:g} Hz, outside 100 .. 10000000 Hz".replace("+", r"\+")):
+        WaveformImport(riff(tmp_path / "x.wav", rate=rate), described)
+
+
+def test_a_file_of_another_format_is_no_wav_file(tmp_path: Path) -> None:
+    (tmp_path / "x.wav").write_text("hello world, this is a letter")
+    with pytest.raises(Refusal, match="is not a WAV file: it begins with b'hello world,'"):
         read_external(tmp_path / "x.wav")
 
 
@@ -108,6 +174,33 @@ def test_a_sampling_rate_that_the_file_contradicts_is_refused(beside: dict[str, 
         return
     with pytest.raises(Refusal, match=f"gives sampling_rate = 12000 Hz, but {words}"):
         WaveformImport(tmp_path / "x.npz", about(tmp_path))
+
+
+@pytest.mark.parametrize(
+    ("time", "words"),
+    [
+        (np.arange(2400) / 12000 + (np.arange(2400) > 1200), "advances by 1.00008 after sample 1200, but by 8.33333e-05 elsewhere"),
+        (np.mod(np.arange(2400), 1200) / 12000, "advances by -0.0999167 after sample 1199"),
+        (np.round(np.arange(2400) / 12000, 3), ""),
+        (np.round(np.arange(2400) / 12000, 4), ""),
+        (np.round(np.arange(2400) / 12000, 5), ""),
+    ],
+)
+def test_a_time_that_jumps_is_a_warning_unless_an_index_has_the_gaps(time: np.ndarray, words: str, tmp_path: Path) -> None:
+    np.savez(tmp_path / "x.npz", a=np.sin(np.arange(2400)), time=time, i=np.arange(2400) + 12000 * (np.arange(2400) > 1200))
+    warnings = implausible(WaveformImport(tmp_path / "x.npz", about(tmp_path)))
+    assert [words in sentence for sentence in warnings] == [True] * bool(words)
+    assert not implausible(WaveformImport(tmp_path / "x.npz", about(tmp_path, channels={"ax": "a", "index": "i"})))
+
+
+@pytest.mark.parametrize("rate", ["fs", "sr"])
+def test_a_rate_in_the_structure_of_the_data_is_compared(rate: str, tmp_path: Path) -> None:
+    """As in MFPT files, whose baseline has twice the rate of the others."""
+    signal = np.sin(np.arange(2400))
+    savemat(tmp_path / "x.mat", {"bearing": {"gs": signal, rate: 24000.0}, "other": {"gs": signal, rate: 12000.0}})
+    with pytest.raises(Refusal, match=rf"gives sampling_rate = 12000 Hz, but 'bearing\.{rate}' is 24000"):
+        WaveformImport(tmp_path / "x.mat", about(tmp_path, channels={"ax": "bear*.gs"}))
+    assert WaveformImport(tmp_path / "x.mat", about(tmp_path, channels={"ax": "other.gs"})).rate == 12000
 
 
 def test_a_measured_speed_beyond_any_bearing_is_refused(tmp_path: Path) -> None:

@@ -77,6 +77,18 @@ def test_a_gap_between_samples_is_bridged_by_whole_pulses() -> None:
     turns = index / 200.0
     train = pulse_train(sampled_pulses(turns, 1), index, 1, None, "tacho")
     assert np.ptp(train.at(index) - turns) < 1e-2
+    assert train.irregular == 0
+
+
+def test_gaps_between_short_files_are_no_missing_pulses() -> None:
+    """Ten files of 1 s with five pulses each: every fifth interval between pulses is across a gap."""
+    index = np.concatenate([np.arange(first, first + 1000) for first in range(0, 43_000, 4300)])
+    turns = 5.0 * index / 1000.0
+    train = pulse_train(sampled_pulses(turns, 1), index, 1, None, "tacho")
+    assert train.irregular == 0
+    assert np.ptp(train.at(index) - turns) < 1e-2
+    with pytest.raises(Refusal, match="no two pulses without missing samples between them"):
+        pulse_train(sampled_pulses(turns / 5.0, 1), index, 1, None, "tacho")
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ from scipy.io import loadmat
 import dcrb_ros
 from dcrb_ros.exchange.export import array_name, export
 from dcrb_ros.exchange.importing import WaveformImport
+from dcrb_ros.exchange.plausibility import implausible
 from dcrb_ros.messages.topics import AMBIENT_TEMPERATURE, BOX_TEMPERATURE, FEATURES, OUTER_RING_TEMPERATURE, TACHO, VIBRATION
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
@@ -147,6 +148,29 @@ def test_a_reading_at_every_sample_is_thinned(tmp_path: Path) -> None:
 def test_readings_without_meaning_are_refused(channels: dict[str, str], arrays: dict[str, Any], sentence: str, tmp_path: Path) -> None:
     with pytest.raises(Refusal, match=sentence):
         imported(tmp_path, channels, arrays)
+
+
+def test_readings_outside_the_waveform_and_their_loss_in_a_table_are_named(tmp_path: Path) -> None:
+    times = {"box_temperature": "t", "temperature_time": "u"}
+    recording = imported(tmp_path, times, {"t": np.full(5, 20.0), "u": np.array([0.0, 2.0, 3.0, 4.0, 1000.0])})
+    warnings = implausible(WaveformImport(tmp_path / "x.npz", tmp_path / "about.yaml"))
+    assert len(warnings) == 1
+    assert warnings[0].startswith("2 of 5 readings of box_temperature are later than the waveform, which ends at 3 s, up to 1000 s: check")
+    for suffix, words in (
+        (".csv", "3 of 5 readings of temperature"),
+        (".parquet", "3 of 5"),
+        (".wav", "neither temperatures"),
+        (".npz", ""),
+    ):
+        notes = list[str]()
+        export(recording, tmp_path / f"wave{suffix}", notes=notes)
+        assert [words in note for note in notes] == [True] * bool(words)
+
+
+def test_a_channel_of_temperatures_without_a_reading_is_a_warning(tmp_path: Path) -> None:
+    imported(tmp_path, {"box_temperature": "t"}, {"t": np.full(5, np.nan)})
+    warnings = implausible(WaveformImport(tmp_path / "x.npz", tmp_path / "about.yaml"))
+    assert [sentence.startswith("box_temperature has no reading") for sentence in warnings] == [True]
 
 
 def test_a_deviation_without_readings_is_refused(tmp_path: Path) -> None:

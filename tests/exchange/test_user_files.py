@@ -111,7 +111,7 @@ def test_a_fractional_rate_keeps_the_speed(tmp_path: Path) -> None:
     found = WaveformImport(tmp_path / "x.npz", about(tmp_path, sampling_rate=rate, speed_rpm=1500.0))
     recording = imported(tmp_path, found)
     assert (recording.sampling_rate, found.sensor()["measured_sampling_rate"]) == (48828, rate)
-    assert found.remarks() == ["the sampling rate of 48828.1 Hz is recorded as 48828 Hz, since stamps count whole samples"]
+    assert found.remarks() == ["the sampling rate of 48828.125 Hz is recorded as 48828 Hz, since stamps count whole samples"]
     turns = np.unwrap(found.angle.astype(float))[-1] / (2.0 * np.pi)
     assert turns == pytest.approx(25.0 * 99_999 / rate, rel=1e-7)
     exported = tmp_path / "again.npz"
@@ -137,6 +137,19 @@ def test_files_are_joined_with_the_gap_between_them(tmp_path: Path) -> None:
     assert [int(step) for step in np.diff(apart.index) if step != 1] == [6001, 6001, 6001]
     assert apart.remarks() == ["the waveform has 3 gaps"]
     assert apart.manifest()["imported"]["files"] == ["0.npz", "1.npz", "2.npz", "3.npz"]
+
+
+def test_times_that_begin_again_in_each_file_are_named(tmp_path: Path) -> None:
+    np.savez(tmp_path / "x.npz", a=np.ones(12000), b=np.array([40.0, 41.0]), u=np.array([0.0, 0.5]))
+    channels = {"ax": "a", "box_temperature": "b", "temperature_time": "u"}
+    with pytest.raises(Refusal, match=r"0 s follows 0\.5 s: .* in several files the times count from sample 0 of the first one"):
+        WaveformImport([tmp_path / "x.npz"] * 2, about(tmp_path, channels=channels, gap=0))
+
+
+def test_gaps_beyond_the_range_of_time_stamps_are_named(tmp_path: Path) -> None:
+    np.savez(tmp_path / "x.npz", a=np.ones(10))
+    with pytest.raises(Refusal, match=r"first_index = 0 and gap = 1e\+08 s gives sample .*: start at 0, with shorter gaps"):
+        WaveformImport([tmp_path / "x.npz"] * 30, about(tmp_path, gap=1e8))
 
 
 def test_files_of_other_rates_or_channels_are_not_joined(tmp_path: Path) -> None:
@@ -188,6 +201,13 @@ def test_settings_change_a_description(tmp_path: Path) -> None:
     ):
         with pytest.raises(Refusal, match=sentence):
             WaveformImport(tmp_path / "x.npz", description, [setting])
+
+
+def test_an_output_that_exists_is_refused_before_the_files_are_read(tmp_path: Path) -> None:
+    (tmp_path / "bag").mkdir()
+    done = dcrb("import", str(tmp_path / "none.csv"), "--about", str(about(tmp_path)), "-o", str(tmp_path / "bag"))
+    assert done.returncode == 2
+    assert "exists: give another name, or --force" in done.stderr
 
 
 def test_the_command_says_what_is_not_as_it_was_measured(tmp_path: Path) -> None:

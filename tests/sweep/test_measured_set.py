@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from full_disk import files_of_at_most
 
 from dcrb_ros import DataSet, Refusal
 from dcrb_ros.bearing.waveform import Waveform
 from dcrb_ros.sweep.measured_set import MeasuredRun, write_measured_set
-from dcrb_ros.sweep.store import Store
+from dcrb_ros.sweep.store import Store, StoreFailed
 from dcrb_ros.sweep.sweep_file import Windows
 
 STEP = 0.1
@@ -54,6 +55,12 @@ def test_a_whole_recording_needs_no_index(tmp_path: Path) -> None:
         assert sorted(content.files) == ["ax", "ay", "first_index", "sampling_rate", "shaft_angle"]
     assert np.array_equal(data_set.waveform("run").index, waveform.index)
     assert len(data_set.windows("test", length=400)) == 9
+
+
+def test_a_set_on_a_full_disk_leaves_nothing_that_could_be_continued(tmp_path: Path) -> None:
+    with files_of_at_most(1000), pytest.raises(StoreFailed, match=r"free some space and run the same command again$"):
+        stored(recorded((0, 1000)), tmp_path / "set")
+    assert not (tmp_path / "set").exists()
 
 
 def test_a_recording_that_is_shorter_than_a_window_has_none(tmp_path: Path) -> None:
