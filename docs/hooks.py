@@ -12,6 +12,7 @@ import typer
 from mkdocs.exceptions import PluginError
 
 from dcrb_ros.cli.app import app
+from dcrb_ros.cli.vehicle_parameters import vehicle_parameters
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
 from dcrb_ros.exam.replica_priors import prior_table
@@ -32,6 +33,7 @@ def on_page_markdown(markdown: str, **_: Any) -> str:
     generated = {
         "parameters": lambda: parameter_table(Configuration),
         "detector parameters": lambda: parameter_table(DetectorParameters),
+        "vehicle parameters": lambda: parameter_table(vehicle_parameters()),
         "vehicle detector parameters": lambda: parameter_table(VehicleDetectorParameters),
         "topics": topic_table,
         "vehicle topics": lambda: table_of(VEHICLE),

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 app = Commands(help="List, print, check and make configurations of the bench.")
 MOST_ERRORS = 20
 """Errors that `dcrb config check` prints."""
-DETECTOR = "fault_detector"
-"""The group that stands for the parameters of the fault detector."""
+DETECTOR, VEHICLE_DETECTOR = "fault_detector", "vehicle_detector"
+"""The groups that stand for the parameters of the fault detector and of the comparing detector."""
 
 
 @app.command("list")
@@ -139,13 +139,16 @@ def new(
 
 Group = Annotated[
     str,
-    typer.Argument(help=f"Group of parameters, such as bearing or faults.outer_1, a single parameter, or {DETECTOR}. Default: all."),
+    typer.Argument(
+        help="Group of parameters, such as bearing or faults.outer_1, a single parameter, a group of a vehicle, such as track or axle_1, "
+        f"{DETECTOR} or {VEHICLE_DETECTOR}. Default: all of a bench."
+    ),
 ]
 
 
 @app.command()
 def docs(group: Group = "") -> None:
-    """Print the parameters of a group as a table, or all of them in Markdown: key, unit, default, range and meaning.
+    """Print the parameters of a group as a table, or all of a bench in Markdown: key, unit, default, range and meaning.
 
     Example: dcrb config docs bearing
     """
@@ -174,12 +177,15 @@ def _below(group: str) -> list[ParameterField]:
     Raises:
         Refusal: there is no such group.
     """
+    from dcrb_ros.cli.vehicle_parameters import vehicle_parameters
     from dcrb_ros.diagnosis.parameters import DetectorParameters
+    from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
     from dcrb_ros.schema.refusal import Refusal, nearest
     from dcrb_ros.settings.files import fields_by_key
 
-    detector = {f"{DETECTOR}.{key}": field for key, field in fields_by_key(DetectorParameters).items()}
-    fields = {**fields_by_key(), **detector}
+    fields = {**fields_by_key(), **fields_by_key(vehicle_parameters())}
+    for name, model in ((DETECTOR, DetectorParameters), (VEHICLE_DETECTOR, VehicleDetectorParameters)):
+        fields |= {f"{name}.{key}": field for key, field in fields_by_key(model).items()}
     matching = [field for key, field in fields.items() if f"{key}.".startswith(f"{group}.")]
     if not matching:
         groups = list(dict.fromkeys(key.partition(".")[0] for key in fields))

@@ -89,9 +89,8 @@ def detect(
         if not as_json:
             _print_table(bag, recording, result, parameters, learned=known is not None or bool(parameters.baseline))
     if as_json:
-        objects = [_as_object(recording, result) for _, recording, result in diagnosed]
-        named = [{"recording": str(bag), **about} for (bag, _, _), about in zip(diagnosed, objects, strict=True)]
-        print(json.dumps(objects[0] if len(objects) == 1 else named, indent=2))
+        objects = [{"recording": str(bag), **_as_object(recording, result)} for bag, recording, result in diagnosed]
+        print(json.dumps(objects[0] if len(objects) == 1 else objects, indent=2))
     if report is not None:
         from dcrb_ros.plots.detection_report import DiagnosedRecording, detection_report
 
@@ -129,6 +128,7 @@ def _as_object(recording: Recording, result: DetectionResult) -> dict[str, Any]:
         "reason": last.reason,
         "time": last.time,
         "first_time": result.since,
+        "duration": result.duration,
         "levels": last.levels,
         "lines": {component: asdict(lines) for component, lines in last.lines.items()},
         "shaft_frequency": last.shaft_frequency,

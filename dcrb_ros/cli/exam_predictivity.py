@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from dcrb_ros.cli import completion
 from dcrb_ros.cli.options import Force, JsonOutput, Quiet, Workers, check_speed, refuse_given, worker_count
 from dcrb_ros.cli.output_file import PICTURES, check_file, check_outputs
 from dcrb_ros.schema.refusal import Refusal
@@ -28,7 +29,9 @@ def replica(
     machines: Annotated[int, typer.Option(help="Simulated machines for each measured one, 1 to 64.")] = 6,
     counterparts: Annotated[int, typer.Option(help="Counterparts of each faulty recording, at most one on each machine.")] = 3,
     longest: Annotated[float, typer.Option(help="Longest part of a recording that is compared [s], 1 to 60.")] = 5.0,
-    bench: Annotated[str, typer.Option(help="Configuration on which the bearings are scaled.")] = "ball_bearing_6205",
+    bench: Annotated[
+        str, typer.Option(help="Configuration on which the bearings are scaled.", autocompletion=completion.configurations)
+    ] = "ball_bearing_6205",
     without: Annotated[list[str] | None, typer.Option(help="Part to leave out: path, impacts or background; may be repeated.")] = None,
     speed: Annotated[str, typer.Option(help="Column of speeds: lines or documented.")] = "lines",
     force: Force = False,

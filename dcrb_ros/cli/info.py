@@ -99,6 +99,7 @@ def vehicle_info(bag: Path, *, as_json: bool) -> None:
     damage = [*recording.damage, *([flaw] if flaw else []), *mismatches]
     if as_json:
         about = {
+            "sampling_rate": recording.sampling_rate,
             "vehicle": recording.parameters,
             "scenario": recording.scenario,
             "boxes": boxes,

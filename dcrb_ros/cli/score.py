@@ -33,7 +33,7 @@ def score(
         list[str] | None,
         typer.Argument(
             metavar="EXAM | BAG ...",
-            help="An exam (smoke, standard, blind, full, hours, bogie or a YAML file), or recordings.",
+            help="An exam (smoke, standard, graded, blind, full, lubrication, hours, bogie or a YAML file), or recordings.",
             autocompletion=completion.exams,
         ),
     ] = None,

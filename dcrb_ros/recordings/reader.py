@@ -77,6 +77,13 @@ class Recording:
     ------
     Refusal
         There is no recording, it is not a recording of the bench, or its folder has a file of another recording.
+
+    Examples
+    --------
+    >>> import dcrb_ros
+    >>> recording = dcrb_ros.Recording("bags/outer_ring_defect")
+    >>> recording.acceleration.shape, recording.sampling_rate, list(recording.truth.faults)
+    ((153600, 2), 51200, ['outer_1'])
     """
 
     def __init__(self, path: str | Path) -> None:

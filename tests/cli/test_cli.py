@@ -94,13 +94,17 @@ def test_a_recording_that_is_too_short_for_a_verdict_is_refused(tmp_path: Path) 
 
 
 def test_a_verdict_on_a_recording_that_begins_late_states_its_time_and_the_length_of_the_signal(tmp_path: Path) -> None:
-    with Recorder(tmp_path / "bag", Configuration(), BODIES) as recorder:
+    bag = str(tmp_path / "bag")
+    with Recorder(bag, Configuration(), BODIES) as recorder:
         for block in islice(blocks(400), 250, None):
             recorder.write(block)
-    said = dcrb("detect", str(tmp_path / "bag")).stdout
+    said = dcrb("detect", bag).stdout
     time, length = map(float, re.findall(r"first at ([\d.]+) s, in ([\d.]+) s of signal", said)[0])
     assert length == 3.0
     assert 5.0 < time <= 8.0
+    about = json.loads(dcrb("detect", bag, "--json").stdout)
+    assert (about["recording"], about["duration"]) == (bag, 3.0)
+    assert about["first_time"] == pytest.approx(time, abs=0.005)
 
 
 @pytest.mark.parametrize(

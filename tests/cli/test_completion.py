@@ -28,6 +28,7 @@ def completed(line: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest
         ("dcrb score --exam smo", ["smoke"]),
         ("dcrb sweep two", ["two_hundred"]),
         ("dcrb bench --vehicle healthy_b", ["healthy_bogie"]),
+        ("dcrb exam replica table.csv --bench ball", ["ball_bearing_6205"]),
         ("dcrb simulate no_such", []),
     ],
 )

@@ -9,8 +9,10 @@ import pytest
 import yaml
 
 from dcrb_ros.cli.app import main
+from dcrb_ros.cli.vehicle_parameters import vehicle_parameters
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import load_configuration, parameter_fields
+from dcrb_ros.settings.files import fields_by_key, load_configuration, parameter_fields
+from dcrb_ros.vehicle.file import PLACES, vehicle_of
 
 BEARINGS = Path(__file__).parents[1] / "bearing" / "bearings"
 
@@ -121,6 +123,9 @@ def test_a_refusal_elsewhere_counts_what_else_is_wrong() -> None:
         ("time_scale", 1),
         ("fault_detector", 40),
         ("fault_detector.window", 1),
+        ("vehicle_detector.contrast", 1),
+        ("suspension", 4),
+        ("axle_1.gear", 4),
     ],
 )
 def test_the_parameters_of_a_group_are_a_table(config: Command, group: str, rows: int) -> None:
@@ -128,6 +133,12 @@ def test_the_parameters_of_a_group_are_a_table(config: Command, group: str, rows
     names = [line for line in lines if line]
     assert len(names) == rows or (group == "fault_detector" and len(names) > rows)
     assert group == "fault_detector" or all(f"{group}.".endswith(f"{name}.") or name.startswith(f"{group}.") for name in names)
+
+
+def test_the_defaults_of_a_wheelset_are_those_of_a_vehicle_that_names_none() -> None:
+    (axle,) = vehicle_of({"vehicle.bench": "dry", "axle_1.left": {}, "axle_1.right": {}}, "test").axles
+    documented = fields_by_key(vehicle_parameters())
+    assert {key: documented[f"axle_1.{key}"].default for key in PLACES} == {key: getattr(axle, key) for key in PLACES}
 
 
 def test_units_and_ranges_are_in_the_table(config: Command) -> None:

@@ -9,9 +9,10 @@ import pytest
 
 from dcrb_ros.exam.case import Case, derived_tags
 from dcrb_ros.exam.criteria import Criteria
-from dcrb_ros.exam.exam_file import MOST_CASES, Exam, exam_of, read_exam
+from dcrb_ros.exam.exam_file import MOST_CASES, Exam, ExamFile, ScenarioEntry, exam_of, read_exam
 from dcrb_ros.exam.scoring import score_scenario
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
+from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import validated
@@ -34,6 +35,12 @@ def refused(*scenarios: Any, **changes: Any) -> str:
     with pytest.raises(Refusal) as found:
         exam(*scenarios, **changes)
     return str(found.value)
+
+
+@pytest.mark.parametrize("group", [ExamFile, ScenarioEntry])
+def test_the_reference_page_has_every_key(group: type[Group]) -> None:
+    page = (Path(__file__).parents[2] / "docs/reference/exams.md").read_text(encoding="utf-8")
+    assert [key for key in group.model_fields if f"`{key}`" not in page and f"`{key}: " not in page] == []
 
 
 @pytest.mark.parametrize("seeds", [MOST_CASES, MOST_CASES + 1])

@@ -10,6 +10,7 @@ from types import ModuleType
 
 import pytest
 
+from dcrb_ros.exam.exam_file import read_exam
 from dcrb_ros.exam.leaderboard import markdown, read_boards
 from dcrb_ros.exam.leaderboard_entry import read_entry, write_entry
 
@@ -74,6 +75,13 @@ def test_entries_of_the_leaderboard_are_as_the_command_writes_them(tmp_path: Pat
     for file in files:
         write_entry(read_entry(file), tmp_path / "entry.json")
         assert (tmp_path / "entry.json").read_bytes() == file.read_bytes()
+
+
+def test_the_how_to_page_states_the_size_of_the_exam() -> None:
+    exam = read_exam(str(ROOT / "examples/detectors/exam.yaml"))
+    page = (ROOT / "docs/how-to/submit-to-the-leaderboard.md").read_text(encoding="utf-8")
+    (stated,) = re.findall(r"The first evaluation simulates\s+(\d+)\s+recordings", page)
+    assert int(stated) == len(exam.cases)
 
 
 def test_the_leaderboard_follows_from_its_entries() -> None:

@@ -45,6 +45,21 @@ def test_a_page_is_applied_once(page: Path, tmp_path: Path, capsys: pytest.Captu
     assert "the package has this extension already; it is tested as it is" in capsys.readouterr().out
 
 
+def test_a_page_is_applied_beside_another_extension(page: Path, tmp_path: Path) -> None:
+    root = package(tmp_path / "root")
+    (root / "dcrb_ros/registry.py").write_text('RULES = (\n    "cage",\n    "hum",\n)\n', encoding="utf-8")
+    copied_package(tmp_path / "copy", page, root)
+    assert content(tmp_path / "copy")["registry.py"] == 'RULES = (\n    "cage",\n    "rub",\n    "hum",\n)\n'
+
+
+def test_a_page_that_does_not_fit_the_package_is_refused(page: Path, tmp_path: Path) -> None:
+    root = package(tmp_path / "root")
+    for text, sentence in (("RULES = ()\n", "contains 0 times, instead of once"), ('RULES = [\n    "cage",\n]\n', "behind the change")):
+        (root / "dcrb_ros/registry.py").write_text(text, encoding="utf-8")
+        with pytest.raises(ValueError, match=sentence):
+            copied_package(tmp_path / sentence, page, root)
+
+
 def test_a_page_followed_in_part_is_refused_with_what_is_missing(page: Path, tmp_path: Path) -> None:
     root = package(tmp_path / "root")
     (root / "dcrb_ros/rub.py").write_text("DEPTH = 0.3\n", encoding="utf-8")

@@ -59,15 +59,23 @@ def blocks(page: Path) -> list[Block]:
 def patched(text: str, diff: str) -> str:
     """Return a text after a diff: ``+`` adds a line, ``-`` removes one, other lines must be in the text; ``@@`` begins another hunk.
 
+    The lines behind the last change of a hunk need not follow at once: another extension may have been added there.
+
     Raises:
         ValueError: a hunk does not match the text exactly once.
     """
     for hunk in re.split(r"^@@.*\n", diff, flags=re.MULTILINE):
         lines = hunk.splitlines(keepends=True)
-        before, after = ("".join(line[1:] or "\n" for line in lines if line[0] != skipped) for skipped in "+-")
+        changed = 1 + max(number for number, line in enumerate(lines) if line[0] in "+-")
+        before, after = ("".join(line[1:] or "\n" for line in lines[:changed] if line[0] != skipped) for skipped in "+-")
         if text.count(before) != 1:
             raise ValueError(f"the text contains {text.count(before)} times, instead of once, the lines:\n{before}")
-        text = text.replace(before, after)
+        head, rest = text.split(before)
+        following = rest.splitlines(keepends=True)
+        for line in lines[changed:]:
+            if (line[1:] or "\n") not in following:
+                raise ValueError(f"the text does not contain, behind the change, the line:\n{line[1:]}")
+        text = head + after + rest
     return text
 
 

@@ -523,6 +523,13 @@ def test_a_box_that_is_not_there_is_refused(run: Path, capsys: pytest.CaptureFix
     assert "is recovered as a whole" in capsys.readouterr().err
 
 
+def test_the_contents_for_programs_have_the_sampling_rate_and_the_boxes(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert dcrb("info", str(run), "--json") == 0
+    about = json.loads(capsys.readouterr().out)
+    assert about["sampling_rate"] == VehicleRecording(run).sampling_rate
+    assert list(about["boxes"]) == list(VehicleRecording(run).boxes)
+
+
 def test_changed_parameters_are_found_out(run: Path, tmp_path: Path) -> None:
     changed = tmp_path / "changed"
     shutil.copytree(run, changed)
