@@ -58,7 +58,12 @@ class Orders:
         return dict(zip(CHARACTERISTIC_FREQUENCIES, (self.ftf, self.bpfo, self.bpfi, self.bsf), strict=True))
 
     def frequencies(self, shaft_frequency: float) -> dict[str, float]:
-        """Return FTF, BPFO, BPFI and BSF by name [Hz] at a shaft frequency [Hz]."""
+        """Return FTF, BPFO, BPFI and BSF by name [Hz] at a shaft frequency [Hz].
+
+        Raises:
+            Refusal: the frequency is not a number.
+        """
+        number("shaft_frequency", shaft_frequency)
         return {name: order * abs(shaft_frequency) for name, order in self.as_dict().items()}
 
 

@@ -15,7 +15,7 @@ from dcrb_ros.bearing.waveform import Signal, Waveform, signal_of
 from dcrb_ros.diagnosis.demodulation import NYQUIST_SHARE, Band, Demodulator
 from dcrb_ros.diagnosis.order_spectrum import order_spectra
 from dcrb_ros.diagnosis.order_tracking import LEAST_TURNS, bin_edges, bin_means, forward_turns, reverses
-from dcrb_ros.schema.arguments import checked_arguments, of_type
+from dcrb_ros.schema.arguments import checked_arguments, numbers, of_type
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.numbers import finite_number
 from dcrb_ros.schema.refusal import Refusal
@@ -75,6 +75,7 @@ class EnvelopeSpectrum:
 
     def _nearest(self, name: str, given: npt.ArrayLike, axis: Floats) -> Floats:
         """Return the largest of the five lines around each place on an axis."""
+        numbers(name, given)
         wanted = np.asarray(given)
         if wanted.dtype.kind not in "iuf":
             raise Refusal(f"{name} = {given!r} is not a number")

@@ -65,3 +65,8 @@ def test_the_orders_of_an_unknown_bearing_are_all_nan() -> None:
     Orders(*[math.nan] * 4)
     with pytest.raises(Refusal, match="FTF = nan is outside"):
         Orders(math.nan, 3.6, 5.4, 2.4)
+
+
+def test_a_shaft_frequency_that_is_no_number_is_refused() -> None:
+    with pytest.raises(Refusal, match="shaft_frequency is a str, not a number"):
+        Orders(0.4, 4.0, 6.0, 3.0).frequencies("20")  # type: ignore[arg-type]
