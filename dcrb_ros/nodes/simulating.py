@@ -31,6 +31,7 @@ from dcrb_ros.recordings.splitting import RecordingFailed
 from dcrb_ros.runtime.threads import repeating
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.stream.late_scenario import refuse_late
 
 STATUS_PERIOD = 1.0
 """Wall time between two messages on /diagnostics [s]."""
@@ -220,3 +221,9 @@ def decoded_by(topic: str, decode: Callable[[bytes], Any], data: bytes) -> Any:
         return decode(bytes(data))
     except Refusal as refusal:
         raise Refusal(f"{topic}: {refusal}") from None
+
+
+def check_effect(tree: Any, scenario: Path, duration: float | None) -> None:
+    """Refuse a scenario, as parsed from YAML, that changes nothing in a run of ``duration`` [s], endless without one."""
+    end = math.inf if duration is None else duration
+    refuse_late(tree, end, f"the scenario {scenario}", "increase --duration or leave out --scenario")

@@ -36,10 +36,17 @@ BAG = Path(__file__).parents[2] / "bags" / "healthy"
         ("viewer --connect nonsense", "--connect nonsense is not the address of a viewer"),
         ("viewer --connect rerun+http://127.0.0.1:1/proxy", "no viewer answers at 127.0.0.1:1"),
         ("viewer --connect rerun+http://127.0.0.1:99999/proxy", "is not the address of a viewer"),
+        ("simulator --duration 1 --scenario late.yaml", "simulator: the scenario late.yaml changes nothing in a run of 1 s, its first"),
+        (
+            "vehicle_simulator --vehicle bogie --duration 1 --scenario ride.yaml",
+            "vehicle_simulator: the scenario ride.yaml changes nothing in a run of 1 s, its first entry is at 1 s: increase --duration or",
+        ),
     ],
 )
 def test_an_argument_that_is_not_understood_is_refused_in_a_sentence(command: str, sentence: str, tmp_path: Path) -> None:
     (tmp_path / "nothing.yaml").write_text("not: [parameters", encoding="utf-8")
+    (tmp_path / "late.yaml").write_text("timeline: [{at: 1.0, set: {operating.speed: 100.0}}]", encoding="utf-8")
+    (tmp_path / "ride.yaml").write_text("timeline: [{at: 1.0, set: {vehicle.speed_kmh: 60.0}}]", encoding="utf-8")
     words = [sys.executable, "-m", "dcrb_ros.nodes", *command.split()]
     done = subprocess.run(words, env=environment(domain()), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE, check=False)
     assert done.returncode == 2, done.stderr
