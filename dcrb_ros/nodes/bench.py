@@ -24,7 +24,7 @@ from dcrb_ros.messages.statuses import Status, decode_diagnostics
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, DIAGNOSIS, FEATURES, NAMESPACE, VIBRATION, Topic
 from dcrb_ros.nodes.programs import WITH_PARENT
 from dcrb_ros.nodes.publisher import subscribe
-from dcrb_ros.nodes.ros import check_ros, limit_discovery, stop_on_signals
+from dcrb_ros.nodes.ros import check_bench_discovery, check_ros, limit_discovery, stop_on_signals
 from dcrb_ros.runtime import terminal
 from dcrb_ros.runtime.children import signals_blocked
 from dcrb_ros.runtime.signals import STOPPED
@@ -220,6 +220,7 @@ def run_nodes(
     """
     console = terminal.console(stderr=True)
     check_ros()
+    check_bench_discovery()
     stop = stop_on_signals()
     limit_discovery()
     console.print(f"bench {what} as ROS 2 nodes in {NAMESPACE}, {duration:g} s at time scale {configuration.time_scale:g}")

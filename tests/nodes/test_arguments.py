@@ -14,6 +14,8 @@ pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is te
 from ros_bench import PATIENCE, domain, environment, node
 from waiting import wait_for
 
+from dcrb_ros.nodes.ros import check_domain
+
 pytestmark = [pytest.mark.node, pytest.mark.slow]
 
 
@@ -53,6 +55,38 @@ def test_an_argument_that_is_not_understood_is_refused_in_a_sentence(command: st
     assert sentence in done.stderr
     assert len(done.stderr.splitlines()) == 1
     assert " at /" not in done.stderr
+
+
+@pytest.mark.parametrize("number", ["300", "-1", "seven", "0x100"])
+@pytest.mark.parametrize("command", ["dcrb_ros.nodes simulator --duration 0.02", "dcrb_ros.cli.program bench dry --duration 0.02"])
+def test_an_invalid_domain_is_refused_in_a_sentence(command: str, number: str) -> None:
+    words = [sys.executable, "-m", *command.split()]
+    env = {**environment(1), "ROS_DOMAIN_ID": number}
+    done = subprocess.run(words, env=env, capture_output=True, text=True, timeout=PATIENCE, check=False)
+    assert (done.returncode, len(done.stderr.splitlines())) == (2, 1), done.stderr
+    assert f"ROS_DOMAIN_ID = {number} is not a whole number within 0 .. 232: unset it" in done.stderr
+
+
+@pytest.mark.parametrize("number", ["", "0", "232", " 7", "0x10", "010"])
+def test_a_domain_that_ros_understands_is_taken(number: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_DOMAIN_ID", number)
+    check_domain()
+
+
+def test_a_bench_without_discovery_is_refused_in_a_sentence() -> None:
+    words = [sys.executable, "-m", "dcrb_ros.cli.program", "bench", "dry", "--duration", "0.02"]
+    env = environment(domain(), ROS_AUTOMATIC_DISCOVERY_RANGE="OFF")
+    done = subprocess.run(words, env=env, capture_output=True, text=True, timeout=PATIENCE, check=False)
+    assert (done.returncode, len(done.stderr.splitlines())) == (2, 1), done.stderr
+    assert "ROS_AUTOMATIC_DISCOVERY_RANGE = OFF hides the nodes of the bench from each other" in done.stderr
+
+
+@pytest.mark.parametrize("name", ["", "simulato"])
+def test_a_node_that_does_not_exist_is_wrong_usage(name: str) -> None:
+    words = [sys.executable, "-m", "dcrb_ros.nodes", *name.split()]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=PATIENCE, check=False)
+    assert done.returncode == 2
+    assert done.stderr.startswith("usage: python -m dcrb_ros.nodes [--with-parent] {simulator,")
 
 
 @pytest.mark.parametrize("name", ["simulator", "replayer", "fault_detector", "vehicle_detector", "hot_box_detector", "viewer"])
