@@ -38,6 +38,7 @@ BAG = Path(__file__).parents[2] / "bags" / "healthy"
         ("viewer --connect nonsense", "--connect nonsense is not the address of a viewer"),
         ("viewer --connect rerun+http://127.0.0.1:1/proxy", "no viewer answers at 127.0.0.1:1"),
         ("viewer --connect rerun+http://127.0.0.1:99999/proxy", "is not the address of a viewer"),
+        (f"simulator --duration 0.02 --ros-args -p recording.path:={'x' * 300}", "x cannot be used: File name too long; give another path"),
         ("simulator --duration 1 --scenario late.yaml", "simulator: the scenario late.yaml changes nothing in a run of 1 s, its first"),
         (
             "vehicle_simulator --vehicle bogie --duration 1 --scenario ride.yaml",
