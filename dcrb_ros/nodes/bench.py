@@ -246,6 +246,13 @@ def _exit_status(returncode: int) -> int:
     return 1 if returncode == -signal.SIGKILL else max(returncode, 0)
 
 
+def _ended(name: str, returncode: int) -> str:
+    """Return a sentence about the end of a process, which is negative if a signal has killed it."""
+    if returncode >= 0:
+        return f"the {name} ended with status {returncode}"
+    return f"the {name} was killed by signal {-returncode} ({signal.strsignal(-returncode)})"
+
+
 def _waiting_for(configuration: Configuration, listeners: int) -> Configuration:
     """Return a configuration with which the simulator waits for at least so many subscribers to the waveform."""
     publishing = configuration.publishing
@@ -308,12 +315,15 @@ def _watch(
                 console.print(observer.line(), highlight=False, soft_wrap=True)
                 shown = now
             if detector.poll() is not None:
-                console.print(f"the fault detector ended with status {detector.returncode}")
+                console.print(_ended("fault detector", detector.returncode))
                 return 1
             if simulator.poll() is None:
                 continue
-            if simulator.returncode != 0:
-                return simulator.returncode if simulator.returncode > 0 else 1  # negative if a signal killed it
+            if simulator.returncode < 0:
+                console.print(_ended("simulator", simulator.returncode))
+                return 1
+            if simulator.returncode > 0:  # it has said why
+                return simulator.returncode
             deadline = deadline or now + VERDICT_TIMEOUT
             if now > deadline or observer.verdict_ns >= end_ns:
                 return 0
