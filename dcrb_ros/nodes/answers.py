@@ -16,6 +16,8 @@ from dcrb_ros.schema.refusal import Refusal
 
 AHEAD = VIBRATION.depth // 2
 """Bundles that are sent as fast as possible before a diagnosis reaches the first of them; the queue of the detector holds twice as many."""
+ROOM_NS, MORE_ROOM = 2_000_000_000, 10
+"""Signal that a detector may need for a diagnosis [ns], and how many times as much as was in vain it may need after a silence."""
 TIMEOUT, FIRST_TIMEOUT = 5.0, 30.0
 """Wall time without a diagnosis after which none is expected [s]; before the first one, a detector may still compile its kernels."""
 POLL_PERIOD = 0.1
@@ -36,7 +38,12 @@ class Answers:
         self._arrived = clock()
         self._asked: float | None = None
         """Wall time at which `complete` was called first [s]."""
-        self._silent = False
+        self._silent = self._extended = False
+        """Whether no diagnosis is waited for until one arrives, and whether `_room_ns` has grown since the last one."""
+        self._room_ns = ROOM_NS
+        """Signal beyond the last diagnosis up to which more is sent, at its own pace [ns]."""
+        self._since_ns: int | None = None
+        """Stamp of the last diagnosis, or begin of the first bundle; None before it [ns]."""
 
     def take(self, data: bytes) -> None:
         """Take a diagnosis; a malformed one is ignored."""
@@ -48,7 +55,8 @@ class Answers:
             interval = time_ns - self._last_ns
             if self._last_ns and interval > 0:
                 self._interval_ns = min(interval, self._interval_ns or interval)
-            self._last_ns, self._arrived, self._silent = time_ns, self._clock(), False
+            self._last_ns, self._arrived, self._silent, self._extended = time_ns, self._clock(), False, False
+            self._since_ns = time_ns
             while self._unanswered and self._unanswered[0] <= time_ns:
                 self._unanswered.popleft()
             self._changed.notify_all()
@@ -57,21 +65,46 @@ class Answers:
         """Expect no diagnosis of what was sent before."""
         with self._changed:
             self._unanswered.clear()
+            self._since_ns = None
 
-    def await_room(self, gate: Gate) -> None:
-        """Wait while `AHEAD` bundles are unanswered and the gate is open, but not longer than diagnoses are expected."""
+    def await_room(self, gate: Gate, seconds: float) -> None:
+        """Wait while `AHEAD` bundles are unanswered and the gate is open, but not longer than diagnoses are expected.
+
+        A detector may need more signal than these bundles have, because they are short, or because a box of a vehicle is silent. Therefore
+        bundles are sent one every ``seconds``, their own duration, up to `ROOM_NS` beyond the last diagnosis. After a silence this limit
+        grows once.
+        """
         with self._changed:
             began = self._clock()
             while len(self._unanswered) == AHEAD and not self._silent and gate.open and not gate.closed and self._detectors():
-                self._changed.wait(POLL_PERIOD)
-                if self._clock() > max(began, self._arrived) + self._timeout:
-                    self._silent = True
-                    self._log(f"no diagnosis within {self._timeout:g} s: the blocks no longer wait for the detector, which may lose some")
+                paced = self._unanswered[-1] - (self._since_ns or 0) < self._room_ns
+                end = began + min(seconds, TIMEOUT) if paced else max(began, self._arrived) + self._timeout
+                if (remaining := end - self._clock()) > 0.0 and (paced or not self._extended):
+                    self._changed.wait(min(POLL_PERIOD, remaining))
+                elif paced:
+                    return
+                else:
+                    self._end_wait()
 
-    def expect(self, end_ns: int) -> None:
-        """Expect a diagnosis of a bundle that ends at a time [ns]."""
+    def _end_wait(self) -> None:
+        """Let more signal pass, at its own pace; if that was in vain, any."""
+        if self._extended:
+            self._silent = True
+            self._log("still no diagnosis: the blocks no longer wait for the detector, which may lose some")
+        else:
+            self._extended = True
+            self._room_ns = MORE_ROOM * (self._unanswered[-1] - (self._since_ns or 0))
+            self._log(
+                f"no diagnosis within {self._timeout:g} s: the next blocks are sent at their own pace, "
+                f"up to {self._room_ns * 1e-9:g} s of signal beyond the last diagnosis"
+            )
+
+    def expect(self, begin_ns: int, end_ns: int) -> None:
+        """Expect a diagnosis of a bundle from a time to another [ns]."""
         with self._changed:
             self._unanswered.append(end_ns)
+            if self._since_ns is None:
+                self._since_ns = begin_ns
 
     def complete(self, end_ns: int) -> bool:
         """Return whether the last diagnosis of a signal that ends at a time [ns] has arrived, or none is expected."""
@@ -101,6 +134,6 @@ class AnsweredSource:
         self._answers.start()
         with closing(self._source.bundles()) as bundles:
             for bundle in bundles:
-                self._answers.await_room(self._gate)
+                self._answers.await_room(self._gate, (bundle.end_ns - bundle.begin_ns) * 1e-9)
                 yield bundle
-                self._answers.expect(bundle.end_ns)
+                self._answers.expect(bundle.begin_ns, bundle.end_ns)

@@ -24,7 +24,7 @@ from dcrb_ros.messages.statuses import Status, decode_diagnostics
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, DIAGNOSIS, FEATURES, NAMESPACE, VIBRATION, Topic
 from dcrb_ros.nodes.programs import WITH_PARENT
 from dcrb_ros.nodes.publisher import subscribe
-from dcrb_ros.nodes.ros import check_ros, limit_discovery, stop_on_signals
+from dcrb_ros.nodes.ros import check_bench_discovery, check_ros, limit_discovery, stop_on_signals
 from dcrb_ros.runtime import terminal
 from dcrb_ros.runtime.children import signals_blocked
 from dcrb_ros.runtime.signals import STOPPED
@@ -220,6 +220,7 @@ def run_nodes(
     """
     console = terminal.console(stderr=True)
     check_ros()
+    check_bench_discovery()
     stop = stop_on_signals()
     limit_discovery()
     console.print(f"bench {what} as ROS 2 nodes in {NAMESPACE}, {duration:g} s at time scale {configuration.time_scale:g}")
@@ -243,6 +244,13 @@ def run_nodes(
 def _exit_status(returncode: int) -> int:
     """Return the exit status of a stopped simulator; 1 if it did not end in time and was killed, 0 if the signal came before its start."""
     return 1 if returncode == -signal.SIGKILL else max(returncode, 0)
+
+
+def _ended(name: str, returncode: int) -> str:
+    """Return a sentence about the end of a process, which is negative if a signal has killed it."""
+    if returncode >= 0:
+        return f"the {name} ended with status {returncode}"
+    return f"the {name} was killed by signal {-returncode} ({signal.strsignal(-returncode)})"
 
 
 def _waiting_for(configuration: Configuration, listeners: int) -> Configuration:
@@ -307,12 +315,15 @@ def _watch(
                 console.print(observer.line(), highlight=False, soft_wrap=True)
                 shown = now
             if detector.poll() is not None:
-                console.print(f"the fault detector ended with status {detector.returncode}")
+                console.print(_ended("fault detector", detector.returncode))
                 return 1
             if simulator.poll() is None:
                 continue
-            if simulator.returncode != 0:
-                return simulator.returncode if simulator.returncode > 0 else 1  # negative if a signal killed it
+            if simulator.returncode < 0:
+                console.print(_ended("simulator", simulator.returncode))
+                return 1
+            if simulator.returncode > 0:  # it has said why
+                return simulator.returncode
             deadline = deadline or now + VERDICT_TIMEOUT
             if now > deadline or observer.verdict_ns >= end_ns:
                 return 0

@@ -72,7 +72,7 @@ class BenchStatus:
             refusals: what was refused.
             commands: topics of commands, whose refusals are counted together.
             detected: topics of the detector, whose refusals are counted together.
-            about: returns a message that makes the status a warning, or "", and more values.
+            about: returns a message that makes the status a warning, or "", and more values; not called before the engine is prepared.
             compiling: returns the last sentence about a compilation, or "".
             behind: what is said where the engine is behind real time.
         """
@@ -85,8 +85,8 @@ class BenchStatus:
         """Return the status of the node ``name`` at a simulated time, with the names of the other nodes that publish on its topics."""
         gate, progress, recording, model = self._engine.gate, self._progress, self._recording, self._model()
         behind = gate.pacer.lag > MAX_LAG and not gate.paused
-        warning, more = self._about()
-        if self._starting():
+        warning, more = self._about() if self._engine.prepared else ("", {})
+        if self._starting() or not self._engine.prepared:
             warning = warning or self._compiling()
         factor = self._real_time_factor(time_ns * 1e-9)
         level = ERROR if recording.failed else WARN if behind or others or warning else OK
@@ -118,10 +118,13 @@ class BenchStatus:
     def _model(self) -> str:
         """Return what the model does.
 
-        That is ``failed``, ``paused``, ``waiting`` for subscribers, ``starting`` until the first block is computed, or ``running``.
+        That is ``failed``, ``loading``, ``paused``, ``waiting`` for subscribers, ``starting`` until the first block is computed, or
+        ``running``.
         """
         if self._engine.failure is not None:
             return "failed"
+        if not self._engine.prepared:
+            return "loading"
         if self._engine.gate.paused:
             return "paused"
         return "starting" if self._starting() else "running" if self._engine.started else "waiting"

@@ -82,6 +82,8 @@ class Engine:
         self.computed = False
         """Whether the source has yielded a bundle since the start or the last reset."""
         self._source, self._sinks, self._loop = source, sinks, loop
+        self.prepared = False
+        """Whether the source has been started."""
         self._loaded: Sequence[Message] | None = None
         """What `load` keeps for `prepare`."""
         self._thread = NamedThread(name, self._run)
@@ -108,7 +110,7 @@ class Engine:
     def prepare(self) -> None:
         """Start the source unless `load` has, and pass the messages that precede the first bundle to the sinks; call it before `start`."""
         messages = self._source.start() if self._loaded is None else self._loaded
-        self._loaded = None
+        self._loaded, self.prepared = None, True
         for sink in self._sinks:
             sink.start(messages)
 

@@ -25,6 +25,7 @@ from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration, read_parameters, validated
 from dcrb_ros.settings.shipped import find_configuration, shipped_folder
 from dcrb_ros.simulation.scenario import read_scenario, read_scenario_file
+from dcrb_ros.stream.late_scenario import refuse_late
 from dcrb_ros.text.files import checked_path, is_file
 from dcrb_ros.vehicle.file import read_parameters as parameters_of_vehicle
 from dcrb_ros.vehicle.file import read_vehicle, vehicle_of
@@ -192,6 +193,7 @@ def simulator_parameters(argument: str, given: Mapping[str, Any], keys: Mapping[
     if scenario is not None:
         with naming("scenario", scenario):
             read_scenario(Path(scenario), configuration)
+            _check_effect(read_scenario_file(Path(scenario)), given)
     _check_recording(configuration, argument, given)
     return {**_parameters(find_configuration(given[argument]), "simulator"), **overrides(given, keys)}
 
@@ -206,8 +208,15 @@ def vehicle_parameters(argument: str, given: Mapping[str, Any], keys: Mapping[st
             tree = read_scenario_file(Path(scenario))
             start = starting_parameters(tree, parameters_of_vehicle(given[argument]), scenario)
             vehicle_scenario(tree, vehicle_of(start, given[argument]), scenario)
+            _check_effect(tree, given)
     _check_recording(vehicle.boxes[0].configuration, argument, given)
     return overrides(given, keys)
+
+
+def _check_effect(tree: Any, given: Mapping[str, Any]) -> None:
+    """Refuse a scenario that changes nothing in a run of the given duration, if there is one."""
+    duration = given.get("duration")
+    refuse_late(tree, math.inf if duration is None else duration, "the scenario", "increase duration:= or leave out scenario:=")
 
 
 def _with_arguments(bare: Read, read: Callable[[Mapping[str, Any]], Read], given: Mapping[str, Any], keys: Mapping[str, str]) -> Read:

@@ -27,7 +27,7 @@ class OtherPublishers:
     def look(self) -> None:
         """Look for them, and warn. A publisher without a name is left to the next look, in which it mostly has one."""
         for topic in self._topics:
-            name = topic.resolved(self._node.get_namespace())
+            name = self._node.resolve_topic_name(topic.name)  # remapped, as the node publishes it
             others = self._others(name)
             if UNNAMED in others and topic not in self._unnamed:
                 self._unnamed.add(topic)

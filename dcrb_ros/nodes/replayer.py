@@ -48,7 +48,7 @@ class ReplayerNode(BenchNode):
             self._replay.check()
         clock = [CLOCK] if self._settings.clock else []
         self._publisher = Publisher(self, [*self._replay.topics, BENCH_DIAGNOSTICS, *clock])
-        self._progress = Progress()
+        self._progress, self._told = Progress(), set[str]()
         clocks = [ClockPublisher(self._publisher.write_messages)] if self._settings.clock else []
         gate = Gate(Pacer(self._settings.rate, time.monotonic), time.monotonic)
         sinks: list[Sink] = [*clocks, self._publisher, self._progress]
@@ -80,11 +80,12 @@ class ReplayerNode(BenchNode):
         return self._engine.failure
 
     def close(self) -> None:
-        """Stop; wait for the delivery of the last messages if the replay was not interrupted; warn of altered samples."""
+        """Stop; wait for the delivery of the last messages if the replay was not interrupted; warn of damage and of altered samples."""
         finished = self._engine.finished
         self._engine.close()
         if finished:
             self._publisher.flush()
+        self._warn_of_damage()
         if self._replay.mismatch and self._warns:
             self.get_logger().warning(f"{self._replay.recording.path}: {self._replay.mismatch}")
 
@@ -94,8 +95,16 @@ class ReplayerNode(BenchNode):
         self._settings = validated({**flatten(self._settings.model_dump()), **changes}, ReplayParameters, "parameters")
         self._engine.gate.rescale(self._settings.rate)
 
+    def _warn_of_damage(self) -> None:
+        """Log what of the recording cannot be read, each sentence once."""
+        for sentence in self._replay.recording.damage:
+            if sentence not in self._told:
+                self._told.add(sentence)
+                self.get_logger().warning(f"{self._replay.recording.path}: {sentence}: the readable part is replayed")
+
     def _publish_status(self) -> None:
         """Publish the status of the replay on /diagnostics."""
+        self._warn_of_damage()
         pacer, recording, time_ns = self._engine.gate.pacer, self._replay.recording, self._progress.time_ns
         behind, damage, others = pacer.lag > MAX_LAG, recording.damage, self._others.names
         values = {

@@ -10,7 +10,7 @@ import re
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from itertools import pairwise
 from pathlib import Path
 from types import FrameType
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 DISCOVERY = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 """Environment variable of ROS for the range of discovery: LOCALHOST, SUBNET or OFF."""
+DOMAIN, HIGHEST_DOMAIN = "ROS_DOMAIN_ID", 232
+"""Environment variable of ROS for the domain, and the highest domain that has ports of its own."""
 SOURCE_LINE = re.compile(r", at /\S+:\d+")
 """Place in the source of ROS, in its error messages."""
 FAILURE_PAUSE = 0.01
@@ -38,6 +40,31 @@ FAILURE_PAUSE = 0.01
 def limit_discovery() -> None:
     """Limit discovery to this machine unless the user's environment sets another range."""
     os.environ.setdefault(DISCOVERY, "LOCALHOST")
+
+
+def check_domain() -> None:
+    """Check the ROS domain of the environment: rclpy names no remedy, and takes -1 for 0.
+
+    Raises:
+        Refusal: it is no number, or too high for the ports of the machine.
+    """
+    text, number = os.environ.get(DOMAIN, ""), -1
+    for base in (8, 0):  # as in C, 010 is octal
+        with suppress(ValueError):
+            number = int(text, base)
+    if text and not 0 <= number <= HIGHEST_DOMAIN:
+        raise Refusal(f"{DOMAIN} = {text} is not a whole number within 0 .. {HIGHEST_DOMAIN}: unset it, or give such a number")
+
+
+def check_bench_discovery() -> None:
+    """Check that the nodes of a bench can find each other.
+
+    Raises:
+        Refusal: the environment switches discovery off.
+    """
+    check_domain()
+    if os.environ.get(DISCOVERY) == "OFF":
+        raise Refusal(f"{DISCOVERY} = OFF hides the nodes of the bench from each other: unset it, or set LOCALHOST or SUBNET")
 
 
 def installed(package: str) -> bool:
@@ -89,12 +116,13 @@ def run_node(create: Callable[[], BenchNode], arguments: Sequence[str]) -> int:
     """Create a node and run it until its work ends or a termination signal arrives; return the exit status.
 
     Raises:
-        Refusal: the node's parameters or its input are invalid.
+        Refusal: the node's parameters, its input or the ROS domain are invalid.
     """
     import rclpy
     from rclpy.signals import SignalHandlerOptions
     from rclpy.utilities import try_shutdown
 
+    check_domain()
     limit_discovery()
     try:
         interrupt()  # building the model and compiling its kernels may take minutes

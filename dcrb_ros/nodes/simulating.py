@@ -28,8 +28,14 @@ from dcrb_ros.nodes.simulation_interfaces import PACKAGE, SimulationInterfaces
 from dcrb_ros.nodes.subscriber_wait import SubscriberWait
 from dcrb_ros.recordings.recorder import chosen_topics
 from dcrb_ros.recordings.splitting import RecordingFailed
+from dcrb_ros.runtime.threads import repeating
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.stream.late_scenario import refuse_late
+from dcrb_ros.text.files import checked_path
+
+STATUS_PERIOD = 1.0
+"""Wall time between two messages on /diagnostics [s]."""
 
 
 class FirstBlockLog:
@@ -81,7 +87,7 @@ class SimulatingNode(BenchNode):
             answers: the diagnoses that are waited for at the end.
 
         Raises:
-            Refusal: a topic to record is unknown.
+            Refusal: a topic to record is unknown, or the path of the recording impossible.
         """
         self.configuration = configuration
         chosen_topics(configuration.recording.topics)  # also without a recording, as the service may start one later
@@ -91,7 +97,7 @@ class SimulatingNode(BenchNode):
         self._publisher = Publisher(self, [*topics, BENCH_DIAGNOSTICS, *clocks])
         self._clock_publisher = ClockPublisher(self._publisher.write_messages) if publishing.clock else None
         self.progress, self.refusals = Progress(), Refusals(log.warning)
-        self.recording = RecordingSwitch(recorder, log, Path(path).absolute() if path else None)
+        self.recording = RecordingSwitch(recorder, log, checked_path(path).absolute() if path else None)
         clock = [self._clock_publisher] if self._clock_publisher else []
         sinks: list[Sink] = [self.progress, *clock, self._publisher, self.recording, FirstBlockLog(log.info)]
         self.engine = Engine("model", begin(gate), sinks, gate)
@@ -114,9 +120,10 @@ class SimulatingNode(BenchNode):
         self.get_logger().info(sentence)
 
     def load(self) -> None:
-        """Build the model, and compile its kernels if they are not."""
+        """Build the model, and compile its kernels if they are not; the status says so, although no callback is served yet."""
         announce_compilation(self._announce)
-        self.engine.load()
+        with repeating(STATUS_PERIOD, self._report):
+            self.engine.load()
 
     def start(self) -> None:
         """Start the simulation and the configured recording."""
@@ -127,7 +134,7 @@ class SimulatingNode(BenchNode):
             SimulationInterfaces(self, services)
         publishing = self.configuration.publishing
         self._others = self.watch_publishers(self._waveform, *([CLOCK] if publishing.clock else []))
-        self.repeat(1.0, self._publish_status)
+        self.repeat(STATUS_PERIOD, self._publish_status)
         if publishing.listeners:
             wait = SubscriberWait(self._publisher, publishing.listeners, publishing.wait, topics=(self._waveform, self._description))
             self.start_with_subscribers(wait, self.engine.start)
@@ -193,11 +200,15 @@ class SimulatingNode(BenchNode):
                 f"{topic.name} at {time_ns * 1e-9:g} s is not recorded: its stamp must be within 0 .. {latest * 1e-9:g} s of simulated time"
             )
 
+    def _report(self, others: Sequence[str] = ()) -> None:
+        """Publish the status on /diagnostics, with the names of the ``others`` that publish on topics of this node."""
+        time_ns = self.progress.time_ns  # read once: another block may come at any time
+        status = self._status.status(self.get_fully_qualified_name(), time_ns, others)
+        self._publisher.write_messages([self.diagnostics(status, time_ns, self.configuration.publishing.frame)])
+
     def _publish_status(self) -> None:
         """Publish the status on /diagnostics, and the time of a paused simulation again on /clock."""
-        time_ns = self.progress.time_ns  # read once: another block may come at any time
-        status = self._status.status(self.get_fully_qualified_name(), time_ns, self._others.names)
-        self._publisher.write_messages([self.diagnostics(status, time_ns, self.configuration.publishing.frame)])
+        self._report(self._others.names)
         if self._clock_publisher is not None:
             self._clock_publisher.repeat()
         if self.engine.computed:
@@ -211,3 +222,9 @@ def decoded_by(topic: str, decode: Callable[[bytes], Any], data: bytes) -> Any:
         return decode(bytes(data))
     except Refusal as refusal:
         raise Refusal(f"{topic}: {refusal}") from None
+
+
+def check_effect(tree: Any, scenario: Path, duration: float | None) -> None:
+    """Refuse a scenario, as parsed from YAML, that changes nothing in a run of ``duration`` [s], endless without one."""
+    end = math.inf if duration is None else duration
+    refuse_late(tree, end, f"the scenario {scenario}", "increase --duration or leave out --scenario")

@@ -24,7 +24,7 @@ from dcrb_ros.nodes.parameters import changed_by_topic
 from dcrb_ros.nodes.programs import main
 from dcrb_ros.nodes.publisher import Publisher
 from dcrb_ros.nodes.ros import own_arguments, run_node
-from dcrb_ros.nodes.simulating import SimulatingNode, decoded_by
+from dcrb_ros.nodes.simulating import SimulatingNode, check_effect, decoded_by
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.recordings.recorder_thread import RecorderThread
 from dcrb_ros.runtime.prefetch import prefetch
@@ -81,6 +81,8 @@ class SimulatorNode(SimulatingNode):
             Configuration, run_time=RUN_TIME, adjust=lambda given: starting_configuration(self._scenario, parameters or given, name)
         )
         changes = scheduled_changes(self._scenario, configuration, name) if scenario else []
+        if scenario:
+            check_effect(self._scenario, scenario, duration)
 
         def begin(gate: Gate) -> SimulationSource:
             self._source = SimulationSource(configuration, changes, duration, gate)

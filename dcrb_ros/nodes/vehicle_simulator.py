@@ -23,7 +23,7 @@ from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.parameters import changed_by_topic, is_of_ros, not_while_running
 from dcrb_ros.nodes.programs import main
 from dcrb_ros.nodes.ros import own_arguments, run_node
-from dcrb_ros.nodes.simulating import SimulatingNode, decoded_by
+from dcrb_ros.nodes.simulating import SimulatingNode, check_effect, decoded_by
 from dcrb_ros.recordings.recorder_thread import RecorderThread
 from dcrb_ros.recordings.vehicle_recorder import BoxCommand, VehicleCommand, VehicleRecorder, commands_of
 from dcrb_ros.runtime.prefetch import prefetch
@@ -112,6 +112,8 @@ class VehicleSimulatorNode(SimulatingNode):
         self._vehicle = vehicle_of(self._tree, name)
         if changes is not None:
             vehicle_scenario(changes, self._vehicle, str(scenario))
+        if scenario:
+            check_effect(changes, scenario, duration)
         self._silent: set[str] = set()
         self._declare_run_time()
         self._fix(key for key in given if key not in self._fields)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 OWN_NAME = Path("/proc/thread-self/comm")
@@ -27,3 +27,22 @@ class NamedThread(threading.Thread):
         """Pass on the name, then run the target."""
         show_name()
         super().run()
+
+
+@contextlib.contextmanager
+def repeating(period: float, call: Callable[[], None]) -> Iterator[None]:
+    """Call a function now and every ``period`` of wall time [s] in another thread, which ends with the context."""
+    over = threading.Event()
+
+    def run() -> None:
+        while not over.is_set():
+            call()
+            over.wait(period)
+
+    thread = NamedThread("repeating", run)
+    thread.start()
+    try:
+        yield
+    finally:
+        over.set()
+        thread.join()

@@ -19,6 +19,7 @@ from waiting import wait_for
 
 from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.messages.topics import DIAGNOSIS, VIBRATION
+from dcrb_ros.nodes import answers as answers_module
 from dcrb_ros.nodes.answers import AHEAD, FIRST_TIMEOUT, TIMEOUT, Answers
 from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.pacing import Pacer
@@ -104,9 +105,9 @@ def test_bundles_wait_for_room_in_the_queue_of_the_detector() -> None:
 
     def send() -> None:
         for number in range(AHEAD + 10):
-            answers.await_room(gate)
+            answers.await_room(gate, 1e-9 * BLOCK_NS)
             sent.append(number)
-            answers.expect((number + 1) * BLOCK_NS)
+            answers.expect(number * BLOCK_NS, (number + 1) * BLOCK_NS)
 
     thread = threading.Thread(target=send, daemon=True)
     thread.start()
@@ -118,6 +119,40 @@ def test_bundles_wait_for_room_in_the_queue_of_the_detector() -> None:
     gate.close()
     thread.join(PATIENCE)
     assert not thread.is_alive()
+
+
+def said_while_sending(blocks: int, block_ns: int, pace: float, every: int | None = None) -> list[str]:
+    """Send blocks to a detector that diagnoses ``every`` so many of them, or never; return what is logged.
+
+    Blocks beyond the room in the queue are sent at a ``pace`` [s].
+    """
+    gate, said = Gate(Pacer(0.0, time.monotonic), time.monotonic), list[str]()
+    answers = Answers(lambda: 1, said.append)
+    for number in range(1, blocks + 1):
+        answers.await_room(gate, pace)
+        answers.expect((number - 1) * block_ns, number * block_ns)
+        if every and number % every == 0:
+            answers.take(diagnosis(1e-9 * number * block_ns))
+    return said
+
+
+def test_blocks_of_which_a_hop_has_more_than_the_queue_are_sent_at_their_own_pace() -> None:
+    begin = time.monotonic()
+    assert said_while_sending(10 * AHEAD, 1_000_000, 1e-3, every=5 * AHEAD) == []
+    assert time.monotonic() - begin > 1e-3 * 2 * 4 * AHEAD
+
+
+def test_one_silence_is_enough_to_learn_that_a_detector_needs_more_signal(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(answers_module, "FIRST_TIMEOUT", 0.1)
+    (said,) = said_while_sending(10 * AHEAD, BLOCK_NS, 0.0, every=3 * AHEAD)
+    assert said == "no diagnosis within 0.1 s: the next blocks are sent at their own pace, up to 20 s of signal beyond the last diagnosis"
+
+
+def test_a_detector_that_never_answers_does_not_stop_the_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(answers_module, "FIRST_TIMEOUT", 0.1)
+    first, last = said_while_sending(20 * AHEAD, BLOCK_NS, 0.0)
+    assert first.startswith("no diagnosis within 0.1 s")
+    assert last == "still no diagnosis: the blocks no longer wait for the detector, which may lose some"
 
 
 def assert_it_ends_after_the_last_diagnosis(client: GraphClient, process: Node, seconds: float) -> None:

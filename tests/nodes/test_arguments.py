@@ -14,6 +14,8 @@ pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is te
 from ros_bench import PATIENCE, domain, environment, node
 from waiting import wait_for
 
+from dcrb_ros.nodes.ros import check_domain
+
 pytestmark = [pytest.mark.node, pytest.mark.slow]
 
 
@@ -36,16 +38,56 @@ BAG = Path(__file__).parents[2] / "bags" / "healthy"
         ("viewer --connect nonsense", "--connect nonsense is not the address of a viewer"),
         ("viewer --connect rerun+http://127.0.0.1:1/proxy", "no viewer answers at 127.0.0.1:1"),
         ("viewer --connect rerun+http://127.0.0.1:99999/proxy", "is not the address of a viewer"),
+        (f"simulator --duration 0.02 --ros-args -p recording.path:={'x' * 300}", "x cannot be used: File name too long; give another path"),
+        ("simulator --duration 1 --scenario late.yaml", "simulator: the scenario late.yaml changes nothing in a run of 1 s, its first"),
+        (
+            "vehicle_simulator --vehicle bogie --duration 1 --scenario ride.yaml",
+            "vehicle_simulator: the scenario ride.yaml changes nothing in a run of 1 s, its first entry is at 1 s: increase --duration or",
+        ),
     ],
 )
 def test_an_argument_that_is_not_understood_is_refused_in_a_sentence(command: str, sentence: str, tmp_path: Path) -> None:
     (tmp_path / "nothing.yaml").write_text("not: [parameters", encoding="utf-8")
+    (tmp_path / "late.yaml").write_text("timeline: [{at: 1.0, set: {operating.speed: 100.0}}]", encoding="utf-8")
+    (tmp_path / "ride.yaml").write_text("timeline: [{at: 1.0, set: {vehicle.speed_kmh: 60.0}}]", encoding="utf-8")
     words = [sys.executable, "-m", "dcrb_ros.nodes", *command.split()]
     done = subprocess.run(words, env=environment(domain()), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE, check=False)
     assert done.returncode == 2, done.stderr
     assert sentence in done.stderr
     assert len(done.stderr.splitlines()) == 1
     assert " at /" not in done.stderr
+
+
+@pytest.mark.parametrize("number", ["300", "-1", "seven", "0x100"])
+@pytest.mark.parametrize("command", ["dcrb_ros.nodes simulator --duration 0.02", "dcrb_ros.cli.program bench dry --duration 0.02"])
+def test_an_invalid_domain_is_refused_in_a_sentence(command: str, number: str) -> None:
+    words = [sys.executable, "-m", *command.split()]
+    env = {**environment(1), "ROS_DOMAIN_ID": number}
+    done = subprocess.run(words, env=env, capture_output=True, text=True, timeout=PATIENCE, check=False)
+    assert (done.returncode, len(done.stderr.splitlines())) == (2, 1), done.stderr
+    assert f"ROS_DOMAIN_ID = {number} is not a whole number within 0 .. 232: unset it" in done.stderr
+
+
+@pytest.mark.parametrize("number", ["", "0", "232", " 7", "0x10", "010"])
+def test_a_domain_that_ros_understands_is_taken(number: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_DOMAIN_ID", number)
+    check_domain()
+
+
+def test_a_bench_without_discovery_is_refused_in_a_sentence() -> None:
+    words = [sys.executable, "-m", "dcrb_ros.cli.program", "bench", "dry", "--duration", "0.02"]
+    env = environment(domain(), ROS_AUTOMATIC_DISCOVERY_RANGE="OFF")
+    done = subprocess.run(words, env=env, capture_output=True, text=True, timeout=PATIENCE, check=False)
+    assert (done.returncode, len(done.stderr.splitlines())) == (2, 1), done.stderr
+    assert "ROS_AUTOMATIC_DISCOVERY_RANGE = OFF hides the nodes of the bench from each other" in done.stderr
+
+
+@pytest.mark.parametrize("name", ["", "simulato"])
+def test_a_node_that_does_not_exist_is_wrong_usage(name: str) -> None:
+    words = [sys.executable, "-m", "dcrb_ros.nodes", *name.split()]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=PATIENCE, check=False)
+    assert done.returncode == 2
+    assert done.stderr.startswith("usage: python -m dcrb_ros.nodes [--with-parent] {simulator,")
 
 
 @pytest.mark.parametrize("name", ["simulator", "replayer", "fault_detector", "vehicle_detector", "hot_box_detector", "viewer"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -292,6 +293,15 @@ def test_signals_to_the_bench_command_end_its_nodes(kind: signal.Signals, moment
         assert bench.wait(PATIENCE) in (0, 1, 130), log.read_text()
         assert not processes("dcrb_ros.nodes", f"ROS_DOMAIN_ID={number}\0")
     assert "Traceback" not in log.read_text()
+
+
+def test_a_bench_command_names_the_signal_that_killed_its_simulator(tmp_path: Path) -> None:
+    number = domain()
+    with bench_at("x real time", number, tmp_path) as bench:
+        (simulator,) = processes("\0simulator\0", f"ROS_DOMAIN_ID={number}\0")
+        os.kill(int(simulator), signal.SIGKILL)
+        assert bench.wait(PATIENCE) == 1
+    assert (tmp_path / "log").read_text().splitlines().count("the simulator was killed by signal 9 (Killed)") == 1
 
 
 def test_a_killed_bench_command_leaves_neither_nodes_nor_files(tmp_path: Path) -> None:

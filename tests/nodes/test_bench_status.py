@@ -44,8 +44,11 @@ class Simulator:
         self.source, self.progress, self.sentence = SlowStart(), Progress(), ""
         self.engine = Engine("test engine", self.source, [self.progress], Gate(Pacer(1.0, time.monotonic), time.monotonic))
         refusals, recording = Refusals(lambda _: None), RecordingSwitch(lambda *_, **__: pytest.fail("nothing is recorded"), None)  # type: ignore[arg-type]
-        self._status = BenchStatus(self.engine, self.progress, recording, refusals, compiling=lambda: self.sentence)
-        self.engine.prepare()
+        self._status = BenchStatus(self.engine, self.progress, recording, refusals, about=self._about, compiling=lambda: self.sentence)
+
+    def _about(self) -> tuple[str, dict[str, str]]:
+        assert self.engine.prepared, "a vehicle has no silent boxes before it is set up"
+        return "", {}
 
     @property
     def status(self) -> Status:
@@ -61,6 +64,7 @@ class Simulator:
 @pytest.fixture
 def simulator() -> Iterator[Simulator]:
     made = Simulator()
+    made.engine.prepare()
     yield made
     made.source.released.set()
     made.engine.close()
@@ -86,6 +90,15 @@ def test_a_compilation_is_a_warning_until_the_first_block(simulator: Simulator) 
     simulator.source.released.set()
     wait_for(lambda: simulator.engine.computed)
     assert simulator.about == (OK, "paused", "paused", "0.000")
+
+
+def test_until_the_model_is_set_up_it_is_loading_and_perhaps_compiling() -> None:
+    simulator = Simulator()
+    assert simulator.about == (OK, "loading", "loading", "")
+    simulator.sentence = COMPILING
+    assert simulator.about == (WARN, COMPILING, "loading", "")
+    simulator.engine.prepare()
+    assert simulator.about == (OK, "waiting", "waiting", "")
 
 
 def test_a_reset_starts_again(simulator: Simulator) -> None:

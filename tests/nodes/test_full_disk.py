@@ -32,7 +32,7 @@ def test_a_full_disk_is_reported_and_publishing_continues(tmp_path: Path) -> Non
     number, bag = domain(), tmp_path / "bag"
     given = parameters(recording__path=str(bag))
     with graph_client(number) as client, node("simulator", given, environment(number), tmp_path / "log") as simulator:
-        client.until(lambda: client.status.get("recorder"), "the recorder in /diagnostics")
+        client.until(lambda: client.status.get("recorder", "off") != "off", "the recorder in /diagnostics")
         assert client.status["recorder"] == "recording"
         resource.prlimit(simulator.process.pid, resource.RLIMIT_FSIZE, (800_000, 800_000))
         client.until(lambda: "File too large" in client.status["recorder"], "the error in /diagnostics")

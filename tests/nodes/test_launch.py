@@ -237,6 +237,15 @@ def test_the_scenario_of_a_vehicle_is_checked_from_its_own_start(monkeypatch: py
         started("vehicle", monkeypatch, vehicle=str(vehicle), scenario=str(ride))
 
 
+def test_a_scenario_that_begins_after_the_run_of_a_vehicle_is_refused(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    late = tmp_path / "late.yaml"
+    late.write_text("timeline: [{at: 2.0, set: {vehicle.speed_kmh: 60.0}}]")
+    with pytest.raises(Refusal, match=r"^scenario:=.*late.yaml: the scenario changes nothing in a run of 2 s, its first entry is at 2 s"):
+        started("vehicle", monkeypatch, scenario=str(late), duration="2.0")
+    simulator, _ = started("vehicle", monkeypatch, scenario=str(late))  # without an end nothing is too late
+    assert simulator.arguments == ["--vehicle", "bogie", "--scenario", str(late)]
+
+
 def test_the_viewer_is_started_on_request(monkeypatch: pytest.MonkeyPatch) -> None:
     nodes = started("bench", monkeypatch, rerun="true", namespace="wagon/box1")
     assert (nodes[0].executable, nodes[0].namespace) == ("viewer", "wagon/box1")
@@ -302,6 +311,11 @@ BAG = str(ROOT / "bags" / "healthy")
         ("bench", {"duration": "0"}, "^duration:= 0.*give the simulated time"),
         ("bench", {"duration": "ten"}, "^duration:=ten is not a finite number"),
         ("replay", {"bag": BAG, "listeners": "two"}, "listeners:=two is not a whole number"),
+        (
+            "bench",
+            {"scenario": "growing_spall", "duration": "0.5"},
+            "^scenario:=growing_spall: the scenario changes nothing in a run of 0.5 s, .*increase duration:=",
+        ),
     ],
 )
 def test_an_invalid_argument_is_refused_by_name_before_the_start(

@@ -17,9 +17,11 @@ class Graph:
         self.known = {"/dcrb/outer_ring/vibration": [OWN], "/clock": [OWN]}
         self.publishers = [SimpleNamespace(topic_name=topic) for topic in self.known]
         """The node's own."""
+        self.remapped: dict[str, str] = {}
 
-    def get_namespace(self) -> str:
-        return OWN[0]
+    def resolve_topic_name(self, topic: str) -> str:
+        name = f"{OWN[0]}/{topic}" if not topic.startswith("/") else topic
+        return self.remapped.get(name, name)
 
     def get_fully_qualified_name(self) -> str:
         return "/".join(OWN)
@@ -41,6 +43,20 @@ def test_a_second_node_is_reported_once_with_the_remedy() -> None:
         "/dcrb/replayer also publishes on /dcrb/outer_ring/vibration, and subscribers receive a mixture: give each bench its own "
         "namespace (--ros-args -r __ns:=/NAME) or its own ROS_DOMAIN_ID"
     ]
+
+
+def test_a_remapped_topic_is_looked_for_under_its_new_name() -> None:
+    graph, said = Graph(), list[str]()
+    graph.remapped["/dcrb/outer_ring/vibration"] = "/accel"
+    # The middleware itself remaps the name of a topic that it is asked about.
+    graph.known["/accel"] = graph.known["/dcrb/outer_ring/vibration"]
+    graph.publishers = [SimpleNamespace(topic_name="/accel")]
+    others = OtherPublishers(graph, (VIBRATION,), said.append)
+    others.look()
+    assert (others.names, said) == ([], [])
+    graph.known["/accel"].append(("/dcrb", "replayer"))
+    others.look()
+    assert said[0].startswith("/dcrb/replayer also publishes on /accel")
 
 
 def test_a_second_node_of_the_same_name_is_reported() -> None:

@@ -83,6 +83,16 @@ def test_node_and_command_warn_once_of_samples_that_do_not_match(tmp_path: Path)
         assert done.stderr.count(sentence) == warnings
 
 
+def test_a_replay_of_a_recording_that_was_cut_off_says_so_once(tmp_path: Path) -> None:
+    bag = recorded(tmp_path / "bag", 20)
+    file = bag / "bag_0.mcap"
+    file.write_bytes(file.read_bytes()[:-200])  # a part of the summary
+    with node("replayer", parameters(bag=str(bag), rate=0.0, wait=0.0), environment(domain()), tmp_path / "log") as replayer:
+        assert replayer.process.wait(PATIENCE) == 0
+        (said,) = (line for line in replayer.output.splitlines() if "[WARN]" in line and "reaches beyond the end of the file" in line)
+        assert said.endswith(": the readable part is replayed")
+
+
 def test_a_replay_waits_until_its_subscriber_knows_it(tmp_path: Path) -> None:
     bag, number = recorded(tmp_path / "bag", 20), domain()
     given = parameters(bag=str(bag), rate=0.0, listeners=1, wait=PATIENCE)

@@ -283,12 +283,25 @@ Simulation.step_to = step_to
 main("vehicle_simulator", sys.argv[1:])
 """
 
+LOADING = """
+import pathlib, sys, time
+from dcrb_ros.nodes.programs import main
+from dcrb_ros.vehicle import simulation
+original = simulation.VehicleSimulation.__init__
+def set_up(*arguments, **options):
+    while not pathlib.Path(sys.argv[1]).exists():
+        time.sleep(0.01)
+    original(*arguments, **options)
+simulation.VehicleSimulation.__init__ = set_up
+main("vehicle_simulator", sys.argv[2:])
+"""
+
 
 @contextmanager
-def failing(arguments: list[str], env: dict[str, str], log: Path) -> Iterator[subprocess.Popen[bytes]]:
-    """Run the simulator with a box whose model fails."""
+def altered(code: str, arguments: list[str], env: dict[str, str], log: Path) -> Iterator[subprocess.Popen[bytes]]:
+    """Run a simulator that is altered and started by Python ``code``."""
     with log.open("wb") as output:
-        command = [sys.executable, "-c", FAILING, *arguments]
+        command = [sys.executable, "-c", code, *arguments]
         process = subprocess.Popen(command, env=env, stdout=output, stderr=subprocess.STDOUT)
     try:
         yield process
@@ -305,7 +318,7 @@ def others_go_on(client: VehicleClient) -> None:
 
 def test_a_box_whose_model_fails_is_silent_and_the_others_go_on(vehicle: Path, client: VehicleClient, tmp_path: Path) -> None:
     arguments = ["--vehicle", str(vehicle), "--ros-args", "-p", "vehicle.on_failure:=continue", "-p", "time_scale:=0.2"]
-    with failing(arguments, environment(number_of(client)), tmp_path / "log"):
+    with altered(FAILING, arguments, environment(number_of(client)), tmp_path / "log"):
         client.until(lambda: client.status["silent"] == "axle_2.left", "the report of a silent box")
         client.until(lambda: client.statuses(VEHICLE_TRUTH)["axle_2/left"].level == ERROR, "the ground truth without this box")
         others_go_on(client)  # the topics are not ordered among one another: the last block of the silent box may come after the report
@@ -320,7 +333,7 @@ def test_a_box_whose_model_fails_is_silent_and_the_others_go_on(vehicle: Path, c
 
 def test_a_model_that_fails_ends_the_node_with_a_sentence(vehicle: Path, tmp_path: Path) -> None:
     arguments = ["--vehicle", str(vehicle), "--ros-args", "-p", "time_scale:=0.0"]
-    with failing(arguments, environment(domain()), tmp_path / "log") as process:
+    with altered(FAILING, arguments, environment(domain()), tmp_path / "log") as process:
         assert process.wait(PATIENCE) == 1
     output = (tmp_path / "log").read_text()
     assert "axle_2.left: the model failed on purpose" in output
@@ -349,3 +362,12 @@ def test_the_command_refuses_what_does_not_belong_to_a_vehicle(capsys: pytest.Ca
     assert dcrb("bench") == 2
     assert dcrb("bench", "--vehicle", "no_such") == 2
     assert "there is no vehicle 'no_such'" in capsys.readouterr().err
+
+
+def test_the_status_says_that_the_vehicle_is_loading(vehicle: Path, client: VehicleClient, tmp_path: Path) -> None:
+    arguments = [str(tmp_path / "go"), "--vehicle", str(vehicle)]
+    with altered(LOADING, arguments, environment(number_of(client)), tmp_path / "log"):
+        client.until(lambda: client.status["model"] == "loading", "the report of a vehicle that is set up")
+        assert client.status["blocks"] == "0"
+        (tmp_path / "go").touch()
+        client.until(lambda: client.status["model"] == "running", "the first block")
