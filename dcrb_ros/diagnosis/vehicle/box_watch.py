@@ -65,19 +65,24 @@ class BoxWatch:
         self.reached = -1
         """Index of the last sample that arrived since the start or the last restart."""
 
-    def take(self, index: int, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any] | None) -> None:
-        """Take samples, at most as many as a hop has."""
+    def take(self, index: int, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any] | None) -> bool:
+        """Take samples, at most as many as a hop has; return whether the signal restarts with them."""
         restarts = self.detector.restarts
         diagnosis = self.detector.update(index, acceleration, shaft_angle)
         self._contacts.extend(self._monitor.add(index, acceleration, shaft_angle))
-        if self.detector.restarts > restarts:  # earlier indices are of another time
-            self.hops.clear()
-            self.reached = -1
+        restarted = self.detector.restarts > restarts
+        if restarted:
+            self.forget()
         self.reached = max(self.reached, index + len(acceleration) - 1)
-        if diagnosis is None:
-            return
-        own = self.detector.own_window() if diagnosis.verdict != "sensor" else None
-        self.hops.append(BoxHop(diagnosis, own, self._latest(diagnosis.index)))
+        if diagnosis is not None:
+            own = self.detector.own_window() if diagnosis.verdict != "sensor" else None
+            self.hops.append(BoxHop(diagnosis, own, self._latest(diagnosis.index)))
+        return restarted
+
+    def forget(self) -> None:
+        """Forget what has not been compared yet: its indices are of a time before a restart."""
+        self.hops.clear()
+        self.reached = -1
 
     def judged(self, window: OwnWindow, kinks: Floats) -> Judgement:
         """Return the evidence on the bearing without wheels and ``kinks`` of the rail [s]."""

@@ -130,8 +130,10 @@ class VehicleDetector:
                 raise Refusal(f"{block!r} is not a block of {name}: give a BoxBlock with {', '.join(BoxBlock.__annotations__)}")
         diagnosis = None
         for pieces in _divided(blocks, self._hop):
-            for name, (index, acceleration, angle) in pieces.items():
-                self._boxes[name].take(index, acceleration, angle)
+            restarted = [self._boxes[name].take(*piece) for name, piece in pieces.items()]
+            for watch in self._boxes.values():
+                if any(restarted) and watch.name not in pieces:  # it restarts as well, or has fallen silent
+                    watch.forget()
             diagnosis = self._compared() or diagnosis
         return diagnosis
 
