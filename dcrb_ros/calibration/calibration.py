@@ -18,7 +18,7 @@ import numpy as np
 from dcrb_ros.bearing.waveform import Signal, Waveform
 from dcrb_ros.calibration.bearing_share import bearing_share_of, divide_noise
 from dcrb_ros.calibration.estimate import LEVEL, EstimatedParameter, PathLevel
-from dcrb_ros.calibration.healthy_recording import HealthyRecording, check_one_machine, checked_recording
+from dcrb_ros.calibration.healthy_recording import LEAST_SECONDS, HealthyRecording, check_one_machine, checked_recording
 from dcrb_ros.calibration.identified_path import identified_path
 from dcrb_ros.calibration.simulated_bearing import RingAcceleration, bench_of, individuals_of, ring_acceleration
 from dcrb_ros.calibration.speed_and_background import background_of, hum_of, modulation_of, speed_of, tones_of, unbalance_of
@@ -149,7 +149,7 @@ def calibrate(
     settings
         Parameters to change in the base, such as ``{"operating.load": 5000.0}``. Those that the recording determines are rejected.
     source_seconds
-        Simulated time of the source at the speed of each recording [s].
+        Simulated time of the source at the speed of each recording, 2 to 60 [s].
     trust
         Take the recordings as healthy although the fault detector finds a fault.
     names
@@ -176,6 +176,8 @@ def calibrate(
     >>> twin = dcrb_ros.simulate(calibration.configuration, 3.0)
     """
     duration_within("source_seconds =", source_seconds, LONGEST_SOURCE, "4 s give spectra within 0.5 dB")
+    if source_seconds < LEAST_SECONDS:
+        raise Refusal(f"source_seconds = {source_seconds:g} is below {LEAST_SECONDS:g} s: 4 s give spectra within 0.5 dB")
     if not isinstance(recordings, (Signal, list, tuple)):
         raise Refusal(f"recordings is a {type(recordings).__name__}: give a recording of the healthy machine, or a list of them")
     given = [recordings] if isinstance(recordings, Signal) else list(recordings)
@@ -216,7 +218,11 @@ def calibrate(
         parameters |= part.parameters
     if not all(parameters.get(f"structure.path_{axis}") for axis in "xy"):
         parameters["structure.housing"] = "none"  # the gain alone would not contain its magnitude
-    configuration = load_configuration(benches[0], parameters | _range(machines))
+    try:
+        configuration = load_configuration(benches[0], parameters | _range(machines))
+    except Refusal as refusal:
+        reason = str(refusal).removeprefix("settings: ")
+        raise Refusal(f"no bench is like {called[0]}: {reason}; check the unit and the sensitivity of the recording") from None
     kept = [estimate for estimate in estimates if _fits(estimate, configuration)]
     return Calibration(
         configuration,

@@ -85,8 +85,12 @@ def checked_recording(signal: Signal, name: str, *, trust: bool = False) -> Heal
     acceleration = waveform.acceleration[:, :2].T.astype(np.float64)
     if not len(waveform) or not np.isfinite(acceleration).all():
         raise Refusal(f"{name} is empty or has samples that are not numbers: give a waveform")
-    if float(np.ptp(acceleration, axis=1).max()) == 0.0:
-        raise Refusal(f"{name} is empty: every sample is {float(acceleration[0, 0]):g}; check the channel and the sensor")
+    constant = [axis for axis in (0, 1) if float(np.ptp(acceleration[axis])) == 0.0]
+    if constant:
+        value = float(acceleration[constant[0], 0]) + 0.0  # without the sign of zero
+        if len(constant) == 2:
+            raise Refusal(f"{name} is empty: every sample is {value:g}; check the channel and the sensor")
+        raise Refusal(f"{name} has a dead axis: every sample in {'XY'[constant[0]]} is {value:g}; import it without this channel")
     if not waveform.tracked:
         raise Refusal(f"{name} has no speed: import it with speed_rpm, a channel of speed or a tacho")
     if math.isnan(waveform.orders.bpfo):
@@ -172,7 +176,11 @@ def _check_clipping(acceleration: Floats, sensor_range: float, name: str) -> Non
 
 
 def _check_health(waveform: Waveform, signal: Signal, name: str) -> None:
-    diagnosis = watch(waveform)
+    try:
+        diagnosis = watch(waveform)
+    except Refusal as refusal:
+        reason = str(refusal).partition(":")[0]
+        raise Refusal(f"{name} cannot be judged by the detector, {reason}: if the machine is healthy, say so (--trust)") from None
     if diagnosis.verdict not in ("healthy", "waiting"):
         raise Refusal(
             f"{name} does not seem healthy: the detector finds {diagnosis.verdict} ({diagnosis.reason}); give a healthy recording, "

@@ -17,6 +17,8 @@ BINS_PER_OCTAVE = 48
 """Bins of the estimation [-]: 1.5 %, narrower than a mode of 1 % damping."""
 LOWEST = 5.0
 """Lowest frequency of the bins [Hz]."""
+FEWEST_LENGTHS = 4.4
+"""Length of a signal over that of its windows [-], with which 7 overlap: signals of 2 s and more have equal windows at every rate."""
 HIGHEST_SHARE = 0.4
 """Highest frequency over the sampling rate [-]: the pass band of the anti-alias filters."""
 
@@ -41,7 +43,7 @@ def power_density(signal: Floats, rate: int) -> Spectrum:
     from scipy.signal import welch
 
     length = 1 << round(math.log2(rate / RESOLUTION))
-    while len(signal) < 9 * length // 2 and length > 256:  # 8 windows
+    while len(signal) < FEWEST_LENGTHS * length and length > 256:
         length //= 2
     frequency, density = welch(signal, rate, nperseg=length)
     windows = 1 + (len(signal) - length) // (length // 2)

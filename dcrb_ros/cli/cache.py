@@ -27,7 +27,7 @@ def cache(
     sizes = {path: size for path, size in folders.items() if size}  # numba makes empty folders when it is imported
     if clear:
         for path in folders:
-            shutil.rmtree(path)
+            _remove(path)
     if as_json:
         kept = [{"path": str(path), "bytes": size} for path, size in sizes.items()]
         print(json.dumps({"folders": kept, "cleared": clear}, indent=2))
@@ -36,6 +36,18 @@ def cache(
         print(f"{path}: {size_text(size)}{' deleted' if clear else ''}")
     if not sizes:
         print("the caches are empty")
+
+
+def _remove(folder: Path) -> None:
+    """Remove a cache folder; of a link, which moves it to another disk, only the contents, so that the link remains valid."""
+    if not folder.is_symlink():
+        shutil.rmtree(folder)
+        return
+    for entry in folder.iterdir():
+        if entry.is_dir() and not entry.is_symlink():
+            shutil.rmtree(entry)
+        else:
+            entry.unlink()
 
 
 def _folders() -> Iterator[Path]:

@@ -72,5 +72,6 @@ def plot(
     if not recording.complete:
         typer.echo(f"dcrb: {bag} is truncated or damaged; its readable part was drawn", err=True)
     if order and not over_orders:
-        typer.echo("the spectrum is over frequency, because the shaft does not turn far enough in one direction for orders", err=True)
+        reason = "the shaft does not turn far enough in one direction for orders" if waveform.tracked else "the recording has no speed"
+        typer.echo(f"the spectrum is over frequency, because {reason}", err=True)
     print(f"{output}: {waveform.duration:.2f} s of {bag} from {waveform.time[0]:.2f} s on")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,6 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from dcrb_ros.plots.style import AXES_COLOURS, labelled, legend_above
+from dcrb_ros.schema.printable import printable
 from dcrb_ros.text.writing import whole_file
 
 if TYPE_CHECKING:
@@ -19,6 +21,8 @@ if TYPE_CHECKING:
     from dcrb_ros.calibration.comparison import AxisComparison, RecordingComparison
 
 DASHED = (0.0, (4.0, 2.0))
+LONGEST_LABEL, LONGEST_LINE = 24, 110
+"""Characters of a name in a legend, and of a line above the figure [-]."""
 
 
 def write_comparison(comparison: RecordingComparison, file: Path, *, title: str = "", calibration: Calibration | None = None) -> None:
@@ -35,23 +39,36 @@ def comparison_figure(comparison: RecordingComparison, *, title: str = "", calib
     """Return the figure of a comparison; with a calibration its last row is the residual of the fit in narrow bins."""
     figure = Figure(figsize=(12.0, 9.0), dpi=110, layout="constrained")
     (levels, envelope), (kurtosis, residual) = figure.subplots(2, 2)
-    _levels(levels, comparison)
-    _envelope(envelope, comparison.axes[-1], comparison.names)
-    _kurtosis(kurtosis, comparison)
+    names, heading = _labels(comparison)
+    _levels(levels, comparison.axes, names)
+    _envelope(envelope, comparison.axes[-1], names)
+    _kurtosis(kurtosis, comparison.axes, names)
     if calibration is None:
-        _difference(residual, comparison.axes, comparison.names)
+        _difference(residual, comparison.axes, names)
     else:
         _residual(residual, calibration)
-    figure.suptitle(title or f"{comparison.names[0]} and {comparison.names[1]}", fontsize="large", parse_math=False)
+    lines = [printable(title)] if title else heading
+    figure.suptitle("\n".join(textwrap.fill(line, LONGEST_LINE) for line in lines), fontsize="large", parse_math=False)
     return figure
 
 
-def _levels(ax: Axes, comparison: RecordingComparison) -> None:
-    for pair in comparison.axes:
-        for name, values, style in zip(comparison.names, pair.levels, ("solid", DASHED), strict=True):
+def _labels(comparison: RecordingComparison) -> tuple[tuple[str, str], list[str]]:
+    """Return names that fit into a legend, and the lines above the figure: A and B for names that are too long.
+
+    Matplotlib hides a label that begins with an underscore.
+    """
+    first, second = map(printable, comparison.names)
+    if all(len(name) <= LONGEST_LABEL and not name.startswith("_") for name in (first, second)):
+        return (first, second), [f"{first} and {second}"]
+    return ("A", "B"), [f"A: {first}", f"B: {second}"]
+
+
+def _levels(ax: Axes, axes: Sequence[AxisComparison], names: tuple[str, str]) -> None:
+    for pair in axes:
+        for name, values, style in zip(names, pair.levels, ("solid", DASHED), strict=True):
             ax.semilogx(pair.frequency, values, color=AXES_COLOURS[pair.axis], linestyle=style, label=f"{pair.axis.upper()}, {name}")
     legend_above(ax)
-    apart = ", ".join(f"{pair.axis.upper()} {pair.level_distance:.1f} dB" for pair in comparison.axes)
+    apart = ", ".join(f"{pair.axis.upper()} {pair.level_distance:.1f} dB" for pair in axes)
     labelled(ax, "Frequency in Hz", "Level in dB over 1 (m/s²)²", f"Third octaves, {apart} apart")
 
 
@@ -71,9 +88,9 @@ def _envelope(ax: Axes, pair: AxisComparison, names: tuple[str, str]) -> None:
     )
 
 
-def _kurtosis(ax: Axes, comparison: RecordingComparison) -> None:
-    for pair in comparison.axes:
-        for name, values, style in zip(comparison.names, pair.kurtosis, ("solid", DASHED), strict=True):
+def _kurtosis(ax: Axes, axes: Sequence[AxisComparison], names: tuple[str, str]) -> None:
+    for pair in axes:
+        for name, values, style in zip(names, pair.kurtosis, ("solid", DASHED), strict=True):
             ax.semilogx(
                 pair.octaves,
                 values,
@@ -84,7 +101,7 @@ def _kurtosis(ax: Axes, comparison: RecordingComparison) -> None:
                 label=f"{pair.axis.upper()}, {name}",
             )
     ax.axhline(3.0, color="#808080", linewidth=0.8)
-    octaves = comparison.axes[0].octaves
+    octaves = axes[0].octaves
     ax.set_xticks(octaves, [f"{octave:g}" for octave in octaves])
     ax.minorticks_off()
     legend_above(ax)

@@ -289,6 +289,8 @@ def _conditions(entry: DiagnosedRecording, content: Content) -> list[tuple[str, 
         ("clipped samples", f"{last.clipped}"),
         ("baseline", printable(last.baseline) or "none"),
     ]
+    if manifest.get("units", {}).get("acceleration") == "relative":
+        conditions.append(("unit", "unknown: levels in m/s² are relative; compare them only at the same measuring point"))
     if "recorded" in manifest:
         conditions.append(("recorded", printable(str(manifest["recorded"]))))
     if "imported" in manifest:

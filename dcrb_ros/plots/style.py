@@ -48,7 +48,7 @@ MOST_CHARACTERS = 44
 def legend_above(ax: Axes, handles: Sequence[Artist] | None = None) -> None:
     """Draw the legend above the axes, where it hides no curve; for the labelled curves, or for other handles."""
     shown = list(handles or ax.get_legend_handles_labels()[0])
-    ax.legend(
+    legend = ax.legend(
         handles=shown,
         loc="lower right",
         bbox_to_anchor=(1.0, 1.0),
@@ -59,6 +59,8 @@ def legend_above(ax: Axes, handles: Sequence[Artist] | None = None) -> None:
         fontsize="small",
         frameon=False,
     )
+    for text in legend.get_texts():
+        text.set_parse_math(False)  # a dollar sign in a name is one
 
 
 def _columns(labels: Sequence[str]) -> int:
@@ -80,7 +82,7 @@ def labelled(ax: Axes, x: str, y: str, title: str = "") -> Axes:
     ax.set_xlabel(x)
     ax.set_ylabel(y)
     if title:
-        ax.set_title(title, fontsize="medium", loc="left", pad=_above(ax))
+        ax.set_title(title, fontsize="medium", loc="left", pad=_above(ax), parse_math=False)
     ax.grid(alpha=0.25, linewidth=0.6)
     ax.spines[["top", "right"]].set_visible(False)
     return ax

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.prognosis.remaining_life import RemainingLife, representable
+from dcrb_ros.prognosis.remaining_life import RemainingLife, operating_hours, representable
 from dcrb_ros.schema.arguments import checked_arguments, number, numbers
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
@@ -38,11 +38,11 @@ def _histories(name: str, value: Any) -> None:
     if not isinstance(value, Sequence) or not all(isinstance(pair, (tuple, list)) and len(pair) == 2 for pair in value):
         raise Refusal(f"{name} is not a list of pairs: give hours and severities of each failed bearing")
     for hours, severity in value:
-        numbers(name, hours)
+        operating_hours(name, hours)
         numbers(name, severity)
 
 
-@checked_arguments(hours=numbers, severity=numbers, failed=_histories, coverage=number)
+@checked_arguments(hours=operating_hours, severity=numbers, failed=_histories, coverage=number)
 def update_remaining_life(
     hours: npt.ArrayLike,
     severity: npt.ArrayLike,

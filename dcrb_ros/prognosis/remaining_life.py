@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +18,17 @@ from dcrb_ros.schema.refusal import Refusal, nearest
 FEWEST_INSPECTIONS = 3
 """Fewest inspections to which a trend with an interval is fitted [-]."""
 Growth = Literal["exponential", "linear", "hyperbolic"]
+
+
+def operating_hours(name: str, value: Any) -> None:
+    """Refuse what is not an array of numbers; dates of numpy would count as nanoseconds.
+
+    Raises:
+        Refusal: see above.
+    """
+    numbers(name, value)
+    if np.asarray(value).dtype.kind in "mM":
+        raise Refusal(f"{name} is an array of dates or times: give hours as numbers, such as (dates - dates[0]) / np.timedelta64(1, 'h')")
 
 
 @dataclass(frozen=True)
@@ -34,7 +45,7 @@ class RemainingLife:
     """Probability with which the interval contains the remaining life [-]."""
 
 
-@checked_arguments(hours=numbers, severity=numbers, limit=number, growth=of_type(str), coverage=number, limit_deviation=number)
+@checked_arguments(hours=operating_hours, severity=numbers, limit=number, growth=of_type(str), coverage=number, limit_deviation=number)
 def estimate_remaining_life(
     hours: npt.ArrayLike,
     severity: npt.ArrayLike,

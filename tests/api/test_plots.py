@@ -11,6 +11,7 @@ import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+import yaml
 from dry_benches import dry_bench
 from made_up_blocks import BODIES, blocks
 from separate_process import dcrb, fresh_dcrb
@@ -226,6 +227,18 @@ def test_command_plots_a_signal_that_is_too_short_for_orders(choice: str, tmp_pa
     done = dcrb("plot", str(BAGS / "healthy"), "-o", str(tmp_path / "short.png"), "--duration", "0.15", choice)
     assert done.returncode == 0, done.stderr
     assert ("the spectrum is over frequency" in done.stderr) == (choice == "--order")
+
+
+def test_command_says_that_a_recording_without_speed_has_no_orders(tmp_path: Path) -> None:
+    orders = {"FTF": 0.42, "BPFO": 6.72, "BPFI": 9.28, "BSF": 3.05}
+    about = {"channels": {"ax": "a"}, "sampling_rate": 25600, "unit": "m/s^2", "orders": orders}
+    (tmp_path / "about.yaml").write_text(yaml.safe_dump(about))
+    np.savez(tmp_path / "still.npz", a=np.random.default_rng(1).standard_normal(25600))
+    imported = dcrb("import", str(tmp_path / "still.npz"), "--about", str(tmp_path / "about.yaml"), "-o", str(tmp_path / "bag"))
+    assert imported.returncode == 0, imported.stderr
+    done = dcrb("plot", str(tmp_path / "bag"), "-o", str(tmp_path / "still.png"))
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == "the spectrum is over frequency, because the recording has no speed\n"
 
 
 @pytest.mark.parametrize(

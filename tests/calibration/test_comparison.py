@@ -14,6 +14,7 @@ from synthetic_bearing import ORDERS, synthetic
 from dcrb_ros import Refusal, Waveform, compare
 from dcrb_ros.calibration.comparison import STEPS
 from dcrb_ros.exchange.importing import WaveformImport
+from dcrb_ros.plots.comparison import comparison_figure
 from dcrb_ros.recordings.reader import Recording
 
 
@@ -116,3 +117,17 @@ def test_progress_names_every_step() -> None:
 def test_other_than_two_names_are_refused(names: Any) -> None:
     with pytest.raises(Refusal, match="are not those of two recordings"):
         compare(signal(), signal(), names=names)
+
+
+@pytest.mark.parametrize("name", [r"a$\frac$", "_hidden", "new\nline\x1b[31m", "depot_in_the_north/bogie_4711/" * 6])
+@pytest.mark.filterwarnings("error")
+def test_a_figure_shows_any_name(name: str) -> None:
+    figure = comparison_figure(compare(signal(), signal(seed=2), names=(name, "other")))
+    figure.draw_without_rendering()
+    legends = [ax.get_legend() for ax in figure.axes]
+    assert [len(legend.get_texts()) for legend in legends if legend is not None] == [4, 2, 4, 2]
+    width = figure.get_window_extent().width
+    for artist in (*figure.texts, *(ax.get_legend() for ax in figure.axes)):
+        extent = artist.get_window_extent()
+        assert extent.x0 >= 0.0
+        assert extent.x1 <= width

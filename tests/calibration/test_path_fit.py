@@ -85,3 +85,10 @@ def test_third_octaves_hold_the_power_of_a_tone() -> None:
     tone = np.sqrt(2.0) * np.sin(2.0 * np.pi * 1000.0 * np.arange(4 * RATE) / RATE)
     middle, level = third_octaves(power_density(tone, RATE), RATE)
     assert level[np.argmin(np.abs(middle - 1000.0))] == pytest.approx(0.0, abs=0.01)
+
+
+@pytest.mark.parametrize("rate", [18200, 36300, 51200, 72500])
+def test_signals_of_two_seconds_and_more_have_the_same_bins(rate: int) -> None:
+    random = np.random.default_rng(1)
+    short, long = (binned(power_density(random.standard_normal(seconds * rate), rate), rate) for seconds in (2, 10))
+    assert np.array_equal(short.frequency, long.frequency)

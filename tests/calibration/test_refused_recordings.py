@@ -56,6 +56,31 @@ def test_an_empty_recording() -> None:
         check_one_machine([])
 
 
+@pytest.mark.parametrize(("axis", "value"), [(0, -0.0), (1, 3.0)])
+def test_a_recording_with_a_dead_axis(axis: int, value: float) -> None:
+    acceleration = recorded().acceleration.copy()
+    acceleration[:, axis] = value
+    with pytest.raises(Refusal, match=rf"dead axis: every sample in {'XY'[axis]} is {abs(value):g}; import it without this channel"):
+        checked_recording(replace(recorded(), acceleration=acceleration), "dead", trust=True)
+
+
+def test_a_rate_too_low_for_the_detector_names_the_option() -> None:
+    with pytest.raises(Refusal, match=r"^slow cannot be judged by the detector, band_low = 2000 Hz leaves no band .* say so \(--trust\)$"):
+        checked_recording(recorded(rate=1280), "slow")
+    assert checked_recording(recorded(rate=1280), "slow", trust=True).rate == 1280
+
+
+def test_a_level_beyond_every_bench_names_the_unit() -> None:
+    loud = replace(recorded(), acceleration=recorded().acceleration * np.float32(1e9))
+    with pytest.raises(Refusal, match=r"^no bench is like loud: structure\.gain_x = .* outside 1e-06 \.\. 1e\+06 .*; check the unit"):
+        calibrate(loud, names="loud", trust=True, source_seconds=2.0)
+
+
+def test_a_source_that_is_too_short() -> None:
+    with pytest.raises(Refusal, match=r"^source_seconds = 1 is below 2 s: 4 s give"):
+        calibrate(recorded(), trust=True, source_seconds=1.0)
+
+
 def test_a_recording_with_samples_that_are_not_numbers() -> None:
     noise = recorded().acceleration.copy()
     noise[100, 0] = np.nan

@@ -32,3 +32,17 @@ def test_caches_are_listed_and_cleared(tmp_path: Path, monkeypatch: pytest.Monke
     assert cache("--clear").splitlines() == [f"{own / 'kernels-0123'}: 2 MB deleted", f"{own / 'exam'}: 0.0015 MB deleted"]
     assert (kernels.exists(), recordings.exists(), other.exists()) == (False, False, True)
     assert cache() == "the caches are empty\n"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="XDG_CACHE_HOME is of Linux")
+def test_a_cache_that_is_a_link_to_another_disk_is_cleared(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr("dcrb_ros.core.CACHE", tmp_path / "dcrb_ros" / "kernels-now")
+    disk, own = tmp_path / "disk", tmp_path / "dcrb_ros"
+    (disk / "healthy").mkdir(parents=True)
+    (disk / "healthy" / "0.mcap").write_bytes(b"x")
+    (disk / "index").write_bytes(b"x")
+    own.mkdir()
+    (own / "exam").symlink_to(disk)
+    assert exit_status("dcrb", lambda: app(["cache", "--clear"], standalone_mode=False)) == 0
+    assert ((own / "exam").is_dir(), list(disk.iterdir())) == (True, [])

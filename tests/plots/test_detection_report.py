@@ -198,6 +198,15 @@ def test_one_axis_counts_once_in_the_rms(measured: Path) -> None:
     assert content.axes == "y"
 
 
+@pytest.mark.parametrize(("unit", "unknown"), [("m/s^2", False), ("relative", True)])
+def test_a_recording_in_an_unknown_unit_says_so(measured: Path, unit: str, unknown: bool) -> None:
+    source, bag = measured.parent, measured.parent / "again"
+    options = ["--about", str(source / "about.yaml"), "--set", f"unit={unit}", "--set", "speed_rpm=2103", "-o", str(bag)]
+    assert dcrb("import", str(source / "measured.csv"), *options) == 0
+    text = Page(detection_report([diagnosed("again", bag)])).text
+    assert ("unit unknown: levels in m/s² are relative" in text) == unknown
+
+
 def test_of_three_axes_the_page_has_the_first_two(tmp_path: Path) -> None:
     samples = np.random.default_rng(1).standard_normal((2400, 3)).round(5)
     np.savetxt(tmp_path / "three.csv", samples, header="a,b,c", comments="", delimiter=",", fmt="%.5f")

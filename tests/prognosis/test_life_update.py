@@ -9,6 +9,7 @@ import pytest
 from scipy.stats import binom, multivariate_normal
 
 from dcrb_ros.prognosis.life_update import CORRELATION, LEAST_DEVIATION, NUGGET, _likelihood, update_remaining_life
+from dcrb_ros.prognosis.remaining_life import estimate_remaining_life
 from dcrb_ros.schema.refusal import Refusal
 
 SHARES = np.linspace(0.0, 1.0, 21)
@@ -98,3 +99,14 @@ def test_what_gives_no_estimate_is_refused(changes: dict[str, Any], words: str) 
     given: dict[str, Any] = {"hours": [0.0, 100.0], "severity": [1.2, 1.3], "failed": FAILED}
     with pytest.raises(Refusal, match=words):
         update_remaining_life(**{**given, **changes})
+
+
+def test_dates_are_not_taken_for_hours() -> None:
+    dates = np.array(["2026-01-01", "2026-01-02", "2026-01-04"], "M8[ns]")
+    for times in (dates, dates - dates[0]):
+        with pytest.raises(Refusal, match=r"^hours is an array of dates or times: give hours as numbers"):
+            update_remaining_life(times, [1.2, 1.3, 1.5], FAILED)
+        with pytest.raises(Refusal, match=r"^hours is an array of dates or times"):
+            estimate_remaining_life(times, [1.2, 1.3, 1.5], 10.0)
+    with pytest.raises(Refusal, match=r"^failed is an array of dates or times"):
+        update_remaining_life([0.0], [1.2], [*FAILED, (dates, [1.2, 1.3, 1.5])])
