@@ -18,7 +18,7 @@ from dcrb_ros.settings.shipped import find_configuration, find_shipped
 from dcrb_ros.settings.vehicle_speed import SPEED, SPEED_KMH
 from dcrb_ros.simulation.scenario import read_scenario_file
 from dcrb_ros.stream.late_scenario import refuse_late
-from dcrb_ros.sweep.axes import choice_of, refuse_fixed, span_of, value_of
+from dcrb_ros.sweep.axes import GAP_PARAMETERS, choice_of, refuse_fixed, span_of, value_of
 from dcrb_ros.sweep.design import GRID, Axes, Axis, Choice
 from dcrb_ros.sweep.lives.loader import common_keys, life_sweep_of
 from dcrb_ros.sweep.lives.recipe import LIFE
@@ -58,10 +58,6 @@ def read_sweep(source: str | Path, machine: str | None = None) -> Sweep:
             raise Refusal(f"{path} is a sweep over vehicles, which has no machine of a single bearing: leave out --machine")
         keys = {key: value for key, value in keys.items() if key != BASE} | {MACHINE: str(Path(machine).absolute())}
     return sweep_of(keys, str(path), path.parent, read_text(path))
-
-
-GAP_PARAMETERS = ("publishing.loss_probability", "publishing.burst_period")
-"""Parameters that cause gaps in the waveform."""
 
 
 def sweep_of(tree: Mapping[str, Any], source: str, folder: Path = Path(), text: str = "") -> Sweep:

@@ -141,6 +141,9 @@ def test_shipped_vehicles_and_their_cost() -> None:
         ({"set": {"operating.speed": 90.0}}, "unknown group 'operating'"),
         ({"windows": {"length": 100000}}, "is longer than a run"),
         ({"lives": 3}, "unknown key 'lives'"),
+        ({"set": {"publishing.loss_probability": 0.1}}, "sweep.yaml: set: publishing.loss_probability = 0.1 causes gaps"),
+        ({"vary": {"publishing.loss_probability": [0.0, 0.1]}}, "sweep.yaml: vary: publishing.loss_probability = 0.1 causes gaps"),
+        ({"cases": {"bursts": {"publishing.burst_period": 1.0, "publishing.burst_length": 0.2}}}, "cases.bursts: publishing.burst_period"),
     ],
 )
 def test_what_a_sweep_over_vehicles_refuses(changes: dict[str, Any], sentence: str) -> None:
