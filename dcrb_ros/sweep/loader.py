@@ -179,7 +179,10 @@ def _check_design(sweep: Sweep, source: str) -> None:
         raise Refusal(f"{source}: a {file.design} design needs 'points': give the number of conditions, above 0")
     seeds = [file.seeds] if isinstance(file.seeds, int) else file.seeds
     if not seeds or min(seeds) < (1 if isinstance(file.seeds, int) else 0) or max(seeds) > 2**31 - 1:
-        raise Refusal(f"{source}: seeds = {file.seeds!r} is invalid: give the number of seeds per condition, at least 1, or a list")
+        raise Refusal(
+            f"{source}: seeds = {file.seeds!r} is invalid: give the number of seeds per condition, at least 1, or a list of seeds within "
+            f"0 .. {2**31 - 1}"
+        )
     if (twice := repeated(seeds)) is not None:
         raise Refusal(f"{source}: seeds has {twice} twice, which gives the same runs: give every seed once")
     if sweep.count > MOST_RUNS:
@@ -205,8 +208,10 @@ def _check_output(sweep: Sweep, source: str) -> None:
 
 
 def _check_windows(sweep: Sweep, source: str) -> None:
-    """Refuse windows that are longer than a run."""
+    """Refuse runs without a sample, and windows that are longer than a run."""
     file = sweep.file
+    if "sensor.sampling_rate" not in sweep.vary and not round(file.duration * sweep.rate):
+        raise Refusal(f"{source}: duration = {file.duration:g} s has no sample at {sweep.rate} Hz: give at least {1.0 / sweep.rate:.3g} s")
     if file.windows is not None and "sensor.sampling_rate" not in sweep.vary and file.windows.length > file.duration * sweep.rate:
         raise Refusal(
             f"{source}: windows.length = {file.windows.length} samples is longer than a run of {file.duration:g} s, "

@@ -588,6 +588,8 @@ def test_the_disk_space_is_estimated(tmp_path: Path) -> None:
         ),
         ({"seeds": 0}, "seeds = 0"),
         ({"seeds": []}, "seeds = []"),
+        ({"seeds": [2**31]}, "a list of seeds within 0 .. 2147483647"),
+        ({"duration": 1e-6}, "duration = 1e-06 s has no sample at 51200 Hz: give at least 1.95e-05 s"),
         ({"seeds": [3, 4, 3]}, "seeds has 3 twice"),
         ({"vary": {"operating.load": [5e4], "operating": {"load": [6e4]}}}, "operating.load occurs twice, in its group and with a dotted"),
         (
