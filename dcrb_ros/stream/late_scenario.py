@@ -1,4 +1,4 @@
-"""Scenarios that begin after the end of their run."""
+"""Scenarios that change nothing in their run: without an entry, or with entries after its end only."""
 
 from __future__ import annotations
 
@@ -18,10 +18,12 @@ def refuse_late(tree: Any, end: float, scenario: str, remedy: str) -> None:
         remedy: what to change.
 
     Raises:
-        Refusal: it has no ``start``, and every entry is at or after the end.
+        Refusal: it has no ``start``, and no entry before the end.
     """
     timeline = tree.get("timeline") if isinstance(tree, Mapping) and not tree.get("start") else None
     entries = timeline if isinstance(timeline, list) else []
+    if timeline == []:
+        raise Refusal(f"{scenario} changes nothing: it has no 'start', and its timeline has no entry; give one, or leave the scenario out")
     times = [entry.get("at") if isinstance(entry, Mapping) else None for entry in entries]
     late = [at for at in times if isinstance(at, (int, float)) and at >= end]
     if times and len(late) == len(times):
