@@ -105,6 +105,23 @@ def test_the_boxes_of_another_vehicle_are_not_taken(tmp_path: Path) -> None:
         assert data_set.flaws == {}
 
 
+@pytest.mark.parametrize("where", [{"set": {"vehicle.bench": "mine.yaml"}}, {"cases": {"a": {"box": [*BOXES], "box.bench": "mine.yaml"}}}])
+def test_a_bench_that_was_changed_makes_another_data_set(where: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    bench, store = tmp_path / "mine.yaml", Store(str(tmp_path / "set"))
+    bench.write_text("cage: {joint: revolute}")
+    with open_data_set(plan_of(sweep_of(tree(**where), "sweep.yaml")), store):
+        pass
+    with open_data_set(plan_of(sweep_of(tree(**where), "sweep.yaml")), store):
+        pass
+    bench.write_text("faults: {outer_1: {width: 0.003}}")
+    with (
+        pytest.raises(Refusal, match=r"was made with another sweep \(benches differs\)"),
+        open_data_set(plan_of(sweep_of(tree(**where), "sweep.yaml")), store),
+    ):
+        pass
+
+
 def test_shipped_vehicles_and_their_cost() -> None:
     plan = plan_of(read_sweep("twelve_vehicles"))
     runs = list(plan.runs())
