@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 SHOWN_FLAWS = 5
 """Damaged runs that are named at most [-]."""
+SHOWN_DELAY = 1.3
+"""Delay by other programs and the disk from which an estimate states it [-]."""
 
 
 def sweep(
@@ -203,6 +205,7 @@ def _print_summary(tally: Tally, address: str, *, quiet: bool = False, as_json: 
 
 def _estimate(plan: Plan, workers: int, *, as_json: bool) -> None:
     """Print the estimated cost of a sweep."""
+    from dcrb_ros.runtime.processes import cores
     from dcrb_ros.sweep.estimate import estimate
     from dcrb_ros.text.markdown import table
 
@@ -216,6 +219,7 @@ def _estimate(plan: Plan, workers: int, *, as_json: bool) -> None:
             "cases": [dict(zip(heads, case, strict=True)) for case in cases],
             "workers": workers,
             "seconds": cost.seconds(workers),
+            "seconds_now": cost.seconds(workers) * cost.delay,
             "bytes": cost.size,
             "refused": cost.refused,
         }
@@ -223,10 +227,16 @@ def _estimate(plan: Plan, workers: int, *, as_json: bool) -> None:
         return
     print(f"{counted(cost.runs, 'run')} of {cost.duration:g} s in {counted(plan.conditions, plan.unit)}")
     print(table(heads, cases))
+    idle, cores_used = cost.seconds(workers), counted(min(workers, cores()), "idle core")
     print(
-        f"about {_span(cost.seconds(workers))} on {counted(workers, 'worker')} of this machine ({cost.factor:.1f} x real time each, plus "
-        f"{cost.start:.2f} s per run) and {size_text(cost.size)} of disk space"
+        f"about {_span(idle)} on {counted(workers, 'worker')} of this machine with {cores_used}, after their start of some seconds "
+        f"({cost.factor:.1f} x real time each, plus {cost.start:.2f} s per run) and {size_text(cost.size)} of disk space"
     )
+    if cost.delay > SHOWN_DELAY:
+        print(
+            f"about {_span(idle * cost.delay)} as long as the machine is as busy as now: other programs and the disk made the short runs "
+            f"{cost.delay:.1f} times as long"
+        )
     if cost.refused:
         print(f"{cost.refused} of the short runs were refused or failed")
 
