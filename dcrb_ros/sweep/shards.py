@@ -97,14 +97,14 @@ def write_shards(data_set: Path, folder: Path, runs: int) -> list[str]:
     Raises:
         Refusal: the data set is not whole, was changed, or has bags; or the folder is not empty or cannot be written.
     """
-    plan, store = _plan(data_set), Store(str(data_set))
-    sums = read_sums(store)
-    changed = next((name for name in RECIPE if sums is not None and store.sha256(name) != sums.get(name)), None)
+    store = Store(str(data_set))
+    sums, kept = read_sums(store), [name for name in RECIPE if (data_set / name).is_file()]
+    changed = next((name for name in kept if sums is not None and store.sha256(name) != sums.get(name)), None)
     if changed is not None:
         raise Refusal(
             f"{data_set / changed} has been changed: its SHA-256 is not the one in {SUMS}; restore it, or make the data set again"
         )
-    entries: dict[str, dict[str, object]] = {}
+    plan, entries = _plan(data_set), dict[str, dict[str, object]]()
     check_empty(folder)
     with whole_folder(folder, INDEX) as written:
         for shard in shards(plan, runs):

@@ -169,7 +169,9 @@ def test_a_data_set_keeps_its_own_base_and_scenarios(tmp_path: Path) -> None:
         ("sweep.yaml", "160.0", "170.0"),
         ("sweep.yaml", "duration:", "split: {train: 0.2, validation: 0.2, test: 0.6}\nduration:"),  # the same runs in other splits
         ("base.yaml", "rollers_per_row: 16", "rollers_per_row: 15"),
+        ("base.yaml", "rollers_per_row: 16", "rollers_per_row: 99"),  # damage, not a mistake of the user
         ("sweep.json", '"digests": true', '"digests": false'),  # labels without a digest would count
+        ("sweep.json", '"digests"', "digests"),
     ],
 )
 def test_an_edited_recipe_of_a_data_set_is_not_packed(file: str, old: str, new: str, data_set: Path, tmp_path: Path) -> None:
