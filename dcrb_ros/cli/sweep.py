@@ -103,7 +103,7 @@ def sweep(
 
         with cluster_workers(scheduler) as cluster:
             tally = _make(plan, store, cluster, compile_first=False, quiet=quiet)
-    _print_summary(tally, store.address, quiet=quiet, as_json=as_json)
+    _print_summary(tally, store, plan.sweep.count, quiet=quiet, as_json=as_json)
 
 
 def _make(plan: Plan, store: Store, workers: Workers, *, compile_first: bool, quiet: bool) -> Tally:
@@ -176,14 +176,17 @@ def _generate(data_set: DataSetWriter, workers: Workers, *, quiet: bool) -> Tall
         return tally
 
 
-def _print_summary(tally: Tally, address: str, *, quiet: bool = False, as_json: bool = False) -> None:
-    """Print the outcome of the sweep.
+def _print_summary(tally: Tally, store: Store, count: int, *, quiet: bool = False, as_json: bool = False) -> None:
+    """Print the outcome of a sweep whose design has a ``count`` of runs, and the line that loads its folder, if it has one here.
 
     Raises:
         RuntimeError: no run succeeded.
     """
     from dcrb_ros.sweep.schema import SPLITS
 
+    address, different = store.address, sum(tally.statuses.values())
+    if different < count and not quiet:
+        typer.echo(f"{counted(different, 'different run')} of {count} in the design: equal ones are made once", err=True)
     done, counts = tally.statuses["done"], ", ".join(f"{count} {status}" for status, count in sorted(tally.statuses.items()))
     splits = {split: sum(count for (run_split, _), count in tally.classes.items() if run_split == split) for split in SPLITS}
     if as_json:
@@ -199,8 +202,8 @@ def _print_summary(tally: Tally, address: str, *, quiet: bool = False, as_json: 
         filled = {split: count for split, count in splits.items() if count}
         shares = ", ".join(f"{count} {split}" for split, count in filled.items())
         print(f"{address}: {counts}; {shares}; {tally.seconds:.6g} s recorded")
-        if not quiet:
-            print(f"load it with: dcrb_ros.DataSet({address!r}).windows({next(iter(filled), SPLITS[0])!r})")
+        if store.folder is not None and not quiet:
+            print(f"load it with: dcrb_ros.DataSet({str(store.folder)!r}).windows({next(iter(filled), SPLITS[0])!r})")
 
 
 def _estimate(plan: Plan, workers: int, *, as_json: bool) -> None:

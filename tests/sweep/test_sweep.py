@@ -699,7 +699,7 @@ def test_a_sweep_without_a_successful_run_fails(tmp_path: Path, capsys: pytest.C
     from dcrb_ros.sweep.table import write_table
 
     with pytest.raises(RuntimeError, match=r"no run of .* succeeded \(1 refused\)"):
-        _print_summary(write_table(plan, store), store.address)
+        _print_summary(write_table(plan, store), store, 1)
     assert "check the three radii" in capsys.readouterr().err
 
 
@@ -707,8 +707,14 @@ def test_the_printed_python_line_loads_a_folder_of_any_name_and_a_split_with_run
     from dcrb_ros.cli.sweep import _print_summary
     from dcrb_ros.sweep.table import Tally
 
-    _print_summary(Tally(classes=Counter({("test", "healthy"): 1}), statuses=Counter(done=1)), "/tmp/bob's set")
-    assert """dcrb_ros.DataSet("/tmp/bob's set").windows('test')""" in capsys.readouterr().out
+    tally = Tally(classes=Counter({("test", "healthy"): 1}), statuses=Counter(done=1))
+    for address in ("/tmp/bob's set", "file:///tmp/bob's set"):
+        _print_summary(tally, Store(address), 1)
+        assert """dcrb_ros.DataSet("/tmp/bob's set").windows('test')""" in capsys.readouterr().out
+    _print_summary(tally, Store("memory://set"), 3)  # a DataSet is a folder
+    out, err = capsys.readouterr()
+    assert "load it with" not in out
+    assert "1 different run of 3 in the design: equal ones are made once" in err
 
 
 def test_the_shipped_sweep_has_200_runs_in_five_classes() -> None:
