@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 SHOWN_FLAWS = 5
 """Damaged runs that are named at most [-]."""
+SHOWN_DELAY = 1.3
+"""Delay by other programs and the disk from which an estimate states it [-]."""
 
 
 def sweep(
@@ -101,7 +103,7 @@ def sweep(
 
         with cluster_workers(scheduler) as cluster:
             tally = _make(plan, store, cluster, compile_first=False, quiet=quiet)
-    _print_summary(tally, store.address, quiet=quiet, as_json=as_json)
+    _print_summary(tally, store, plan.sweep.count, quiet=quiet, as_json=as_json)
 
 
 def _make(plan: Plan, store: Store, workers: Workers, *, compile_first: bool, quiet: bool) -> Tally:
@@ -174,14 +176,17 @@ def _generate(data_set: DataSetWriter, workers: Workers, *, quiet: bool) -> Tall
         return tally
 
 
-def _print_summary(tally: Tally, address: str, *, quiet: bool = False, as_json: bool = False) -> None:
-    """Print the outcome of the sweep.
+def _print_summary(tally: Tally, store: Store, count: int, *, quiet: bool = False, as_json: bool = False) -> None:
+    """Print the outcome of a sweep whose design has a ``count`` of runs, and the line that loads its folder, if it has one here.
 
     Raises:
         RuntimeError: no run succeeded.
     """
     from dcrb_ros.sweep.schema import SPLITS
 
+    address, different = store.address, sum(tally.statuses.values())
+    if different < count and not quiet:
+        typer.echo(f"{counted(different, 'different run')} of {count} in the design: equal ones are made once", err=True)
     done, counts = tally.statuses["done"], ", ".join(f"{count} {status}" for status, count in sorted(tally.statuses.items()))
     splits = {split: sum(count for (run_split, _), count in tally.classes.items() if run_split == split) for split in SPLITS}
     if as_json:
@@ -197,12 +202,13 @@ def _print_summary(tally: Tally, address: str, *, quiet: bool = False, as_json: 
         filled = {split: count for split, count in splits.items() if count}
         shares = ", ".join(f"{count} {split}" for split, count in filled.items())
         print(f"{address}: {counts}; {shares}; {tally.seconds:.6g} s recorded")
-        if not quiet:
-            print(f"load it with: dcrb_ros.DataSet({address!r}).windows({next(iter(filled), SPLITS[0])!r})")
+        if store.folder is not None and not quiet:
+            print(f"load it with: dcrb_ros.DataSet({str(store.folder)!r}).windows({next(iter(filled), SPLITS[0])!r})")
 
 
 def _estimate(plan: Plan, workers: int, *, as_json: bool) -> None:
     """Print the estimated cost of a sweep."""
+    from dcrb_ros.runtime.processes import cores
     from dcrb_ros.sweep.estimate import estimate
     from dcrb_ros.text.markdown import table
 
@@ -216,6 +222,7 @@ def _estimate(plan: Plan, workers: int, *, as_json: bool) -> None:
             "cases": [dict(zip(heads, case, strict=True)) for case in cases],
             "workers": workers,
             "seconds": cost.seconds(workers),
+            "seconds_now": cost.seconds(workers) * cost.delay,
             "bytes": cost.size,
             "refused": cost.refused,
         }
@@ -223,10 +230,16 @@ def _estimate(plan: Plan, workers: int, *, as_json: bool) -> None:
         return
     print(f"{counted(cost.runs, 'run')} of {cost.duration:g} s in {counted(plan.conditions, plan.unit)}")
     print(table(heads, cases))
+    idle, cores_used = cost.seconds(workers), counted(min(workers, cores()), "idle core")
     print(
-        f"about {_span(cost.seconds(workers))} on {counted(workers, 'worker')} of this machine ({cost.factor:.1f} x real time each, plus "
-        f"{cost.start:.2f} s per run) and {size_text(cost.size)} of disk space"
+        f"about {_span(idle)} on {counted(workers, 'worker')} of this machine with {cores_used}, after their start of some seconds "
+        f"({cost.factor:.1f} x real time each, plus {cost.start:.2f} s per run) and {size_text(cost.size)} of disk space"
     )
+    if cost.delay > SHOWN_DELAY:
+        print(
+            f"about {_span(idle * cost.delay)} as long as the machine is as busy as now: other programs and the disk made the short runs "
+            f"{cost.delay:.1f} times as long"
+        )
     if cost.refused:
         print(f"{cost.refused} of the short runs were refused or failed")
 

@@ -21,9 +21,9 @@ def refuse_late(tree: Any, end: float, scenario: str, remedy: str) -> None:
         Refusal: it has no ``start``, and no entry before the end.
     """
     timeline = tree.get("timeline") if isinstance(tree, Mapping) and not tree.get("start") else None
-    if tree is None or timeline == []:
-        raise Refusal(f"{scenario} has no entries, so that it changes nothing: give some under 'timeline:', or leave it out")
     entries = timeline if isinstance(timeline, list) else []
+    if tree is None or timeline == []:
+        raise Refusal(f"{scenario} changes nothing: it has no 'start', and its timeline has no entry; give one, or leave the scenario out")
     times = [entry.get("at") if isinstance(entry, Mapping) else None for entry in entries]
     late = [at for at in times if isinstance(at, (int, float)) and at >= end]
     if times and len(late) == len(times):

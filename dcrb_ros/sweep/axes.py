@@ -11,6 +11,8 @@ from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.sweep.design import GRID, Axes, Choice, Span, Value
 
 MOST_VALUES = 10_000
+GAP_PARAMETERS = ("publishing.loss_probability", "publishing.burst_period")
+"""Parameters that cause gaps in the waveform."""
 
 
 def value_of(key: str, given: Any, field: ParameterField, source: str) -> Value:

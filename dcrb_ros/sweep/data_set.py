@@ -21,7 +21,7 @@ from dcrb_ros.sweep.plan import Plan
 from dcrb_ros.sweep.schema import CARD, DESCRIPTION, write_about
 from dcrb_ros.sweep.store import Store, StoreFailed
 from dcrb_ros.sweep.sums import SUMS, write_sums
-from dcrb_ros.sweep.sweep_file import EXTENDED
+from dcrb_ros.sweep.sweep_file import ABOUT, COPY, EXTENDED, KEPT_BASE
 from dcrb_ros.sweep.table import LABELS as LABELS_TABLE
 from dcrb_ros.sweep.table import Tally, write_table
 from dcrb_ros.sweep.verification import ERRORS, LABELS, flaws, label_name
@@ -29,7 +29,6 @@ from dcrb_ros.sweep.workers import Workers
 from dcrb_ros.text.json import parsed_json
 from dcrb_ros.text.yaml import yaml_text
 
-ABOUT, COPY, BASE = "sweep.json", "sweep.yaml", "base.yaml"
 DIGESTS = "digests"
 """Key in `ABOUT`: whether the labels have digests."""
 PARTS = ("sweep", "base", "scenarios")
@@ -77,7 +76,7 @@ class DataSetWriter:
         # Written first, since the folder is recognised by this file.
         store.write(ABOUT, json.dumps(about, indent=1).encode())
         store.write(COPY, self.plan.sweep.text.encode())
-        store.write(BASE, yaml_text({"/**": {"ros__parameters": nest(self.plan.sweep.base)}}).encode())
+        store.write(KEPT_BASE, yaml_text({"/**": {"ros__parameters": nest(self.plan.sweep.base)}}).encode())
         store.remove_unfinished()
         labelled = sorted(name.removesuffix(".json") for name in store.names(LABELS))
         self.flaws = flaws(store, labelled, digests=self.checked)
@@ -117,7 +116,7 @@ class DataSetWriter:
         write_about(
             self.store, text, title, file.licence, tally.classes, measured=False, waveform=file.output, windows=file.windows, truth=truth
         )
-        write_sums(self.store, [LABELS_TABLE, CARD, DESCRIPTION, ABOUT, COPY, BASE, *(name for name, _ in tables)])
+        write_sums(self.store, [LABELS_TABLE, CARD, DESCRIPTION, ABOUT, COPY, KEPT_BASE, *(name for name, _ in tables)])
         return tally
 
     def _refuse_folders(self) -> None:

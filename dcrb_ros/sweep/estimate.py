@@ -1,18 +1,21 @@
 """The estimated cost of a sweep: run counts from the plan, time and disk space from a few short runs.
 
 The time is processor time. Other programs on the machine delay the short runs by different times, and the difference of the wall times is
-then no measure of the cost per second.
+then no measure of the cost per second. The wall time of all short runs together over their processor time is the delay at present.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import math
 import tempfile
 import time
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from dcrb_ros.runtime.processes import cores
 from dcrb_ros.sweep.execution import common_settings, run_task
 from dcrb_ros.sweep.label import DONE
 from dcrb_ros.sweep.plan import Plan, Task
@@ -20,8 +23,8 @@ from dcrb_ros.sweep.store import Store
 
 SHORT_RUN, LONG_RUN = 0.05, 0.35
 """Recorded times of the two calibration runs, from whose difference the cost per second follows [s]."""
-CALIBRATION_TASKS = 3
-"""Tasks used for the calibration [-]."""
+CALIBRATION_TASKS, CALIBRATION_RUNS = 3, 16
+"""Tasks used for the calibration, and the largest number of runs of each [-]."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +42,8 @@ class Cost:
     per_second: float
     """Disk space per recorded second [B/s]."""
     duration: float
+    delay: float
+    """Wall time of the calibration runs over their processor time, above 1 with a slow disk or other programs on the cores [-]."""
     refused: int
     """Calibration runs that were refused or failed [-]."""
 
@@ -48,8 +53,8 @@ class Cost:
         return sum(self.counts.values())
 
     def seconds(self, workers: int) -> float:
-        """Return the wall time of all runs with an idle core for each worker [s]."""
-        return self.runs * (self.start + self.duration / self.factor) / workers
+        """Return the wall time of all runs on idle cores, which the workers share if they are more than the cores [s]."""
+        return self.runs * (self.start + self.duration / self.factor) / min(workers, cores())
 
     @property
     def size(self) -> float:
@@ -59,8 +64,8 @@ class Cost:
 
 def estimate(plan: Plan) -> Cost:
     """Return the estimated cost of a sweep on workers as fast as this process."""
-    counts = Counter((run.split, run.case) for run in plan.runs())
-    tasks = [task for task, _ in zip(plan.groups(), range(CALIBRATION_TASKS), strict=False)]
+    counts: Counter[tuple[str, str]] = Counter()
+    tasks = _spread(_counted(plan.groups(), counts))
     file = plan.sweep.file
     window = file.windows.length / plan.sweep.rate if file.windows else 0.0
     _trial(plan, tasks[:1], SHORT_RUN)  # compiles the kernels and loads the modules
@@ -75,13 +80,38 @@ def estimate(plan: Plan) -> Cost:
         per_run=max(short.size / runs - (SHORT_RUN + window) * per_second, 0.0),
         per_second=per_second,
         duration=file.duration,
+        delay=max((short.wall + long.wall) / max(short.seconds + long.seconds, 1e-6), 1.0),
         refused=long.refused,
     )
+
+
+def _counted(groups: Iterator[Task], counts: Counter[tuple[str, str]]) -> Iterator[Task]:
+    """Yield groups of runs, whose runs are counted by split and case."""
+    for group in groups:
+        counts.update((run.split, run.case) for run in group)
+        yield group
+
+
+def _spread(groups: Iterator[Task]) -> list[Task]:
+    """Return tasks for the calibration from the whole plan, whose first runs may be the cheapest ones, such as those of new bearings."""
+    kept: list[Task] = []
+    stride = 1
+    for number, group in enumerate(groups):
+        if number % stride == 0:
+            kept.append(group)
+        if len(kept) > 2 * CALIBRATION_TASKS:
+            kept, stride = kept[::2], 2 * stride
+    count = min(CALIBRATION_TASKS, len(kept))
+    middles = [kept[(2 * k + 1) * len(kept) // (2 * count)] for k in range(count)]
+    return [task[:: math.ceil(len(task) / CALIBRATION_RUNS)] for task in middles]
 
 
 @dataclass(frozen=True)
 class _Trial:
     seconds: float
+    """Processor time [s]."""
+    wall: float
+    """Wall time [s]."""
     size: float
     refused: int
 
@@ -91,8 +121,8 @@ def _trial(plan: Plan, tasks: list[Task], duration: float) -> _Trial:
     with tempfile.TemporaryDirectory(prefix="dcrb-sweep-") as folder:
         file = plan.sweep.file.model_copy(update={"duration": duration})
         common = common_settings(dataclasses.replace(plan.sweep, file=file), Store(folder))
-        begin = time.process_time()
+        begin, begin_wall = time.process_time(), time.perf_counter()
         outcomes = [status for task in tasks for _, status in run_task(common, task)]
-        seconds = time.process_time() - begin
+        seconds, wall = time.process_time() - begin, time.perf_counter() - begin_wall
         size = sum(path.stat().st_size for path in Path(folder).rglob("*") if path.is_file())
-    return _Trial(seconds, size, sum(status != DONE for status in outcomes))
+    return _Trial(seconds, wall, size, sum(status != DONE for status in outcomes))

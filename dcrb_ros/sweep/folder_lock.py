@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.writing import remedy_of
 
 try:
     import fcntl
@@ -38,7 +39,7 @@ def locked(folder: Path | None) -> Iterator[None]:
     except FileExistsError:
         raise Refusal(f"{folder} cannot be read: Not a directory; give an empty or a new folder") from None
     except OSError as error:
-        raise Refusal(f"{folder} cannot be written: {error.strerror}; make it writable, or give another folder") from None
+        raise Refusal(f"{folder} cannot be written: {error.strerror}; {remedy_of(error)}, or give another folder") from None
     try:
         yield
     finally:
@@ -58,8 +59,12 @@ def _held(path: Path) -> int:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
             # The process that held it removes the file before it releases the lock, so this may be a file without a name.
             if _lies_at(path, descriptor):
-                os.ftruncate(descriptor, 0)
-                os.write(descriptor, f"{os.getpid()} on {platform.node()}".encode())
+                try:
+                    os.ftruncate(descriptor, 0)
+                    os.write(descriptor, f"{os.getpid()} on {platform.node()}".encode())
+                except OSError:  # a full disk has room for the empty file only
+                    path.unlink(missing_ok=True)
+                    raise
                 return descriptor
         except BlockingIOError:
             holder = os.read(descriptor, 200).decode(errors="replace") or "of another command"

@@ -18,15 +18,27 @@ from dcrb_ros.settings.shipped import find_configuration, find_shipped
 from dcrb_ros.settings.vehicle_speed import SPEED, SPEED_KMH
 from dcrb_ros.simulation.scenario import read_scenario_file
 from dcrb_ros.stream.late_scenario import refuse_late
-from dcrb_ros.sweep.axes import choice_of, refuse_fixed, span_of, value_of
+from dcrb_ros.sweep.axes import GAP_PARAMETERS, choice_of, refuse_fixed, span_of, value_of
 from dcrb_ros.sweep.design import GRID, Axes, Axis, Choice
 from dcrb_ros.sweep.lives.loader import common_keys, life_sweep_of
 from dcrb_ros.sweep.lives.recipe import LIFE
-from dcrb_ros.sweep.machine import BASE, KEPT_BASE, MACHINE, around_machine, flatten_axes
-from dcrb_ros.sweep.sweep_file import LONGEST_RUN, NO_FAULTS, SCENARIO, Shares, Sweep, SweepFile, Windows
+from dcrb_ros.sweep.machine import BASE, MACHINE, around_machine, flatten_axes
+from dcrb_ros.sweep.sweep_file import (
+    ABOUT,
+    COPY,
+    KEPT_BASE,
+    LONGEST_RUN,
+    NO_FAULTS,
+    SCENARIO,
+    Shares,
+    Sweep,
+    SweepFile,
+    Windows,
+)
 from dcrb_ros.sweep.vehicles.loader import vehicle_keys, vehicle_sweep_of
-from dcrb_ros.sweep.vehicles.sweep import VEHICLE
+from dcrb_ros.sweep.vehicles.sweep import VEHICLE, VehicleSweep
 from dcrb_ros.text.files import checked_path, is_file, read_text
+from dcrb_ros.text.json import LARGEST, parsed_json
 from dcrb_ros.text.yaml import read_yaml
 
 CASE_GROUPS = ("faults", "background", "sensor")
@@ -57,15 +69,38 @@ def read_sweep(source: str | Path, machine: str | None = None) -> Sweep:
         if VEHICLE in keys:
             raise Refusal(f"{path} is a sweep over vehicles, which has no machine of a single bearing: leave out --machine")
         keys = {key: value for key, value in keys.items() if key != BASE} | {MACHINE: str(Path(machine).absolute())}
+    kept, name = kept_inputs(path) if path.name == COPY and machine is None else {}, VEHICLE if VEHICLE in keys else BASE
+    if kept and keys.get(name, SweepFile.model_fields[BASE].default) == kept["sweep"].get(name):
+        return kept_sweep(keys, path, kept["scenarios"])
     return sweep_of(keys, str(path), path.parent, read_text(path))
 
 
-GAP_PARAMETERS = ("publishing.loss_probability", "publishing.burst_period")
-"""Parameters that cause gaps in the waveform."""
+def kept_inputs(path: Path) -> Mapping[str, Any]:
+    """Return the inputs that a data set keeps beside its sweep file, with ``sweep`` and ``scenarios``; empty for another sweep file."""
+    about = path.with_name(ABOUT)
+    inputs = parsed_json(read_text(about, LARGEST), str(about)) if is_file(about) and is_file(path.with_name(KEPT_BASE)) else None
+    if isinstance(inputs, dict) and all(isinstance(inputs.get(part), dict) for part in ("sweep", "scenarios")):
+        return inputs
+    return {}
 
 
-def sweep_of(tree: Mapping[str, Any], source: str, folder: Path = Path(), text: str = "") -> Sweep:
-    """Return the sweep described by a tree read from YAML; other files are also looked for relative to ``folder``."""
+def kept_sweep(tree: Mapping[str, Any], path: Path, scenarios: Mapping[str, Any]) -> Sweep:
+    """Return the sweep of a data set with the base and the scenarios that it keeps, whose files may be elsewhere or changed."""
+    name = VEHICLE if VEHICLE in tree else BASE
+    sweep = sweep_of({**tree, name: KEPT_BASE}, str(path), path.parent, read_text(path), scenarios)
+    written = str(tree.get(name, SweepFile.model_fields[BASE].default))
+    if isinstance(sweep, VehicleSweep):
+        return replace(sweep, source=written)
+    return replace(sweep, file=sweep.file.model_copy(update={BASE: written}))
+
+
+def sweep_of(
+    tree: Mapping[str, Any], source: str, folder: Path = Path(), text: str = "", scenarios: Mapping[str, Any] | None = None
+) -> Sweep:
+    """Return the sweep described by a tree read from YAML.
+
+    Other files are also looked for relative to ``folder``, apart from those of known ``scenarios``.
+    """
     if VEHICLE in tree:
         file = _file(vehicle_keys(tree, source), source)
         fleet = vehicle_sweep_of(tree[VEHICLE], file, source, folder, text)
@@ -93,7 +128,7 @@ def sweep_of(tree: Mapping[str, Any], source: str, folder: Path = Path(), text: 
         if cases.get(HEALTHY):
             raise Refusal(f"{source}: with twins, the case '{HEALTHY}' is the twin of all others and must be empty: rename this case")
         cases = {HEALTHY: {key: Choice((value,)) for key, value in NO_FAULTS.items()}, **{k: v for k, v in cases.items() if k != HEALTHY}}
-    sweep = Sweep(file, text, base, vary, cases, _scenarios([vary, *cases.values()], folder))
+    sweep = Sweep(file, text, base, vary, cases, _scenarios([vary, *cases.values()], folder, scenarios or {}))
     _consistent(sweep, fields, source)
     return sweep
 
@@ -146,10 +181,14 @@ def _beside(name: str, folder: Path) -> Path:
     return path if is_file(path) else find_configuration(name)
 
 
-def _scenarios(all_axes: list[Axes], folder: Path) -> dict[str, Any]:
-    """Return the scenarios named by axes, as read from YAML."""
+def _scenarios(all_axes: list[Axes], folder: Path, known: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the scenarios named by axes, as read from YAML, or as ``known``."""
     names = {str(name) for axes in all_axes if SCENARIO in axes for name in axes[SCENARIO].grid() if name}
-    return {name: read_scenario_file(folder / name if is_file(checked_path(folder / name)) else Path(name)) for name in sorted(names)}
+    beside = {name: folder / name for name in sorted(names)}
+    return {
+        name: known[name] if name in known else read_scenario_file(path if is_file(checked_path(path)) else Path(name))
+        for name, path in beside.items()
+    }
 
 
 def _consistent(sweep: Sweep, fields: Mapping[str, ParameterField], source: str) -> None:
@@ -183,7 +222,10 @@ def _check_design(sweep: Sweep, source: str) -> None:
         raise Refusal(f"{source}: a {file.design} design needs 'points': give the number of conditions, above 0")
     seeds = [file.seeds] if isinstance(file.seeds, int) else file.seeds
     if not seeds or min(seeds) < (1 if isinstance(file.seeds, int) else 0) or max(seeds) > 2**31 - 1:
-        raise Refusal(f"{source}: seeds = {file.seeds!r} is invalid: give the number of seeds per condition, at least 1, or a list")
+        raise Refusal(
+            f"{source}: seeds = {file.seeds!r} is invalid: give the number of seeds per condition, at least 1, or a list of seeds within "
+            f"0 .. {2**31 - 1}"
+        )
     if (twice := repeated(seeds)) is not None:
         raise Refusal(f"{source}: seeds has {twice} twice, which gives the same runs: give every seed once")
     if sweep.count > MOST_RUNS:
@@ -209,8 +251,10 @@ def _check_output(sweep: Sweep, source: str) -> None:
 
 
 def _check_windows(sweep: Sweep, source: str) -> None:
-    """Refuse windows that are longer than a run."""
+    """Refuse runs without a sample, and windows that are longer than a run."""
     file = sweep.file
+    if "sensor.sampling_rate" not in sweep.vary and not round(file.duration * sweep.rate):
+        raise Refusal(f"{source}: duration = {file.duration:g} s has no sample at {sweep.rate} Hz: give at least {1.0 / sweep.rate:.3g} s")
     if file.windows is not None and "sensor.sampling_rate" not in sweep.vary and file.windows.length > file.duration * sweep.rate:
         raise Refusal(
             f"{source}: windows.length = {file.windows.length} samples is longer than a run of {file.duration:g} s, "

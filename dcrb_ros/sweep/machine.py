@@ -8,12 +8,11 @@ from typing import Any
 
 from dcrb_ros.calibration.files import intervals_of
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.sweep.sweep_file import KEPT_BASE
 from dcrb_ros.text.files import checked_path, is_file
 from dcrb_ros.text.yaml import yaml_text
 
 MACHINE, BASE, VARY = "machine", "base", "vary"
-KEPT_BASE = "base.yaml"
-"""Name of the base in the folder of a data set."""
 
 
 def around_machine(tree: Mapping[str, Any], source: str, folder: Path) -> tuple[dict[str, Any], str]:

@@ -92,6 +92,12 @@ class ReadWindows(Sequence[tuple[Samples, int]]):
 
     def arrays(self) -> tuple[Samples, npt.NDArray[np.int64]]:
         """Return all windows in memory: shape (windows, 2, length) [m/s^2], and the numbers of their classes, shape (windows,) [-]."""
+        if not len(self) and not self._stored:
+            longest = max((int(row["samples"]) for row in self._rows), default=0)
+            raise Refusal(
+                f"the windows of {self._shape.length} samples are longer than every run of this split in {self._data_set.folder}: give a "
+                f"length of at most {longest}"
+            )
         runs = [self._read(row) for row in self._rows]
         if len({x.shape[2] for x, _ in runs if len(x)}) > 1 or not len(self):
             raise Refusal(f"{self._data_set.folder} has no windows of one length in this split: give the length, in samples")

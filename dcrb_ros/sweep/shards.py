@@ -24,16 +24,16 @@ from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.parameter_field import first_problem
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.sweep.data_set import ABOUT, DIGESTS, known_inputs
+from dcrb_ros.sweep.data_set import DIGESTS, known_inputs
 from dcrb_ros.sweep.execution import common_settings, run_task
 from dcrb_ros.sweep.kinds import plan_of
 from dcrb_ros.sweep.label import DONE
-from dcrb_ros.sweep.loader import sweep_of
+from dcrb_ros.sweep.loader import kept_inputs, kept_sweep
 from dcrb_ros.sweep.plan import Plan, Task
 from dcrb_ros.sweep.schema import SPLITS
 from dcrb_ros.sweep.store import Store, file_record
 from dcrb_ros.sweep.sums import SUMS, read_sums
-from dcrb_ros.sweep.vehicles.sweep import VEHICLE
+from dcrb_ros.sweep.sweep_file import ABOUT, COPY, KEPT_BASE
 from dcrb_ros.sweep.verification import flaw, read_label
 from dcrb_ros.text.files import read_text
 from dcrb_ros.text.json import LARGEST, parsed_json
@@ -41,7 +41,7 @@ from dcrb_ros.text.writing import check_empty, whole_folder, write_whole
 from dcrb_ros.text.yaml import read_yaml
 
 INDEX = "index.json"
-RECIPE = ("sweep.yaml", "base.yaml")
+RECIPE = (COPY, KEPT_BASE, ABOUT)
 """Files of a data set from which its plan is made again."""
 
 
@@ -97,14 +97,14 @@ def write_shards(data_set: Path, folder: Path, runs: int) -> list[str]:
     Raises:
         Refusal: the data set is not whole, was changed, or has bags; or the folder is not empty or cannot be written.
     """
-    plan, store = _plan(data_set), Store(str(data_set))
-    sums = read_sums(store)
-    changed = next((name for name in (*RECIPE, ABOUT) if sums is not None and store.sha256(name) != sums.get(name)), None)
+    store = Store(str(data_set))
+    sums, kept = read_sums(store), [name for name in RECIPE if (data_set / name).is_file()]
+    changed = next((name for name in kept if sums is not None and store.sha256(name) != sums.get(name)), None)
     if changed is not None:
         raise Refusal(
             f"{data_set / changed} has been changed: its SHA-256 is not the one in {SUMS}; restore it, or make the data set again"
         )
-    entries: dict[str, dict[str, object]] = {}
+    plan, entries = _plan(data_set), dict[str, dict[str, object]]()
     check_empty(folder)
     with whole_folder(folder, INDEX) as written:
         for shard in shards(plan, runs):
@@ -205,11 +205,11 @@ def _plan(folder: Path) -> Plan:
     missing = next((name for name in RECIPE if not (folder / name).is_file()), None)
     if missing:
         raise Refusal(f"{folder} has no {missing}, so it is not a data set: give the folder of dcrb sweep")
-    file, base = RECIPE
-    tree = read_yaml(folder / file)
+    path = folder / COPY
+    tree = read_yaml(path)
     if not isinstance(tree, dict):
-        raise Refusal(f"{folder / file} is not a sweep: give the folder of dcrb sweep")
-    return plan_of(sweep_of({**tree, VEHICLE if VEHICLE in tree else "base": base}, str(folder / file), folder))
+        raise Refusal(f"{path} is not a sweep: give the folder of dcrb sweep")
+    return plan_of(kept_sweep(tree, path, kept_inputs(path).get("scenarios", {})))
 
 
 def _read_index(index: Path) -> Index:
@@ -222,5 +222,5 @@ def _read_index(index: Path) -> Index:
         problem = first_problem(error)
         raise Refusal(f"{index} is damaged ({problem.key or 'the file'}: {problem.reason}): get the index again") from None
     if set(about.recipe) != set(RECIPE):
-        raise Refusal(f"{index} is damaged: its recipe must have {' and '.join(RECIPE)}; get the index again")
+        raise Refusal(f"{index} is damaged: its recipe must have {', '.join(RECIPE)}; get the index again")
     return about

@@ -19,6 +19,8 @@ EXTENDED = "extended"
 """Key with the extents of the sweep before each extension."""
 SCENARIO = "scenario"
 """The only key of an axis that is not a parameter: the name or the file of a scenario."""
+ABOUT, COPY, KEPT_BASE = "sweep.json", "sweep.yaml", "base.yaml"
+"""Names of the files in which a data set keeps its inputs with the scenarios, its sweep file and its base."""
 LONGEST_RUN = 600.0
 """Longest run whose waveform is kept in memory [s]: 370 MB at 51.2 kHz."""
 NO_FAULTS: Mapping[str, Value] = {f"faults.{key}": value for key, value in flatten(Faults().model_dump()).items()}

@@ -240,7 +240,7 @@ LATE = {"timeline": [{"at": 1.0, "set": {"operating.load": 9e4}}]}
         (lambda: load_configuration(5), "5 is not a configuration"),  # type: ignore[arg-type]
         (lambda: load_configuration("dry", 5), "settings = 5 is neither a mapping nor texts"),  # type: ignore[arg-type]
         (lambda: load_configuration("dry", ["operating.speed"]), "setting 'operating.speed': write KEY=VALUE"),
-        (lambda: dcrb_ros.simulate("dry", scenario={"timeline": []}), "scenario has no entries, so that it changes nothing"),
+        (lambda: dcrb_ros.simulate("dry", scenario={"timeline": []}), "scenario changes nothing: it has no 'start'"),
         (lambda: dcrb_ros.simulate("dry", 1.0, scenario=LATE), "scenario changes nothing in a run of 1 s, its first entry is at 1 s"),
         (lambda: Simulation("healthy"), r"'healthy' is not a Configuration: give dcrb_ros.load_configuration"),  # type: ignore[arg-type]
         (lambda: Simulation(Configuration(), "run_up"), "scenario = 'run_up' is not a list of scheduled changes"),  # type: ignore[arg-type]

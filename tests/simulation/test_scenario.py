@@ -237,11 +237,14 @@ BENCHES = [f"{name} {bench}" for name in ("simulate", "bench") for bench in ("he
 
 
 @pytest.mark.parametrize("command", BENCHES)
-def test_a_scenario_that_begins_after_the_run_is_refused(command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_scenario_that_changes_nothing_in_the_run_is_refused(command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     scenario, record = tmp_path / "late.yaml", "-o" if command.startswith("simulate") else "--record"
     scenario.write_text(f"timeline: [{{at: 0.2, set: {{{'vehicle.brake: 1.0' if 'vehicle' in command else 'operating.load: 9e4'}}}}}]")
     assert dcrb(*command.split(), "--scenario", str(scenario), "--duration", "0.2", record, str(tmp_path / "bag")) == 2
     assert "late.yaml changes nothing in a run of 0.2 s, its first entry is at 0.2 s: increase --duration" in capsys.readouterr().err
+    scenario.write_text("timeline: []")
+    assert dcrb(*command.split(), "--scenario", str(scenario), "--duration", "0.2", record, str(tmp_path / "bag")) == 2
+    assert "late.yaml changes nothing: it has no 'start', and its timeline has no entry; give one, or" in capsys.readouterr().err
     assert not (tmp_path / "bag").exists()
 
 
@@ -251,7 +254,7 @@ def test_a_scenario_without_entries_is_refused(content: str, command: str, tmp_p
     scenario = tmp_path / "empty.yaml"
     scenario.write_text(content)
     assert dcrb(*command.split(), "--scenario", str(scenario), "--duration", "0.2") == 2
-    sentence = "empty.yaml is not a scenario: give" if content == "{}" else "empty.yaml has no entries, so that it changes nothing"
+    sentence = "empty.yaml is not a scenario: give" if content == "{}" else "empty.yaml changes nothing: it has no 'start'"
     assert sentence in capsys.readouterr().err
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import platform
 import signal
@@ -65,6 +66,19 @@ def test_the_lock_ends_with_a_killed_process(tmp_path: Path) -> None:
         assert (tmp_path / LOCK).exists()
         with locked(tmp_path):
             assert (tmp_path / LOCK).read_text() == f"{os.getpid()} on {platform.node()}"
+    assert not (tmp_path / LOCK).exists()
+
+
+def test_a_full_disk_is_named_with_its_remedy_and_keeps_no_lock(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object) -> int:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr("dcrb_ros.sweep.folder_lock.os.write", full)
+    with (
+        pytest.raises(Refusal, match=r"cannot be written: No space left on device; free some space, or give another folder"),
+        locked(tmp_path),
+    ):
+        pass
     assert not (tmp_path / LOCK).exists()
 
 

@@ -17,7 +17,8 @@ from attacked_files import ATTACKS
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.sweep.data_set import open_data_set
 from dcrb_ros.sweep.execution import run_task
-from dcrb_ros.sweep.loader import sweep_of
+from dcrb_ros.sweep.kinds import plan_of
+from dcrb_ros.sweep.loader import read_sweep, sweep_of
 from dcrb_ros.sweep.plan import Plan
 from dcrb_ros.sweep.shards import INDEX, remake_shard, shards, write_shards
 from dcrb_ros.sweep.store import Store
@@ -112,7 +113,7 @@ def test_other_bytes_and_other_versions_are_refused(data_set: Path, tmp_path: Pa
         (lambda index: index.update(shards=[]), "shards: input should be"),
         (lambda index: index["software"].update(numpy=1), "software.numpy: input should be a valid string"),
         (lambda index: index.update(runs_per_shard=0), "runs_per_shard: input should be greater than or equal to 1"),
-        (lambda index: index["recipe"].pop("base.yaml"), "its recipe must have sweep.yaml and base.yaml"),
+        (lambda index: index["recipe"].pop("base.yaml"), "its recipe must have sweep.yaml, base.yaml, sweep.json"),
         (lambda index: index.update(runs_per_shard=5), "are not those of its recipe"),
         (lambda index: next(iter(index["shards"].values()))["runs"].pop(), "are not those of its recipe"),
         (lambda index: next(iter(index["shards"].values())).update(size=1), r"train-000000\.tar has \d+ bytes, not 1"),
@@ -143,13 +144,34 @@ def test_something_else_in_place_of_an_index_is_refused(attack: str, data_set: P
         remake_shard(tmp_path / "shards" / INDEX, name, tmp_path / "a.tar")
 
 
+def test_a_data_set_keeps_its_own_base_and_scenarios(tmp_path: Path) -> None:
+    """Its sweep file and its shards need neither the files that the sweep names nor the folder of these files."""
+    own, folder = tmp_path / "own", tmp_path / "set"
+    own.mkdir()
+    (own / "mine.yaml").write_text("cage: {joint: revolute}\n")
+    (own / "grows.yaml").write_text("timeline: [{at: 0.01, set: {faults.outer_1.width: 0.002}}]\n")
+    (own / "sweep.yaml").write_text("base: mine.yaml\ncases: {grows: {scenario: grows.yaml}}\nduration: 0.02\n")
+    plan = plan_of(read_sweep(own / "sweep.yaml"))
+    with open_data_set(plan, Store(str(folder))) as made:
+        made.make(Here(), lambda _: None)  # type: ignore[arg-type]
+    shutil.rmtree(own)
+    assert plan_of(read_sweep(folder / "sweep.yaml")).name == plan.name
+    write_shards(folder, tmp_path / "shards", 1)
+    remake_shard(tmp_path / "shards" / INDEX, "train-000000.tar", tmp_path / "again.tar")
+    (folder / "sweep.yaml").write_text((folder / "sweep.yaml").read_text().replace("mine.yaml", "dry"))
+    with pytest.raises(Refusal, match=r"there is no scenario 'grows\.yaml'"):
+        read_sweep(folder / "sweep.yaml")  # another base: a sweep of its own
+
+
 @pytest.mark.parametrize(
     ("file", "old", "new"),
     [
         ("sweep.yaml", "160.0", "170.0"),
         ("sweep.yaml", "duration:", "split: {train: 0.2, validation: 0.2, test: 0.6}\nduration:"),  # the same runs in other splits
         ("base.yaml", "rollers_per_row: 16", "rollers_per_row: 15"),
+        ("base.yaml", "rollers_per_row: 16", "rollers_per_row: 99"),  # damage, not a mistake of the user
         ("sweep.json", '"digests": true', '"digests": false'),  # labels without a digest would count
+        ("sweep.json", '"digests"', "digests"),
     ],
 )
 def test_an_edited_recipe_of_a_data_set_is_not_packed(file: str, old: str, new: str, data_set: Path, tmp_path: Path) -> None:

@@ -541,9 +541,32 @@ def test_other_programs_do_not_change_the_estimated_time(monkeypatch: pytest.Mon
     times = SimpleNamespace(process_time=lambda: clock["process"], perf_counter=lambda: clock["process"] + clock["delays"])
     monkeypatch.setattr("dcrb_ros.sweep.estimate.run_task", simulated)
     monkeypatch.setattr("dcrb_ros.sweep.estimate.time", times)
+    monkeypatch.setattr("dcrb_ros.sweep.estimate.cores", lambda: 2)
     cost = estimate(plan_of({**QUICK, "duration": 2.0, "seeds": 3}))
     assert (cost.start, cost.factor) == (pytest.approx(0.5), pytest.approx(10.0))
-    assert cost.seconds(2) == pytest.approx(3 * 0.7 / 2)
+    assert cost.seconds(2) == cost.seconds(100) == pytest.approx(3 * 0.7 / 2)
+    process, wall = 2 * 0.5 + 0.1 * 0.4, 2 * 10.5 - 0.9 * 0.4  # a run of 0.05 s and one of 0.35 s
+    assert cost.delay == pytest.approx(wall / process)
+
+
+def test_the_cost_is_that_of_runs_from_the_whole_plan_and_of_few_in_a_large_group(monkeypatch: pytest.MonkeyPatch) -> None:
+    done, clock = list[PlannedRun](), {"process": 0.0}
+
+    def simulated(common: CommonSettings, task: list[PlannedRun]) -> list[tuple[int, str]]:
+        """Take twice the time at the higher loads."""
+        done.extend(task)
+        clock["process"] += sum(0.2 if run.changes["operating.load"] > 5e4 else 0.1 for run in task) * common.file.duration
+        return [(0, "done") for _ in task]
+
+    times = SimpleNamespace(process_time=lambda: clock["process"], perf_counter=lambda: clock["process"])
+    monkeypatch.setattr("dcrb_ros.sweep.estimate.run_task", simulated)
+    monkeypatch.setattr("dcrb_ros.sweep.estimate.time", times)
+    widths = {"faults.outer_1.width": {"low": 0.001, "high": 0.003, "count": 500}}
+    loads = {"operating.load": {"low": 1e4, "high": 9e4, "count": 100}}
+    cost = estimate(plan_of({**QUICK, "vary": loads, "cases": {"outer": widths}}))
+    assert cost.runs == 50_000
+    assert len(done) <= 7 * 16
+    assert cost.factor == pytest.approx(1 / 0.15, rel=0.15)
 
 
 def test_the_disk_space_is_estimated(tmp_path: Path) -> None:
@@ -588,6 +611,8 @@ def test_the_disk_space_is_estimated(tmp_path: Path) -> None:
         ),
         ({"seeds": 0}, "seeds = 0"),
         ({"seeds": []}, "seeds = []"),
+        ({"seeds": [2**31]}, "a list of seeds within 0 .. 2147483647"),
+        ({"duration": 1e-6}, "duration = 1e-06 s has no sample at 51200 Hz: give at least 1.95e-05 s"),
         ({"seeds": [3, 4, 3]}, "seeds has 3 twice"),
         ({"vary": {"operating.load": [5e4], "operating": {"load": [6e4]}}}, "operating.load occurs twice, in its group and with a dotted"),
         (
@@ -674,7 +699,7 @@ def test_a_sweep_without_a_successful_run_fails(tmp_path: Path, capsys: pytest.C
     from dcrb_ros.sweep.table import write_table
 
     with pytest.raises(RuntimeError, match=r"no run of .* succeeded \(1 refused\)"):
-        _print_summary(write_table(plan, store), store.address)
+        _print_summary(write_table(plan, store), store, 1)
     assert "check the three radii" in capsys.readouterr().err
 
 
@@ -682,8 +707,14 @@ def test_the_printed_python_line_loads_a_folder_of_any_name_and_a_split_with_run
     from dcrb_ros.cli.sweep import _print_summary
     from dcrb_ros.sweep.table import Tally
 
-    _print_summary(Tally(classes=Counter({("test", "healthy"): 1}), statuses=Counter(done=1)), "/tmp/bob's set")
-    assert """dcrb_ros.DataSet("/tmp/bob's set").windows('test')""" in capsys.readouterr().out
+    tally = Tally(classes=Counter({("test", "healthy"): 1}), statuses=Counter(done=1))
+    for address in ("/tmp/bob's set", "file:///tmp/bob's set"):
+        _print_summary(tally, Store(address), 1)
+        assert """dcrb_ros.DataSet("/tmp/bob's set").windows('test')""" in capsys.readouterr().out
+    _print_summary(tally, Store("memory://set"), 3)  # a DataSet is a folder
+    out, err = capsys.readouterr()
+    assert "load it with" not in out
+    assert "1 different run of 3 in the design: equal ones are made once" in err
 
 
 def test_the_shipped_sweep_has_200_runs_in_five_classes() -> None:

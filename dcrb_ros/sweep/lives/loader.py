@@ -50,6 +50,7 @@ def life_sweep_of(tree: Mapping[str, Any], source: str, common: Sweep) -> LifeSw
             f"{source}: contact.law = {BALLS} is that of balls, and the load rating and the rating life are those of rollers: give a base "
             "with rollers"
         )
+    _check_start(configuration, common, recipe, source)
     duty, written = _duty(tree, configuration.operating.wheel_diameter, source)
     population = _population(recipe, duty, configuration, source)
     sections = duty.inspected(inspection.section, common.file.duration + common.file.settle, source)
@@ -58,6 +59,22 @@ def life_sweep_of(tree: Mapping[str, Any], source: str, common: Sweep) -> LifeSw
     )
     _check_last(sweep, source)
     return sweep
+
+
+def _check_start(configuration: Configuration, common: Sweep, recipe: Recipe, source: str) -> None:
+    """Refuse a base with damage, and parameters under ``set`` that each inspection has from its section, bearing or climate."""
+    damage = next((key for key, _ in configuration.faults.damaging), None)
+    if damage is not None:
+        raise Refusal(f"{source}: the base has the fault faults.{damage}, but a life begins without damage: give a healthy base")
+    drawn = {"operating.speed": "section", "operating.speed_kmh": "section", "operating.load": "section", "surfaces.seed": "bearing"}
+    drawn |= {"thermal.ambient": "climate"} if recipe.climate else {}
+    fixed = flatten(common.file.fixed)
+    key = next((key for key in drawn if key in fixed), None)
+    if key is not None:
+        raise Refusal(
+            f"{source}: {key} = {fixed[key]!r} under 'set' would have no effect, because it follows from the {drawn[key]} of each "
+            "inspection: remove it"
+        )
 
 
 def common_keys(tree: Mapping[str, Any], source: str) -> dict[str, Any]:

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from dcrb_ros.schema.parameter_field import ParameterField
 from dcrb_ros.schema.refusal import Refusal, nearest
-from dcrb_ros.settings.files import flatten
-from dcrb_ros.sweep.axes import choice_of, refuse_fixed, span_of
+from dcrb_ros.settings.files import flatten, load_configuration
+from dcrb_ros.settings.shipped import find_configuration, shipped
+from dcrb_ros.sweep.axes import GAP_PARAMETERS, choice_of, refuse_fixed, span_of
 from dcrb_ros.sweep.design import Axes, Axis, Choice, Span, Value
 from dcrb_ros.sweep.machine import flatten_axes
 from dcrb_ros.sweep.sweep_file import LONGEST_RUN, SweepFile
 from dcrb_ros.sweep.vehicles.sweep import BOX, VEHICLE, VEHICLE_SEED, VehicleSweep, placed
 from dcrb_ros.text.files import checked_path, is_file
+from dcrb_ros.vehicle.description import Vehicle
 from dcrb_ros.vehicle.file import read_parameters, vehicle_of
 
 ABSENT = ("base", "machine", "twins", "branch_at", "seeds")
@@ -51,6 +53,7 @@ def vehicle_sweep_of(given: Any, file: SweepFile, source: str, folder: Path, tex
     beside = checked_path(folder / given)
     base = read_parameters(beside if is_file(beside) else given, file.fixed)
     vehicle = vehicle_of(base, f"{source}: set")
+    _refuse_gaps(vehicle, f"{source}: set")
     names = [box.name for box in vehicle.boxes]
     if (total := file.duration * len(names)) > LONGEST_RUN:
         raise Refusal(f"{source}: duration = {file.duration:g} s makes {total:g} s of all boxes, above {LONGEST_RUN:g} s: shorten the runs")
@@ -69,10 +72,11 @@ def vehicle_sweep_of(given: Any, file: SweepFile, source: str, folder: Path, tex
     for where, axes in (("vary", vary), *((f"cases.{name}", axes) for name, axes in cases.items())):
         for values in _tried(axes):
             try:
-                vehicle_of({**base, **placed(values)}, f"{source}: {where}")
+                _refuse_gaps(vehicle_of({**base, **placed(values)}, f"{source}: {where}"), f"{source}: {where}")
             except Refusal as refusal:
                 raise Refusal(str(refusal) if source in str(refusal) else f"{source}: {where}: {refusal}") from None
-    return VehicleSweep(file, text, base, vary, cases, {}, source=given, vehicle=vehicle, kinds=kinds)
+    benches = _benches(base, [vary, *cases.values()])
+    return VehicleSweep(file, text, base, vary, cases, {}, source=given, vehicle=vehicle, kinds=kinds, benches=benches)
 
 
 def _axes(tree: Mapping[str, Any], design: str, source: str, kinds: dict[str, type]) -> Axes:
@@ -96,6 +100,25 @@ def _kind(values: list[Any], where: str) -> type:
     if kinds or kind not in (bool, str):
         raise Refusal(f"{where} = {values!r} are not values of one parameter: give numbers, texts, or true and false")
     return kind
+
+
+def _benches(base: Mapping[str, Any], all_axes: Iterable[Axes]) -> dict[str, Any]:
+    """Return the parameters of the benches that are files of the user, by the names of the files, which the parameters have only."""
+    axes = [(key, axis.values) for axes in all_axes for key, axis in axes.items() if isinstance(axis, Choice)]
+    named = {
+        str(name) for key, values in (*((key, (value,)) for key, value in base.items()), *axes) if key.endswith(".bench") for name in values
+    }
+    own = {name for name in named if find_configuration(name) not in shipped("configuration").values()}
+    return {name: flatten(load_configuration(name).model_dump()) for name in sorted(own)}
+
+
+def _refuse_gaps(vehicle: Vehicle, where: str) -> None:
+    """Refuse a vehicle whose waveforms have gaps, which their files cannot represent."""
+    for box in vehicle.boxes:
+        parameters = flatten(box.configuration.model_dump())
+        gaps = next((key for key in GAP_PARAMETERS if parameters[key]), None)
+        if gaps is not None:
+            raise Refusal(f"{where}: {gaps} = {parameters[gaps]:g} causes gaps, which waveform files cannot represent: set it to 0")
 
 
 def _check_boxes(axes: Axes, names: list[str], source: str) -> None:

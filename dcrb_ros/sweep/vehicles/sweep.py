@@ -28,6 +28,8 @@ class VehicleSweep(Sweep):
     """The vehicle of the base."""
     kinds: Mapping[str, type]
     """Types of the varied parameters."""
+    benches: Mapping[str, Any]
+    """Parameters of the benches that are files of the user, by the names of the files."""
 
     @property
     def count(self) -> int:
@@ -47,7 +49,7 @@ class VehicleSweep(Sweep):
     @property
     def inputs(self) -> dict[str, Any]:
         """All inputs of the plan apart from the base, as written to the description of the data set."""
-        return {**super().inputs, VEHICLE: self.source}
+        return {**super().inputs, VEHICLE: self.source, **({"benches": dict(self.benches)} if self.benches else {})}
 
     @property
     def varied(self) -> Mapping[str, type]:

@@ -105,6 +105,23 @@ def test_the_boxes_of_another_vehicle_are_not_taken(tmp_path: Path) -> None:
         assert data_set.flaws == {}
 
 
+@pytest.mark.parametrize("where", [{"set": {"vehicle.bench": "mine.yaml"}}, {"cases": {"a": {"box": [*BOXES], "box.bench": "mine.yaml"}}}])
+def test_a_bench_that_was_changed_makes_another_data_set(where: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    bench, store = tmp_path / "mine.yaml", Store(str(tmp_path / "set"))
+    bench.write_text("cage: {joint: revolute}")
+    with open_data_set(plan_of(sweep_of(tree(**where), "sweep.yaml")), store):
+        pass
+    with open_data_set(plan_of(sweep_of(tree(**where), "sweep.yaml")), store):
+        pass
+    bench.write_text("faults: {outer_1: {width: 0.003}}")
+    with (
+        pytest.raises(Refusal, match=r"was made with another sweep \(benches differs\)"),
+        open_data_set(plan_of(sweep_of(tree(**where), "sweep.yaml")), store),
+    ):
+        pass
+
+
 def test_shipped_vehicles_and_their_cost() -> None:
     plan = plan_of(read_sweep("twelve_vehicles"))
     runs = list(plan.runs())
@@ -141,6 +158,9 @@ def test_shipped_vehicles_and_their_cost() -> None:
         ({"set": {"operating.speed": 90.0}}, "unknown group 'operating'"),
         ({"windows": {"length": 100000}}, "is longer than a run"),
         ({"lives": 3}, "unknown key 'lives'"),
+        ({"set": {"publishing.loss_probability": 0.1}}, "sweep.yaml: set: publishing.loss_probability = 0.1 causes gaps"),
+        ({"vary": {"publishing.loss_probability": [0.0, 0.1]}}, "sweep.yaml: vary: publishing.loss_probability = 0.1 causes gaps"),
+        ({"cases": {"bursts": {"publishing.burst_period": 1.0, "publishing.burst_length": 0.2}}}, "cases.bursts: publishing.burst_period"),
     ],
 )
 def test_what_a_sweep_over_vehicles_refuses(changes: dict[str, Any], sentence: str) -> None:
