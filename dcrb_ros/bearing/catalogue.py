@@ -60,6 +60,8 @@ LARGEST_ANGLE = 57.0
 """Largest contact angle [degrees]."""
 LENGTHS = (0.5, 1e4)
 """Range of all lengths [mm]; those of a catalogue in metres are below it."""
+CLEARANCE_RANGE = (1.0, 1000.0)
+"""Range of the radial internal clearance [um]; clearances in millimetres are below it."""
 AGREEMENT = 0.02
 """Largest departure of the outer raceway from inner raceway and rollers, over the diameter of the rollers [-]."""
 
@@ -114,6 +116,14 @@ class CatalogueBearing:
                 f"the contact angle of {self.contact_angle:g} degrees is outside 0 .. {LARGEST_ANGLE:g}: give degrees from the catalogue; "
                 "tapered bearings have 10 to 30, spherical ones 6 to 15"
             )
+        if not math.isfinite(self.rpm):
+            raise Refusal(f"the speed of {self.rpm:g} rpm is not a finite number: give the speed of the inner ring")
+        if self.clearance is not None and not CLEARANCE_RANGE[0] <= self.clearance <= CLEARANCE_RANGE[1]:
+            span = f"{CLEARANCE_RANGE[0]:g} .. {CLEARANCE_RANGE[1]:g} um"
+            raise Refusal(f"clearance = {self.clearance:g} um is outside {span}: give the radial internal clearance in micrometres")
+        rows = self.rows * self.roller_length * math.cos(math.radians(self.contact_angle))
+        if self.width is not None and self.width < rows:
+            raise Refusal(f"width = {self.width:g} mm is below the {rows:.4g} mm of its rollers: check B and the length of the rollers")
         outer = self.inner_raceway + 2.0 * self.plane_diameter
         if self.outer_raceway is not None and abs(self.outer_raceway - outer) > AGREEMENT * self.roller_diameter:
             raise Refusal(

@@ -97,6 +97,11 @@ def test_the_file_is_read_back_as_it_was_meant() -> None:
         ({"roller_diameter": float("nan")}, "roller diameter = nan mm is outside"),
         ({"rollers": -7}, "1 x -7 rollers: give 1 or 2 rows"),
         ({"rows": -1}, "-1 x 13 rollers: give 1 or 2 rows"),
+        ({"rpm": float("nan")}, "the speed of nan rpm is not a finite number"),
+        ({"clearance": 0.0}, r"clearance = 0 um is outside 1 \.\. 1000 um: give the radial internal clearance in micrometres"),
+        ({"clearance": 0.045}, r"clearance = 0\.045 um is outside"),
+        ({"width": 7.9}, "width = 7.9 mm is below the 8 mm of its rollers"),
+        ({"width": 15.0, "rows": 2}, "width = 15 mm is below the 16 mm of its rollers"),
     ],
 )
 def test_data_that_cannot_be_true_are_refused(change: dict[str, float], sentence: str) -> None:
