@@ -129,8 +129,8 @@ def remake_shard(index: Path, name: str, target: Path) -> str:
         raise Refusal(f"{index} has no shard '{name}': it has {len(known)}, such as {next(iter(known), 'none')}")
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch)
-        for file in RECIPE:
-            (folder / file).write_text(about.recipe[file], encoding="utf-8")
+        for file, text in about.recipe.items():
+            (folder / file).write_text(text, encoding="utf-8")
         plan, store = _indexed_plan(index, about, folder), Store(str(folder / "runs_of_shard"))
         shard = next((shard for shard in shards(plan, about.runs_per_shard) if shard.name == name), None)
         if shard is None or [run.name for task in shard.tasks for run in task] != known[name].runs:
@@ -221,6 +221,6 @@ def _read_index(index: Path) -> Index:
     except ValidationError as error:
         problem = first_problem(error)
         raise Refusal(f"{index} is damaged ({problem.key or 'the file'}: {problem.reason}): get the index again") from None
-    if set(about.recipe) != set(RECIPE):
+    if not {COPY, KEPT_BASE} <= set(about.recipe) <= set(RECIPE):  # an index of an earlier version has these two
         raise Refusal(f"{index} is damaged: its recipe must have {', '.join(RECIPE)}; get the index again")
     return about

@@ -100,9 +100,10 @@ def test_other_bytes_and_other_versions_are_refused(data_set: Path, tmp_path: Pa
     with pytest.raises(Refusal, match="as in the index"):
         remake_shard(index, name, tmp_path / "a.tar")
     about |= {"plan": "another", "model": "another"}
-    index.write_text(json.dumps(about))
-    with pytest.raises(Refusal, match="install that version"):
-        remake_shard(index, name, tmp_path / "a.tar")
+    for recipe in (about["recipe"], {file: about["recipe"][file] for file in ("sweep.yaml", "base.yaml")}):  # then an earlier version's
+        index.write_text(json.dumps(about | {"recipe": recipe}))
+        with pytest.raises(Refusal, match="install that version"):
+            remake_shard(index, name, tmp_path / "a.tar")
     assert not (tmp_path / "a.tar").exists()
 
 
