@@ -149,6 +149,10 @@ class Waveform:
             values = np.asarray(acceleration)
         except ValueError:
             raise Refusal("the acceleration has rows of different lengths: give an array of shape (samples, 2) or (samples,)") from None
+        if np.ma.is_masked(acceleration):
+            raise Refusal(
+                "the acceleration has masked samples, which have no value: leave them out, and give the stretch before or after them"
+            )
         columns = np.column_stack([values, values]) if values.ndim == 1 else values
         samples = len(columns) if columns.ndim else 0
         if shaft_angle is not None:

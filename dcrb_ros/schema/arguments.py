@@ -53,11 +53,14 @@ def number(name: str, value: Any) -> None:
 
 
 def numbers(name: str, value: Any) -> None:
-    """Refuse what is not an array of real numbers, or a sequence that makes one."""
+    """Refuse what is not an array of real numbers, or a sequence that makes one; masked values, texts and dates are no numbers."""
+    if np.ma.is_masked(value):
+        raise Refusal(f"{name} has masked values: leave these samples out, or replace them by numbers")
     try:
-        if np.iscomplexobj(np.asarray(value, dtype=None if isinstance(value, np.ndarray) else np.float64)):
+        array = np.asarray(value, dtype=None if hasattr(value, "dtype") else np.float64)
+        if array.dtype.kind not in "biufO":
             raise TypeError
-        np.asarray(value, np.float64)
+        np.asarray(array, np.float64)
     except (TypeError, ValueError, OverflowError):
         raise Refusal(f"{name} is not an array of real numbers: give numbers, in rows of equal lengths") from None
 

@@ -74,7 +74,7 @@ class GroundTruth:
         Refusal
             Unknown name.
         """
-        if name not in FREQUENCIES:
+        if not isinstance(name, str) or name not in FREQUENCIES:
             raise Refusal(
                 f"there is no characteristic frequency {name!r}: give one of {', '.join(FREQUENCIES)}{nearest(str(name), FREQUENCIES)}"
             )

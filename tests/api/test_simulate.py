@@ -270,4 +270,6 @@ def test_settings_may_be_one_text() -> None:
 def test_names_in_the_ground_truth(run: SimulationResult) -> None:
     with pytest.raises(Refusal, match=r"there is no characteristic frequency 'BPFX': .*did you mean 'BPF"):
         run.truth.frequency("BPFX")
+    with pytest.raises(Refusal, match=r"there is no characteristic frequency \["):
+        run.truth.frequency(["BPFO"])  # type: ignore[arg-type]
     assert run.truth.to_pandas()["event"].tolist()[:2] == ["start", ""]

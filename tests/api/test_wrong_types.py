@@ -42,6 +42,9 @@ WRONG = {
     "cube": np.zeros((2, 2, 2)),
     "complex": np.array([1j]),
     "objects": np.array([None, "a"], dtype=object),
+    "masked": np.ma.masked_greater(np.linspace(0.0, 1.0, SAMPLES), 0.5),
+    "dates": np.array(["2026-01-01"] * SAMPLES, "datetime64[ns]"),
+    "digits": np.array(["1.5"] * SAMPLES),
     "type": int,
 }
 CALLS: dict[str, Mapping[str, Any]] = {
@@ -130,6 +133,20 @@ def test_arguments_of_wrong_types_are_refused_in_one_sentence(name: str) -> None
 def test_the_other_arguments_are_taken(name: str) -> None:
     # A call that is refused for another argument would tell nothing about the one of a wrong type.
     getattr(dcrb_ros, name)(**CALLS[name])
+
+
+@pytest.mark.parametrize("name", ["plot_waveform", "extract_features", "detect", "envelope_spectrum", "spectral_coherence"])
+@pytest.mark.parametrize("label", ["masked", "dates", "digits"])
+def test_a_signal_that_is_no_numbers_is_refused(name: str, label: str) -> None:
+    """A mask would be ignored, and texts and dates would become numbers."""
+    with pytest.raises(Refusal, match=r"masked|not an array of real numbers|are not a waveform"):
+        getattr(dcrb_ros, name)(**{**CALLS[name], "signal": WRONG[label]})
+
+
+@pytest.mark.parametrize("label", ["masked", "dates", "digits"])
+def test_a_trend_that_is_no_numbers_is_refused(label: str) -> None:
+    with pytest.raises(Refusal, match=r"severity (has masked values|is not an array of real numbers)"):
+        dcrb_ros.estimate_remaining_life(HOURS, WRONG[label][-len(HOURS) :], 10.0)
 
 
 def test_arguments_of_methods_are_refused_in_one_sentence(tmp_path: Path) -> None:
