@@ -20,6 +20,8 @@ from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.stream.states import FRICTION_SOURCES, LubricationState, States
 
+pytestmark = pytest.mark.slow  # the kernels of oil at the raceways only are compiled for it
+
 SHAFT = 125.664  # rad/s, 1200 rpm
 FILM = {"law": "film", "lubricant": "vg100", "temperature": 70.0}
 

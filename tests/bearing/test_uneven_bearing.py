@@ -13,7 +13,7 @@ from dcrb_ros.core.contacts.heights import unpacked
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.loop import Simulation
 
-BENCH: dict[str, Any] = {"lubrication": {"law": "film"}, "friction": {"convection": 0.7}, "contact": {"loss_time": 1e-5}}
+BENCH: dict[str, Any] = {"lubrication": {"law": "film_with_cages"}, "friction": {"convection": 0.7}, "contact": {"loss_time": 1e-5}}
 RATE = 51200
 
 

@@ -237,8 +237,7 @@ def test_a_damaged_or_swapped_recording_is_reported_and_simulated_again(
 
 @pytest.mark.parametrize(("law", "temperatures"), [("none", []), ("network", [0.0])])
 def test_a_recording_has_temperatures_where_the_bench_has_them(law: str, temperatures: list[float], tmp_path: Path) -> None:
-    settings = {"lubrication.law": "film", "thermal.law": law, "cage.joint": "revolute"}
-    scenarios = [{"name": "warm", "verdict": "healthy", "set": settings, "duration": 0.1}]
+    scenarios = [{"name": "warm", "base": "healthy", "verdict": "healthy", "set": {"thermal.law": law}, "duration": 0.1}]
     case = exam_of({"exam": "t", "scenarios": scenarios}, "t").cases[0]
     recording = Recording(cached_recording(case, tmp_path))
     assert recording.temperatures().time.tolist() == temperatures

@@ -17,8 +17,6 @@ from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.stream.states import FRICTION_SOURCES, States
 
-OILED = ("lubrication.law=film", "friction.convection=0.7", "contact.loss_time=1e-5")
-
 
 def sent(*settings: str, bench: str = "healthy") -> tuple[list[Message], list[States]]:
     """Return the messages of a short run on the topic, and its states."""
@@ -29,7 +27,7 @@ def sent(*settings: str, bench: str = "healthy") -> tuple[list[Message], list[St
 
 
 def test_a_message_has_every_number_of_the_states_at_their_time() -> None:
-    messages, states = sent(*OILED)
+    messages, states = sent()
     assert [message.time_ns for message in messages] == [one.time_ns for one in states]
     last = messages[-1].content
     arrays = arrays_of(last.names, last.position[None])
@@ -55,11 +53,11 @@ def test_names_are_distinct_and_others_are_not_taken_for_them(rows: int) -> None
 
 
 def test_a_recording_gives_films_and_friction_over_time(tmp_path: Path) -> None:
-    simulation = Simulation(load_configuration("healthy", OILED))
+    simulation = Simulation(load_configuration("healthy"))
     with Recorder(tmp_path / "oiled", simulation.configuration, simulation.bodies) as recorder:
         for block in simulation.blocks(0.06):
             recorder.write(block)
-    found, states = Recording(tmp_path / "oiled").states(), sent(*OILED)[1]
+    found, states = Recording(tmp_path / "oiled").states(), sent()[1]
     assert found.least_film is not None
     assert found.friction_power is not None
     assert found.least_film.shape == (len(states), 2, 2)

@@ -15,14 +15,13 @@ from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.run import SimulationResult
 
-WARM = {"thermal.law": "network", "lubrication.law": "film"}
 DURATION = 1.6
 """[s]"""
 
 
 @pytest.fixture(scope="module")
 def run() -> SimulationResult:
-    return dcrb_ros.simulate("healthy", DURATION, settings=WARM)
+    return dcrb_ros.simulate("healthy", DURATION, settings={"thermal.law": "network"})
 
 
 def test_a_recording_has_the_readings_of_its_run(run: SimulationResult, tmp_path: Path) -> None:

@@ -33,8 +33,7 @@ def test_without_a_network_there_are_none(tmp_path: Path) -> None:
 
 
 def test_a_network_is_warmer_than_its_surroundings(tmp_path: Path) -> None:
-    settings = {"thermal.law": "network", "lubrication.law": "film"}
-    found = table(tmp_path, set=settings, vary={"thermal.ambient": [0.0, 20.0]})
+    found = table(tmp_path, base="healthy", set={"thermal.law": "network"}, vary={"thermal.ambient": [0.0, 20.0]})
     assert (found["status"] == "done").all(), json.dumps(list(found["reason"]))
     assert list(found["ambient_temperature"]) == [0.0, 20.0]
     box, ring = found["box_temperature"] - found["ambient_temperature"], found["outer_ring_temperature"] - found["ambient_temperature"]

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from even_surfaces import EVEN
 from scipy.optimize import brentq
 
 from dcrb_ros.bearing.payload import build_payload, initial_state
@@ -25,7 +26,8 @@ TOP = 8  # opposite of the load zone
 
 
 def configured(**groups: Any) -> Configuration:
-    return Configuration.model_validate({"lubrication": OIL, "friction": {"convection": 0.7}, "contact": {"loss_time": 1e-5}} | groups)
+    given = {"lubrication": OIL, "surfaces": EVEN, "friction": {"convection": 0.7}, "contact": {"loss_time": 1e-5}}
+    return Configuration.model_validate(given | groups)
 
 
 def thrown(speed: float, step: float, **groups: Any) -> tuple[Payload, State]:

@@ -67,6 +67,7 @@ def swinging_rings(step: float, groups: dict[str, Any]) -> npt.NDArray[np.float6
     return np.array(places)
 
 
+@pytest.mark.slow  # its kernels are compiled for it alone
 def test_films_add_no_error_to_the_motion_at_the_default_step_and_less_at_shorter_ones() -> None:
     """Halving the step divides the error by 2.7 to 3.3; films that are eight steps old leave an order between one and two."""
 
@@ -184,7 +185,13 @@ def test_rows_alike_stay_alike(load: float) -> None:
     assert np.array_equal(state.roller_position[0], state.roller_position[1])
 
 
-@pytest.mark.parametrize("contact", [{}, {"law": "power"}], ids=["johnson", "power"])
+@pytest.mark.parametrize(
+    "contact",
+    [
+        pytest.param({}, id="johnson"),
+        pytest.param({"law": "power"}, id="power", marks=pytest.mark.slow),  # its kernels are compiled for it alone
+    ],
+)
 def test_free_rollers_move_as_if_they_were_solved_for_with_the_rings(contact: dict[str, Any]) -> None:
     # Any roller on the outer raceway counts as bound where edges give it normals of its own; this notch is too far to matter.
     groups = {"cage": {"joint": "pocket"}, "faults": {"outer_1": {"width": 0.001, "azimuth": 3.0}}}
