@@ -231,7 +231,7 @@ class Publishing(Group):
     wait: float = quantity(30.0, "s", "Longest wall time to wait for them", 0.0, 1e4)
     clock: bool = choice(False, "Also publish /clock, the simulated time, at most 100 times per second of wall time")
     frame: str = choice("outer_ring", "Frame id of the sensor's messages; several bearings in one graph need different ones")
-    clean: bool = choice(False, "Also publish outer_ring/vibration_clean, the waveform before noise, clipping and ADC")
+    clean: bool = choice(False, "Also publish outer_ring/vibration_clean, the acceleration of the ring after the anti-alias filter alone")
     features: bool = choice(False, "Also publish outer_ring/window_features: features of windows of a second, as dcrb_ros.extract_features")
     contacts: bool = choice(False, "Also publish roller_contacts: outer normal force, slip and friction of every roller")
 

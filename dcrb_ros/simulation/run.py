@@ -38,7 +38,7 @@ class SimulationResult(Waveform):
     """The result of `simulate`: the measured waveform, the bodies, and the ground truth."""
 
     clean: Samples
-    """Acceleration before noise, clipping and converter, shape (samples, 2) [m/s^2]."""
+    """Acceleration of the outer ring after the anti-alias filter, without any other stage of the chain, shape (samples, 2) [m/s^2]."""
     states: StateHistory
     """The bodies over time, at ``publishing.state_rate``."""
     truth: GroundTruth

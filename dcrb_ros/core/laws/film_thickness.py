@@ -5,7 +5,7 @@ With the dimensionless speed U = eta u/(E' R), material G = alpha E' and load W 
     central   h_c = 3.06 R U^0.69 G^0.56 W^-0.10   (Dowson and Toyoda 1979)
     minimum   h_m = 2.65 R U^0.70 G^0.54 W^-0.13   (Dowson and Higginson 1966)
 
-both times phi_T = 1/(1 + 0.1 L_t^0.64), the heating of the inlet (Murch and Wilson 1975) with L_t = beta eta u^2/k_f. A layer of the
+both times phi_T = 1/(1 + 0.1 L_t^0.64), the heating of the inlet (Wilson and Sheu 1983) with L_t = beta eta u^2/k_f. A layer of the
 thickness H starves the contact (Chevalier et al. 1998, J. Tribol. 120:126): h = h_ff/sqrt(1 + (h_ff/H)^2). Asperities carry the share
 exp(-1.8 Lambda^1.2) of the load, Lambda = h/sigma (Zhou and Hoeprich 1991).
 """

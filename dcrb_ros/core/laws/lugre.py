@@ -165,7 +165,7 @@ LAW = TractionLaw(
             "convection",
             0.0,
             "-",
-            "Transport of the bristles out of the contact by rolling: 0 for plain LuGre (the paper), 0.7 for Carter's creep",
+            "Transport of the bristles out of the contact by rolling: 0 for plain LuGre (the paper), 0.7 for Carter's creep under 30 kN",
             0.0,
             10.0,
             symbol="kappa",

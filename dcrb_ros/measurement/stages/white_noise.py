@@ -18,7 +18,7 @@ class WhiteNoiseParameters(Group):
     noise_density: float = quantity(
         2e-3,
         "m/s^2/sqrt(Hz)",
-        "White noise density; IEPE sensors have 0.5e-3 to 4e-3, that is 50 to 400 ug/sqrt(Hz)",
+        "White noise density; IEPE sensors of 100 mV/g have 1e-5 to 1e-4, that is 1 to 10 ug/sqrt(Hz), MEMS sensors 2.5e-4 to 4e-3",
         0.0,
         10.0,
         remedy="100 ug/sqrt(Hz) is 0.00098 m/s^2/sqrt(Hz)",

@@ -1,4 +1,4 @@
-"""Film of a line contact: Dowson and Toyoda 1979, Dowson and Higginson 1966, Murch and Wilson 1975, Chevalier et al. 1998."""
+"""Film of a line contact: Dowson and Toyoda 1979, Dowson and Higginson 1966, Wilson and Sheu 1983, Chevalier et al. 1998."""
 
 from __future__ import annotations
 
