@@ -50,7 +50,7 @@ class Block:
     shaft_angle: Samples
     """Rotation of the inner ring at each sample, wrapped to [0, 2 pi), shape (samples,) [rad]."""
     clean: Samples
-    """Acceleration before noise, clipping and ADC, shape (samples, 2) [m/s^2]."""
+    """Acceleration of the outer ring after the anti-alias filter, without any other stage of the chain, shape (samples, 2) [m/s^2]."""
     clipped: int = 0
     """Samples beyond the sensor's range in this block."""
     range: float = 0.0

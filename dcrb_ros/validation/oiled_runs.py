@@ -12,6 +12,7 @@ from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.stream.states import Account, LubricationState
+from dcrb_ros.validation.runs import command_line
 
 HEALTHY, SPALL = "healthy", "outer_ring_defect"
 """Shipped configurations of a lubricated bearing, healthy and with a spall of 2 mm."""
@@ -58,8 +59,7 @@ class OiledSpec:
     @property
     def command(self) -> str:
         """The command line that records this run."""
-        settings = "".join(f" --set {setting}" for setting in self.settings)
-        return f"dcrb simulate {self.bench} --duration {self.settling + self.duration:g} --set sensor.noise_density=0{settings}"
+        return command_line(self.bench, self.settling + self.duration, ("sensor.noise_density=0", *self.settings), self.label)
 
     def configuration(self, changes: tuple[str, ...] = ()) -> Configuration:
         """Return the configuration, with further changes that count before the run's own."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shlex
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -45,6 +47,14 @@ POWER_LAW = (
 )
 
 
+def command_line(bench: str, duration: float, settings: Iterable[str], label: str) -> str:
+    """Return the command line that records a run [s] in a folder named after it; of several values of a parameter the last one counts."""
+    values = dict(setting.split("=", 1) for setting in settings)
+    options = [word for key, value in values.items() for word in ("--set", f"{key}={value}")]
+    folder = label.replace(",", "").replace(" ", "-")
+    return shlex.join(["dcrb", "simulate", bench, "--duration", f"{duration:g}", *options, "-o", folder])
+
+
 @dataclass(frozen=True)
 class PaperRunSpec:
     """The specification of a run: a shipped configuration, changed parameters and a duration."""
@@ -70,8 +80,7 @@ class PaperRunSpec:
     @property
     def command(self) -> str:
         """The command line that records this run."""
-        settings = "".join(f" --set {setting}" for setting in self._all_settings)
-        return f"dcrb simulate {BENCH[self.joint]} --duration {self.duration:g}{settings}"
+        return command_line(BENCH[self.joint], self.duration, self._all_settings, self.label)
 
     @property
     def _all_settings(self) -> tuple[str, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import shlex
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,10 +11,12 @@ import numpy as np
 import pytest
 
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.validation.dry_bench import dry_bench_rows
 from dcrb_ros.validation.faults import power_of_sink
 from dcrb_ros.validation.healthy import healthy_rows
 from dcrb_ros.validation.measures import envelope_spectrum, kurtosis, load_zone, passes, profile, settling_time
+from dcrb_ros.validation.oiled_runs import oiled_specs
 from dcrb_ros.validation.report import markdown, summary
 from dcrb_ros.validation.report_row import ReportRow
 from dcrb_ros.validation.runs import PaperRun, PaperRunSpec, run_specs, simulate
@@ -60,6 +63,20 @@ def test_run_specs_are_distinct_and_valid() -> None:
     assert len({spec.key for spec in specs}) == len(specs)
     for spec in specs:
         assert spec.configuration().cage.joint == spec.joint
+
+
+def test_the_commands_of_the_report_record_its_runs() -> None:
+    folders = []
+    for spec in (*run_specs(), *oiled_specs()):
+        program, command, bench, *options = shlex.split(spec.command)
+        assert (program, command) == ("dcrb", "simulate")
+        given = list(zip(options[::2], options[1::2], strict=True))
+        settings = [value for option, value in given if option == "--set"]
+        keys = [setting.partition("=")[0] for setting in settings]
+        assert len(set(keys)) == len(keys)  # `dcrb simulate` refuses a key that is given twice
+        assert load_configuration(bench, settings) == spec.configuration()
+        folders += [value for option, value in given if option == "-o"]
+    assert len(set(folders)) == len(run_specs()) + len(oiled_specs())
 
 
 @functools.cache
