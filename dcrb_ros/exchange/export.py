@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 
 from dcrb_ros.exchange.description import COPY, RELATIVE
-from dcrb_ros.exchange.files import WRITERS, Array
+from dcrb_ros.exchange.files import WRITERS
 from dcrb_ros.exchange.pulse_train import LEVELS, sampled_pulses
 from dcrb_ros.exchange.temperatures import CHANNELS, TIME, own_arrays
 from dcrb_ros.exchange.temperatures import columns as beside_samples
+from dcrb_ros.exchange.text_table import Array
 from dcrb_ros.messages.points import decode_vibration
 from dcrb_ros.messages.topics import GROUND_TRUTH, VIBRATION
 from dcrb_ros.recordings.arrays import truths_of

@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.exchange.files import Array, ExternalFile, channel, read_external
+from dcrb_ros.exchange.files import ExternalFile, channel, read_external
+from dcrb_ros.exchange.text_table import Array
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
 
