@@ -9,13 +9,15 @@ import struct
 import warnings
 import zipfile
 import zlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from dcrb_ros.exchange.pieces import Show, pieces
 from dcrb_ros.exchange.text_table import Array, numbered_column, read_table
 from dcrb_ros.runtime.optional import installed
 from dcrb_ros.schema.refusal import Refusal, nearest
@@ -64,13 +66,32 @@ def read_external(path: Path) -> ExternalFile:
     if not checked_path(path).exists():
         raise Refusal(f"there is no file {path}: check the path")
     check_regular(path)
-    try:
+    with _explained(path):
         return reader(path)
+
+
+@contextmanager
+def _explained(path: Path) -> Iterator[None]:
+    """Refuse a file in whose content a library finds a mistake."""
+    try:
+        yield
     except Refusal:
         raise
     except Exception as error:  # the libraries raise many kinds of exceptions for invalid files
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise Refusal(f"{path} cannot be read as {path.suffix[1:].upper()}: {reason}") from None
+
+
+def _read_on_demand(path: Path, names: Sequence[str], read: Callable[[str], Array]) -> ExternalFile:
+    """Return a file of which a channel is read, by its name, only when it is asked for."""
+
+    def column(name: str | int) -> Array:
+        if str(name) not in names:
+            raise KeyError(name)
+        with _explained(path):
+            return read(str(name))
+
+    return ExternalFile(tuple(names), column)
 
 
 def _check_loaded(path: Path, size: int) -> None:
@@ -103,14 +124,14 @@ def _read_npz(path: Path) -> ExternalFile:
     with zipfile.ZipFile(path) as packed:
         _check_loaded(path, sum(entry.file_size for entry in packed.infolist()))
     with np.load(path, allow_pickle=False) as file:
-        arrays = {name: _without_objects(file, name) for name in file.files}
-    return ExternalFile(tuple(arrays), lambda name: arrays[str(name)])
+        return _read_on_demand(path, file.files, lambda name: _from_npz(path, name))
 
 
-def _without_objects(file: Mapping[str, Array], name: str) -> Array:
+def _from_npz(path: Path, name: str) -> Array:
     """Return an array of an NPZ file; an array of objects, which only unpickling would load, is empty."""
     try:
-        return file[name]
+        with np.load(path, allow_pickle=False) as file:
+            return np.asarray(file[name])
     except ValueError as error:
         if OBJECTS not in str(error):
             raise
@@ -213,16 +234,22 @@ def _nested(variables: Mapping[str, Any], name: str) -> Array:
 
 def _read_hdf5(path: Path) -> ExternalFile:
     h5py = installed("h5py", f"{path} is a MAT file of version 7.3, which needs h5py: pip install h5py, or save it with -v7")
-    arrays: dict[str, Array] = {}
+    places: dict[str, str] = {}
     with h5py.File(path, "r") as file:
 
-        def keep(name: str, entry: Any) -> None:
-            if isinstance(entry, h5py.Dataset) and entry.dtype.kind in "iuf" and not name.startswith("#"):
-                _check_loaded(path, entry.nbytes + sum(values.nbytes for values in arrays.values()))
-                arrays[name.replace("/", ".")] = entry[()]
+        def keep(place: str, entry: Any) -> None:
+            numeric = isinstance(entry, h5py.Dataset) and entry.dtype.kind in "iuf"
+            if numeric and not place.startswith("#"):
+                places[place.replace("/", ".")] = place
 
         file.visititems(keep)
-    return ExternalFile(tuple(arrays), lambda name: arrays[str(name)])
+        _check_loaded(path, sum(file[place].nbytes for place in places.values()))
+
+    def read(name: str) -> Array:
+        with h5py.File(path, "r") as file:
+            return np.asarray(file[places[name]][()])
+
+    return _read_on_demand(path, list(places), read)
 
 
 def _read_parquet(path: Path) -> ExternalFile:
@@ -235,8 +262,7 @@ def _read_parquet(path: Path) -> ExternalFile:
     if not names:
         raise Refusal(f"{path} has no column of numbers, but {', '.join(map(str, schema.types[:5]))}: write one number in each row")
     _check_loaded(path, 8 * about.num_rows * len(names))
-    table = parquet.read_table(path, columns=names)
-    return ExternalFile(tuple(table.column_names), lambda name: table.column(str(name)).to_numpy())
+    return _read_on_demand(path, names, lambda name: np.asarray(parquet.read_table(path, columns=[name]).column(name).to_numpy()))
 
 
 READERS: dict[str, Callable[[Path], ExternalFile]] = {
@@ -248,29 +274,32 @@ READERS: dict[str, Callable[[Path], ExternalFile]] = {
 }
 
 Columns = Mapping[str, Array]
+WRITING = "writing"
+"""Stage of the progress."""
 
 
-def _write_npz(path: Path, columns: Columns, extra: Columns, rate: float, about: Mapping[str, Any]) -> None:
+def _write_npz(path: Path, columns: Columns, extra: Columns, rate: float, about: Mapping[str, Any], show: Show) -> None:
     arrays: dict[str, Any] = {**columns, **extra, "sampling_rate": np.array(rate), "about": np.array(json.dumps(about))}
     with path.open("wb") as stream:
         np.savez(stream, **arrays)
 
 
-def _write_csv(path: Path, columns: Columns, extra: Columns, rate: float, about: Mapping[str, Any]) -> None:
+def _write_csv(path: Path, columns: Columns, extra: Columns, rate: float, about: Mapping[str, Any], show: Show) -> None:
     # Nine digits represent a float32 exactly; a time is given to the nanosecond.
     forms = ["%d" if values.dtype.kind == "i" else "%.9f" if name == "time" else "%.9g" for name, values in columns.items()]
-    table = np.column_stack([values.astype(np.float64) for values in columns.values()])
     with path.open("w", encoding="utf-8") as stream:  # a pipe can be opened once; numpy opens a path twice
-        np.savetxt(stream, table, fmt=forms, delimiter=",", header=",".join(columns), comments="")
+        stream.write(f"{','.join(columns)}\n")
+        for piece in pieces(len(columns["index"]), show, WRITING):
+            np.savetxt(stream, np.column_stack([values[piece].astype(np.float64) for values in columns.values()]), forms, delimiter=",")
 
 
-def _write_mat(path: Path, columns: Columns, extra: Columns, rate: float, about: Mapping[str, Any]) -> None:
+def _write_mat(path: Path, columns: Columns, extra: Columns, rate: float, about: Mapping[str, Any], show: Show) -> None:
     from scipy.io import savemat
 
     savemat(path, {**columns, **extra, "sampling_rate": rate, "about": json.dumps(about)}, do_compression=True, oned_as="column")
 
 
-def _write_wav(path: Path, columns: Columns, extra: Columns, rate: float, about: Mapping[str, Any]) -> None:
+def _write_wav(path: Path, columns: Columns, extra: Columns, rate: float, about: Mapping[str, Any], show: Show) -> None:
     from scipy.io import wavfile
 
     steps = np.diff(columns["index"])
@@ -281,15 +310,18 @@ def _write_wav(path: Path, columns: Columns, extra: Columns, rate: float, about:
     wavfile.write(path, round(rate), np.column_stack([columns[name] for name in (*AXES, "shaft_angle") if name in columns]))
 
 
-def _write_parquet(path: Path, columns: Columns, extra: Columns, rate: float, about: Mapping[str, Any]) -> None:
+def _write_parquet(path: Path, columns: Columns, extra: Columns, rate: float, about: Mapping[str, Any], show: Show) -> None:
     import pyarrow
     from pyarrow import parquet
 
-    table = pyarrow.table(dict(columns)).replace_schema_metadata({"dcrb_ros": json.dumps(about), "sampling_rate": str(rate)})
-    parquet.write_table(table, path)
+    about_file = {"dcrb_ros": json.dumps(about), "sampling_rate": str(rate)}
+    schema = pyarrow.schema([(name, pyarrow.from_numpy_dtype(values.dtype)) for name, values in columns.items()], about_file)
+    with parquet.ParquetWriter(path, schema) as writer:
+        for piece in pieces(len(columns["index"]), show, WRITING):
+            writer.write_table(pyarrow.table({name: values[piece] for name, values in columns.items()}, schema))
 
 
-WRITERS: dict[str, Callable[[Path, Columns, Columns, float, Mapping[str, Any]], None]] = {
+WRITERS: dict[str, Callable[[Path, Columns, Columns, float, Mapping[str, Any], Show], None]] = {
     ".csv": _write_csv,
     ".wav": _write_wav,
     ".mat": _write_mat,

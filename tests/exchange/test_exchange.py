@@ -101,6 +101,25 @@ def test_gaps_are_preserved_or_refused(suffix: str, tmp_path: Path) -> None:
     assert [m.data for m in old.messages((VIBRATION,))] == [m.data for m in new.messages((VIBRATION,))]
 
 
+@pytest.mark.parametrize("suffix", list(WRITERS))
+def test_an_export_in_pieces_has_all_samples_and_shows_its_stages(suffix: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    bag, shown = Recording(recorded(tmp_path / "bag", 20)), list[tuple[str, int, int]]()
+    samples = bag.digests().read.count
+    export(bag, tmp_path / f"whole{suffix}")
+    monkeypatch.setattr("dcrb_ros.exchange.pieces.PIECE", 1000)
+    export(bag, tmp_path / f"pieces{suffix}", show=lambda *stage: shown.append(stage))
+    whole, pieces = (read_external(tmp_path / f"{name}{suffix}") for name in ("whole", "pieces"))
+    for name in ("ax", "ay", "shaft_angle") if suffix != ".wav" else (1, 2, 3):
+        first, second = (channel(external, tmp_path, name) for external in (whole, pieces))
+        assert (first.dtype, first.tobytes()) == (second.dtype, second.tobytes())
+    assert [stage for stage in shown if stage[0] == "reading"][-1] == ("reading", samples, samples)
+    assert next(stage for stage in shown if stage[0] == "writing") == ("writing", 0, 0)
+    waveform = WaveformImport(tmp_path / f"pieces{suffix}", tmp_path / f"pieces{suffix}.yaml")
+    waveform.write(tmp_path / "new", lambda *stage: shown.append(stage))
+    assert shown[-1] == ("writing new", samples, samples)
+    assert [m.data for m in Recording(tmp_path / "new").messages((VIBRATION,))] == [m.data for m in bag.messages((VIBRATION,))]
+
+
 def test_exports_carry_labels_and_manifest(tmp_path: Path) -> None:
     from pyarrow import parquet
 
