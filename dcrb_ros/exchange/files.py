@@ -31,6 +31,8 @@ LEAST_LOADED = 64 * 1024 * 1024
 MAT_BYTES = {"int8": 1, "uint8": 1, "int16": 2, "uint16": 2, "int32": 4, "uint32": 4, "single": 4, "char": 2, "logical": 1}
 """Size of an element by its class in a MAT file [bytes], where it is not 8."""
 
+MAT_NUMBERS = {name.encode() for name in MAT_BYTES if name != "char"} | {b"double", b"int64", b"uint64"}
+"""Classes of a MAT file whose elements are numbers."""
 OBJECTS = "Object arrays cannot be loaded"
 """Beginning of what numpy says of an array of pickled objects."""
 WAVE_FORMS = (b"RIFF", b"RIFX", b"RF64")
@@ -239,7 +241,8 @@ def _read_hdf5(path: Path) -> ExternalFile:
 
         def keep(place: str, entry: Any) -> None:
             numeric = isinstance(entry, h5py.Dataset) and entry.dtype.kind in "iuf"
-            if numeric and not place.startswith("#"):
+            # MATLAB stores characters and references to its objects as integers, too.
+            if numeric and not place.startswith("#") and entry.attrs.get("MATLAB_class", b"double") in MAT_NUMBERS:
                 places[place.replace("/", ".")] = place
 
         file.visititems(keep)
@@ -247,7 +250,8 @@ def _read_hdf5(path: Path) -> ExternalFile:
 
     def read(name: str) -> Array:
         with h5py.File(path, "r") as file:
-            return np.asarray(file[places[name]][()])
+            entry = file[places[name]]
+            return np.asarray(entry[()] if not entry.attrs.get("MATLAB_empty") else ())  # which has its shape as content
 
     return _read_on_demand(path, list(places), read)
 

@@ -248,6 +248,26 @@ def test_mat_version_7_3_is_read(noise: np.ndarray[Any, Any], tmp_path: Path) ->
     assert np.array_equal(starred.acceleration, found.acceleration)
 
 
+def test_only_numbers_are_channels_of_a_mat_version_7_3(noise: np.ndarray[Any, Any], tmp_path: Path) -> None:
+    """MATLAB stores text and references to objects as integers, and the shape of an empty array in its place."""
+    h5py = pytest.importorskip("h5py", reason="an extra of the package")
+    words = np.frombuffer("drive end bearing of the rig".encode("utf-16-le"), np.uint16)[:, None]
+    variables = {"de": (noise, "double"), "label": (words, "char"), "of": (words, "string"), "none": (np.zeros(2, np.uint64), "double")}
+    with h5py.File(tmp_path / "x.mat", "w", userblock_size=512) as file:
+        for name, (content, kind) in variables.items():
+            file[name] = content
+            file[name].attrs["MATLAB_class"] = np.bytes_(kind)
+        file["none"].attrs["MATLAB_empty"] = np.uint8(1)
+    with (tmp_path / "x.mat").open("r+b") as stream:
+        stream.write(b"MATLAB 7.3 MAT-file".ljust(124) + bytes([0, 2]) + b"IM")
+    external = read_external(tmp_path / "x.mat")
+    assert np.array_equal(channel(external, tmp_path / "x.mat", "de"), noise)
+    for name in ("label", "of"):
+        with pytest.raises(Refusal, match=rf"has no channel '{name}' \(available: de, none\)"):
+            channel(external, tmp_path / "x.mat", name)
+    assert len(channel(external, tmp_path / "x.mat", "none")) == 0
+
+
 def test_mat_version_7_3_without_h5py_is_refused_with_the_remedy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(__import__("sys").modules, "h5py", None)
     (tmp_path / "x.mat").write_bytes(b"MATLAB 7.3 MAT-file".ljust(124) + bytes([0, 2]) + b"IM" + b"\x89HDF\r\n\x1a\n" + bytes(600))
