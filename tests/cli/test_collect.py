@@ -165,11 +165,24 @@ def test_a_list_that_cannot_be_used_is_refused(files: Path, tmp_path: Path, text
 
 
 @pytest.mark.parametrize(
-    ("row", "reason"), [("none.npz,roller,", "there is no file"), ("97.npz,roller,wide", "width = 'wide' is not a number")]
+    ("row", "reason"),
+    [
+        ("none.npz,roller,,,,", "there is no file"),
+        ("97.npz,roller,wide,,,", "width = 'wide' is not a number"),
+        ("97.npz,rolls,,,,", "97: fault = 'rolls' is unknown; did you mean 'roller'?: give one of"),
+        ("97.npz,roller,,tests,,", "97: split = 'tests' is unknown"),
+        ("97.npz,roller,,,about,", "two runs are called about"),
+        ("97.npz,roller,,,a/b,", "name = 'a/b' is not the name of a file"),
+        ("97.npz,roller,,,,untis=g", "ABOUT: unknown key 'untis'; did you mean 'unit'?"),
+        ("97.npz,roller,,,,unit=V", "ABOUT has the unit V and no sensitivity"),
+        ("97.npz,roller,,,,speed=1;speed_rpm=1", "ABOUT gives speed and speed_rpm"),
+        ("97.npz,roller,,,,orders=null", "ABOUT has neither bearing nor orders"),
+    ],
 )
 def test_all_rows_are_checked_before_a_file_is_read(row: str, reason: str, files: Path, tmp_path: Path) -> None:
     table = files / f"{tmp_path.name}.csv"
-    table.write_text(f"file,fault,width\nabout.yaml,healthy,\n{row}\n", encoding="utf-8")
+    table.write_text(f"file,fault,width,split,name,set\nabout.yaml,healthy,,,,\n{row}\n", encoding="utf-8")
+    reason = reason.replace("ABOUT", str(files / "about.yaml"))
     done = CliRunner().invoke(app, ["collect", str(table), "--about", str(files / "about.yaml"), "-o", str(tmp_path / "set")])
     assert f"line 3: {reason}" in str(done.exception)
 
