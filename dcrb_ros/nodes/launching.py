@@ -26,7 +26,7 @@ from dcrb_ros.settings.files import load_configuration, read_parameters, validat
 from dcrb_ros.settings.shipped import find_configuration, shipped_folder
 from dcrb_ros.simulation.scenario import read_scenario, read_scenario_file
 from dcrb_ros.stream.late_scenario import refuse_late
-from dcrb_ros.text.files import checked_path, is_file
+from dcrb_ros.text.files import checked_path, expanded_path, is_file
 from dcrb_ros.vehicle.file import read_parameters as parameters_of_vehicle
 from dcrb_ros.vehicle.file import read_vehicle, vehicle_of
 from dcrb_ros.vehicle.scenario import starting_parameters, vehicle_scenario
@@ -235,7 +235,7 @@ def _check_recording(configuration: Configuration, argument: str, given: Mapping
     recorded = given.get("record")
     if configuration.recording.path:
         with naming("record" if recorded else argument, recorded or given[argument]):
-            _check_folder(Path(configuration.recording.path))
+            _check_folder(expanded_path(configuration.recording.path))
 
 
 def _check_folder(path: Path) -> None:

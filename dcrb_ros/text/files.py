@@ -42,6 +42,18 @@ def checked_path(path: str | Path) -> Path:
     return checked
 
 
+def expanded_path(path: str) -> Path:
+    """Return a path in which ``~`` or ``~user`` at the beginning is a home folder, for a text that no shell has expanded.
+
+    Raises:
+        Refusal: there is no such user, or see `checked_path`.
+    """
+    expanded = os.path.expanduser(path)
+    if expanded.startswith("~"):
+        raise Refusal(f"{path} begins with the home folder of an unknown user: give the whole path, or ./ before a name with ~")
+    return checked_path(expanded)
+
+
 def special_kind(path: Path) -> str:
     """Return the kind of an entry that is not a regular file, such as a named pipe; the empty string for a regular file or none."""
     try:
