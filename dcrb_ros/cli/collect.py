@@ -19,7 +19,7 @@ READING = "recordings"
 
 def collect(
     table: Annotated[Path, typer.Argument(metavar="LIST.csv", help="CSV file with the columns file and fault, and others if known.")],
-    output: Annotated[Path, typer.Option("-o", "--output", help="New folder of the data set.")],
+    address: Annotated[str, typer.Option("-o", "--output", help="New folder of the data set.")],
     about: Annotated[str, typer.Option(help="Description of files without their own: a YAML file or the name of a public data set.")] = "",
     window: Annotated[int, typer.Option(min=16, max=10_000_000, help="Samples in a window.")] = 4096,
     overlap: Annotated[float, typer.Option(min=0.0, max=0.99, help="Overlap of windows as a share of their length.")] = 0.0,
@@ -34,12 +34,13 @@ def collect(
     from dcrb_ros.exchange.run_list import listed_runs, read_list
     from dcrb_ros.sweep.measured_set import MeasuredRun, RunNames, write_measured_set
     from dcrb_ros.sweep.reader import DataSet
-    from dcrb_ros.sweep.store import Store
+    from dcrb_ros.sweep.store import Store, local_folder
     from dcrb_ros.sweep.sweep_file import Windows
     from dcrb_ros.sweep.table import LABELS
 
     if not table.is_file():
         raise Refusal(f"there is no list {table}: give a CSV file with the columns file and fault")
+    output = local_folder(address)
     if output.is_file():
         raise Refusal(f"-o {output} is a file: give an empty or a new folder")
 

@@ -197,6 +197,16 @@ def test_an_implausible_recording_is_named(files: Path, tmp_path: Path) -> None:
     assert "m/s^2 rms is outside 0.0001 .. 2000 m/s^2: check unit" in done.stderr
 
 
+def test_the_output_may_be_an_address_on_this_machine(files: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    command = ["collect", str(files / "files.csv"), "--about", str(files / "about.yaml"), "-o"]
+    done = CliRunner().invoke(app, [*command, f"file://{tmp_path}/set"])
+    assert done.exit_code == 0, done.exception
+    assert len(DataSet(tmp_path / "set")) == 2
+    assert "memory://set is not on this machine" in str(CliRunner().invoke(app, [*command, "memory://set"]).exception)
+    assert [path.name for path in tmp_path.iterdir()] == ["set"]
+
+
 def test_the_output_is_no_file(files: Path) -> None:
     command = ["collect", str(files / "files.csv"), "--about", str(files / "about.yaml"), "-o", str(files / "files.csv")]
     assert "is a file: give an empty or a new folder" in str(CliRunner().invoke(app, command).exception)
