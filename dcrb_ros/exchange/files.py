@@ -156,25 +156,30 @@ def _read_wav(path: Path) -> ExternalFile:
 
 
 def _check_chunks(path: Path) -> None:
-    """Refuse a file that is no WAV file, and one with a chunk that states more bytes than follow."""
+    """Refuse a file that is no WAV file, one without samples, and one whose chunks state more bytes than follow, or none."""
     with path.open("rb") as file:
         form = file.read(12)
         if form[:4] not in WAVE_FORMS or form[8:] != b"WAVE":
             raise Refusal(f"{path} is not a WAV file: it begins with {form!r}, not with RIFF, a size and WAVE; give it its own suffix")
-        order, sizes = ">" if form[:4] == b"RIFX" else "<", dict[bytes, int]()
+        order = ">" if form[:4] == b"RIFX" else "<"
+        sizes = {b"RIFF": struct.unpack(f"{order}4xI4x", form)[0]}
         while len(head := file.read(8)) == 8:
             name, size = head[:4], struct.unpack(f"{order}4xI", head)[0]
             left = path.stat().st_size - file.tell()
             if name == b"ds64" and left >= 16:  # the sizes of the file and of its samples
-                sizes[b"data"] = struct.unpack("<8xQ", file.read(16))[0]
+                sizes[b"RIFF"], sizes[b"data"] = struct.unpack("<QQ", file.read(16))
                 file.seek(-16, 1)
-            size = sizes.get(name, size)
-            if size > left:
+            sizes[name] = size = sizes.get(name, size)
+            # A recorder writes the sizes last; without that of the file, scipy reads nothing.
+            stated = b"RIFF" if not sizes[b"RIFF"] else name if size > left or (name == b"data" and left and not size) else b""
+            if stated:
                 raise Refusal(
-                    f"{path} is cut off: its chunk {name!r} states {size} bytes, but {left} follow; copy the file again, or, if its "
-                    "recording never finished, repair its header with an audio program"
+                    f"{path} is cut off: its chunk {stated!r} states {sizes[stated]} bytes, but {left} follow; copy the file again, or, if "
+                    "its recording never finished, repair its header with an audio program"
                 )
             file.seek(size + size % 2, 1)
+        if missing := [name.decode() for name in (b"fmt ", b"data") if name not in sizes]:
+            raise Refusal(f"{path} has no chunk {' and no chunk '.join(missing)}: copy the file again")
 
 
 def _read_mat(path: Path) -> ExternalFile:
@@ -320,7 +325,7 @@ def _write_parquet(path: Path, columns: Columns, extra: Columns, rate: float, ab
 
     about_file = {"dcrb_ros": json.dumps(about), "sampling_rate": str(rate)}
     schema = pyarrow.schema([(name, pyarrow.from_numpy_dtype(values.dtype)) for name, values in columns.items()], about_file)
-    with parquet.ParquetWriter(path, schema) as writer:
+    with path.open("wb") as stream, parquet.ParquetWriter(stream, schema) as writer:  # pyarrow itself cannot write to a pipe
         for piece in pieces(len(columns["index"]), show, WRITING):
             writer.write_table(pyarrow.table({name: values[piece] for name, values in columns.items()}, schema))
 

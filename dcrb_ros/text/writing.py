@@ -112,10 +112,15 @@ def _refused(path: Path, otherwise: str) -> Iterator[None]:
 
 
 def remedy_of(error: OSError) -> str:
-    """Return what makes a failed write possible: space on a full disk, folders in its path, a sound disk, or a permission."""
+    """Return what makes a failed write possible: space on a full disk, a file that is no pipe, folders, a sound disk, or a permission."""
     if error.errno in FULL:
         return "free some space"
-    remedies = {errno.ENOENT: "create its folder", errno.ENOTDIR: "remove the file in its path", errno.EIO: "check the disk"}
+    remedies = {
+        errno.ESPIPE: "write a regular file",
+        errno.ENOENT: "create its folder",
+        errno.ENOTDIR: "remove the file in its path",
+        errno.EIO: "check the disk",
+    }
     return remedies.get(error.errno or 0, "make it writable")
 
 

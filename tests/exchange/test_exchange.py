@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -285,6 +286,42 @@ def test_wav_with_integer_samples_requires_full_scale(noise: np.ndarray[Any, Any
     assert found.acceleration[:4, 0].tolist() == [0.0, 25.0, -50.0, 12.5]
     with pytest.raises(Refusal, match=r"sampling_rate = 48000 Hz, but .*x\.wav contains 12000 Hz"):
         WaveformImport(path, described(tmp_path, channels={"ax": 1}, full_scale=50.0, sampling_rate=48000))
+
+
+@pytest.mark.parametrize(
+    ("header", "sentence"),
+    [
+        (b"RIFF\0\0\0\0WAVE{fmt}data@\x01\0\0", "its chunk b'RIFF' states 0 bytes, but "),
+        (b"RIFF\x64\x01\0\0WAVE{fmt}data\0\0\0\0", "its chunk b'data' states 0 bytes, but 320 follow; copy the file again, or, if "),
+        (b"RIFF\x64\x01\0\0WAVE{fmt}data\xff\xff\xff\xff", "its chunk b'data' states 4294967295 bytes, but 320 follow"),
+        (b"RF64\xff\xff\xff\xffWAVEds64\x1c\0\0\0" + bytes(28) + b"{fmt}data\xff\xff\xff\xff", "its chunk b'RIFF' states 0 bytes"),
+        (b"RIFF\x64\x01\0\0WAVE{fmt}LIST@\x01\0\0", "has no chunk data: copy the file again"),
+        (b"RIFF\x64\x01\0\0WAVEdata@\x01\0\0", "has no chunk fmt : copy the file again"),
+    ],
+    ids=["no size of the file", "no size of the data", "largest size", "no size of 64 bits", "no data", "no format"],
+)
+def test_a_wav_file_that_was_never_finished_is_refused(header: bytes, sentence: str, tmp_path: Path) -> None:
+    wavfile.write(tmp_path / "whole.wav", 12000, np.zeros(160, np.int16))
+    whole = (tmp_path / "whole.wav").read_bytes()
+    (tmp_path / "x.wav").write_bytes(header.replace(b"{fmt}", whole[12:36]) + whole[44:])
+    with pytest.raises(Refusal, match=re.escape(sentence)):
+        read_external(tmp_path / "x.wav")
+
+
+@pytest.mark.parametrize("suffix", list(WRITERS))
+def test_an_export_to_a_pipe_arrives_or_is_refused(suffix: str, tmp_path: Path) -> None:
+    bag, pipe = Recording(recorded(tmp_path / "bag", 20)), tmp_path / f"pipe{suffix}"
+    export(bag, tmp_path / f"file{suffix}")
+    os.mkfifo(pipe)
+    with ThreadPoolExecutor(1) as reader:
+        received = reader.submit(pipe.read_bytes)
+        if suffix == ".wav":
+            with pytest.raises(Refusal, match="cannot be written: Illegal seek; write a regular file or give another file"):
+                export(bag, pipe)
+            return
+        export(bag, pipe)
+        whole = (tmp_path / f"file{suffix}").read_bytes()
+        assert len(received.result(20.0)) == pytest.approx(len(whole), abs=500)
 
 
 @pytest.mark.parametrize("text", ["de;fe\n1.5;2\n3;4\n", "# a rig\n1.5 2\n3 4\n", '"de","fe"\n1.5,2\n3,4\n', "1.5\t2\n3\t4\n"])
