@@ -31,6 +31,7 @@ def collect(
 
     Example: dcrb collect files.csv --about cwru-12k -o measured
     """
+    from dcrb_ros.exchange.description import LOWEST_RATE
     from dcrb_ros.exchange.run_list import listed_runs, read_list
     from dcrb_ros.sweep.measured_set import MeasuredRun, RunNames, write_measured_set
     from dcrb_ros.sweep.reader import DataSet
@@ -40,6 +41,8 @@ def collect(
 
     if not table.is_file():
         raise Refusal(f"there is no list {table}: give a CSV file with the columns file and fault")
+    if 0 < rate < LOWEST_RATE:
+        raise Refusal(f"--rate {rate} is below {LOWEST_RATE} Hz, the lowest sampling rate: give a higher one, or 0 to leave the rates")
     output = local_folder(address)
     if output.is_file():
         raise Refusal(f"-o {output} is a file: give an empty or a new folder")

@@ -76,7 +76,7 @@ def listed_runs(entries: Iterable[Entry], rate: int = 0) -> Iterator[ListedRun]:
         )
         source = dict(read.description.source or {})
         warnings = [f"{line}: {sentence}" for sentence in implausible(read)]
-        yield ListedRun(entry.name, decimated(waveform, rate, str(file)) if rate else waveform, source, entry.fields, warnings)
+        yield ListedRun(entry.name, decimated(waveform, rate, f"{line}: {file}") if rate else waveform, source, entry.fields, warnings)
 
 
 class Entry(NamedTuple):

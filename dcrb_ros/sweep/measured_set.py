@@ -70,8 +70,8 @@ class RunNames:
         Raises:
             Refusal: the name is not one of a file or is that of another run, fault or split are unknown, or the bearing is in two splits.
         """
-        if name != Path(name).name or name in ("", "..") or not name.isprintable():
-            raise Refusal(f"name = {name!r} is not the name of a file: give the run a name without a path")
+        if name != Path(name).name or not name or name.startswith(".") or not name.isprintable():  # a * matches no name with a dot
+            raise Refusal(f"name = {name!r} is not the name of a file: give the run a name without a path or a dot at its beginning")
         if len(os.fsencode(name)) > LONGEST_NAME:
             raise Refusal(f"name = {name!r} has more than {LONGEST_NAME} bytes, too many for the name of a file: give a shorter one")
         if fault not in FAULT_CLASSES:

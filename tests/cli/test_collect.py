@@ -145,6 +145,10 @@ def test_the_head_of_the_card_and_the_description_name_files_that_exist(kind: st
             "the bearing b is in the splits test and",
         ),
         ("file,fault\n", "the list is empty"),
+        (
+            "file,fault,name\n105.npz,healthy,.105\n",
+            "line 2: name = '.105' is not the name of a file: give the run a name without a path or",
+        ),
         ("file,fault,name\n105.npz,healthy,../../outside\n", "name = '../../outside' is not the name of a file"),
         ("file,fault,width\n105.npz,healthy,0.001\n", "line 2: width = 0.001 m, but the bearing is healthy"),
         ("file,fault,width\n105.npz,inner_ring,0.18\n", "line 2: width = 0.18 m is larger than 0.05 m: give it in metres"),
@@ -195,6 +199,18 @@ def test_an_implausible_recording_is_named(files: Path, tmp_path: Path) -> None:
     assert done.stderr.count("warning: ") == 1
     assert done.stderr.startswith(f"warning: {table}, line 3: an acceleration of ")
     assert "m/s^2 rms is outside 0.0001 .. 2000 m/s^2: check unit" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("rate", "reason"),
+    [
+        (99, "--rate 99 is below 100 Hz, the lowest sampling rate"),
+        (7000, "line 2: {}/105.npz is sampled at 12000 Hz, which is not a whole"),
+    ],
+)
+def test_a_rate_that_cannot_be_reached_is_refused(rate: int, reason: str, files: Path, tmp_path: Path) -> None:
+    command = ["collect", str(files / "files.csv"), "--about", str(files / "about.yaml"), "--rate", str(rate), "-o", str(tmp_path / "set")]
+    assert reason.format(files) in str(CliRunner().invoke(app, command).exception)
 
 
 def test_the_output_may_be_an_address_on_this_machine(files: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
