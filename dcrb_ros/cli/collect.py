@@ -12,6 +12,7 @@ import typer
 from dcrb_ros.runtime.terminal import stages
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.counts import counted
+from dcrb_ros.text.files import checked_path
 
 READING = "recordings"
 """Stage of the progress."""
@@ -39,7 +40,7 @@ def collect(
     from dcrb_ros.sweep.sweep_file import Windows
     from dcrb_ros.sweep.table import LABELS
 
-    if not table.is_file():
+    if not checked_path(table).is_file():
         raise Refusal(f"there is no list {table}: give a CSV file with the columns file and fault")
     if 0 < rate < LOWEST_RATE:
         raise Refusal(f"--rate {rate} is below {LOWEST_RATE} Hz, the lowest sampling rate: give a higher one, or 0 to leave the rates")

@@ -12,6 +12,7 @@ from dcrb_ros.cli.output_file import check_file, check_free, replacing
 from dcrb_ros.runtime.terminal import stages
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.counts import counted
+from dcrb_ros.text.writing import check_new_folder
 
 
 def export(
@@ -79,6 +80,7 @@ def import_(
         missing = "FILE" if not files else "--about" if not about else "-o"
         raise Refusal(f"{missing} is missing: dcrb import FILE --about ABOUT.yaml -o RECORDING, or dcrb import --list")
     check_free("-o", output, force=force)
+    check_new_folder(output)
     with stages() as progress:
         progress(f"reading {counted(len(files), 'file')}", 0, 0)
         waveform = WaveformImport(files, find_shipped("description", about), settings or ())

@@ -15,6 +15,7 @@ from dcrb_ros.exchange.importing import WaveformImport
 from dcrb_ros.exchange.plausibility import implausible
 from dcrb_ros.schema.refusal import Refusal, repeated
 from dcrb_ros.settings.shipped import find_shipped
+from dcrb_ros.text.files import checked_path
 from dcrb_ros.text.tables import read_rows
 
 NEEDED = ("file", "fault")
@@ -104,7 +105,7 @@ def _entry(line: str, row: dict[str, str], folder: Path, about: str) -> Entry:
     if not description:
         raise Refusal(f"{line}: there is no description of {row['file']}: add the column about, or give --about")
     file = folder / row["file"]
-    if not file.is_file():
+    if not checked_path(file).is_file():
         raise Refusal(f"{line}: there is no file {file}")
     settings = [part.strip() for part in (row.get("set") or "").split(";") if part.strip()]
     keys = [*(["speed_rpm"] if row.get("speed_rpm") else []), *(part.partition("=")[0].strip() for part in settings)]

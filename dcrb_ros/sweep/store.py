@@ -231,7 +231,7 @@ def local_folder(address: str | Path) -> Path:
         Refusal: the address is remote or unknown.
     """
     if "://" not in str(address):
-        return Path(address)
+        return checked_path(address)
     if (folder := Store(str(address)).folder) is None:
         raise Refusal(f"{address} is not on this machine: give a folder on it, to which the files are copied")
     return folder

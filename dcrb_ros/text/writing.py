@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
+import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -100,6 +101,22 @@ def check_empty(folder: Path) -> None:
         remove_abandoned(folder)
         if folder.exists() and any(folder.iterdir()):
             raise Refusal(f"{folder} contains files: give an empty or a new folder")
+
+
+def check_new_folder(path: Path) -> None:
+    """Check that a new folder can be created at a path, or beside it, before a long work begins.
+
+    Raises:
+        Refusal: it cannot.
+    """
+    folder = checked_path(path).absolute().parent
+    while not folder.exists():
+        folder = folder.parent
+    try:
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise Refusal(f"no folder can be created in {folder}: {error.strerror}; give a path in a folder that can be written") from None
 
 
 @contextmanager
