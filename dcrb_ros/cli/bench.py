@@ -13,6 +13,7 @@ from dcrb_ros.cli import completion
 from dcrb_ros.cli.options import DetectorFile, Duration, Force, OptionalConfig, Scenario, Settings, detector_parameters
 from dcrb_ros.cli.output_file import check_force, replacing
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.files import expanded_path
 
 
 def bench(
@@ -72,7 +73,7 @@ def bench(
     parameters = detector_parameters(detector)
     recorded = configuration.recording.path
     check_force("--record", recorded, force=force)
-    with replacing("--record" if record else "recording.path =", Path(recorded), force=force) if recorded else nullcontext():
+    with replacing("--record" if record else "recording.path =", expanded_path(recorded), force=force) if recorded else nullcontext():
         if vehicle is not None:
             from dcrb_ros.nodes.vehicle_bench import run as run_vehicle
 

@@ -9,7 +9,10 @@ import typer
 
 from dcrb_ros.cli.options import Bag, Force, each_once, warn_of_digest
 from dcrb_ros.cli.output_file import check_file, check_free, replacing
+from dcrb_ros.runtime.terminal import stages
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.counts import counted
+from dcrb_ros.text.writing import check_new_folder
 
 
 def export(
@@ -29,7 +32,8 @@ def export(
     check_file("-o", output, tuple(WRITERS), force=force)
     check_file("-o", description_of(output), force=force)
     recording, notes = Recording(bag), list[str]()
-    described = exported(recording, output, notes=notes, force=force)
+    with stages() as show:
+        described = exported(recording, output, notes=notes, force=force, show=show)
     warn_of_digest(recording, str(bag))
     for sentence in [*recording.damage, *notes]:
         typer.echo(f"dcrb: {sentence}", err=True)
@@ -76,9 +80,12 @@ def import_(
         missing = "FILE" if not files else "--about" if not about else "-o"
         raise Refusal(f"{missing} is missing: dcrb import FILE --about ABOUT.yaml -o RECORDING, or dcrb import --list")
     check_free("-o", output, force=force)
-    waveform = WaveformImport(files, find_shipped("description", about), settings or ())
-    with replacing("-o", output, force=force):
-        samples = waveform.write(output)
+    check_new_folder(output)
+    with stages() as progress:
+        progress(f"reading {counted(len(files), 'file')}", 0, 0)
+        waveform = WaveformImport(files, find_shipped("description", about), settings or ())
+        with replacing("-o", output, force=force):
+            samples = waveform.write(output, progress)
     print(f"{output}: {samples} samples, {samples / waveform.measured_rate:.3f} s at {waveform.measured_rate:g} Hz")
     print(summary(waveform))
     for sentence in implausible(waveform):

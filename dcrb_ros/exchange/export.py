@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from dcrb_ros.exchange.description import COPY, RELATIVE
-from dcrb_ros.exchange.files import WRITERS, Array
+from dcrb_ros.exchange.files import WRITERS, WRITING
+from dcrb_ros.exchange.pieces import Show, unseen
 from dcrb_ros.exchange.pulse_train import LEVELS, sampled_pulses
 from dcrb_ros.exchange.temperatures import CHANNELS, TIME, own_arrays
 from dcrb_ros.exchange.temperatures import columns as beside_samples
+from dcrb_ros.exchange.text_table import Array
 from dcrb_ros.messages.points import decode_vibration
 from dcrb_ros.messages.topics import GROUND_TRUTH, VIBRATION
 from dcrb_ros.recordings.arrays import truths_of
 from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.schema.arrays import Samples
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.axes import AXES
 from dcrb_ros.stream.block import Truth
@@ -40,7 +44,7 @@ def description_of(path: Path) -> Path:
     return path.with_name(f"{path.name}.yaml")
 
 
-def export(recording: Recording, path: Path, *, notes: list[str] | None = None, force: bool = False) -> Path:
+def export(recording: Recording, path: Path, *, notes: list[str] | None = None, force: bool = False, show: Show = unseen) -> Path:
     """Write the waveform to ``path`` and its description to `description_of` it; return the path of the latter.
 
     Existing files are replaced with ``force``. Blocks that came twice or too late are written once, in their place. A sentence on them, and
@@ -60,11 +64,12 @@ def export(recording: Recording, path: Path, *, notes: list[str] | None = None, 
         raise Refusal(f"{path} cannot be written: there is no folder {path.absolute().parent}; create it or give another path")
     notes = [] if notes is None else notes
     rate = recording.sampling_rate if path.suffix.lower() == ".wav" else _measured_rate(recording)
-    columns, extra, labels, block_size = _collect(recording, notes, rate, path.suffix.lower())
+    columns, extra, labels, block_size = _collect(recording, notes, rate, path.suffix.lower(), show)
     about = {"manifest": recording.manifest, "outcome": recording.outcome, "labels": labels}
     description = _description(recording, path, rate, {**columns, **extra}, labels, block_size)
     with whole_files(path, described) as (waveform, text):
-        writer(waveform, columns, extra, rate, about)
+        show(WRITING, 0, 0)
+        writer(waveform, columns, extra, rate, about, show)
         text.write_bytes(yaml_text(description).encode())
     return described
 
@@ -77,33 +82,35 @@ def _measured_rate(recording: Recording) -> float:
 
 
 def _collect(
-    recording: Recording, notes: list[str], measured_rate: float, suffix: str
+    recording: Recording, notes: list[str], measured_rate: float, suffix: str, show: Show
 ) -> tuple[dict[str, Array], dict[str, Array], dict[str, Any], int]:
     """Return the sample columns with times at ``measured_rate`` [Hz], the ground truth over time, the labels and the block size.
 
     Readings of temperature are arrays of their own or columns beside the samples, as the format of ``suffix`` requires.
     """
     whole = suffix in WITH_FURTHER_ARRAYS
-    blocks, truth_messages = [], []
+    rate, total = recording.sampling_rate, (recording.outcome or {}).get("samples")
+    accelerations, angles, received, truth_messages, samples = [], [], [], [], 0
     for message in recording.messages((VIBRATION, GROUND_TRUTH)):
-        if message.topic == VIBRATION:
-            blocks.append(decode_vibration(message.data))
-        else:
+        if message.topic != VIBRATION:
             truth_messages.append(message.data)
-    if not blocks:
+            continue
+        block = decode_vibration(message.data)
+        accelerations.append(block.acceleration)
+        angles.append(block.shaft_angle)
+        received.append(range(block.first_index(rate), block.first_index(rate) + len(block.shaft_angle)))
+        samples += len(block.shaft_angle)
+        show("reading", samples, total if isinstance(total, int) else 0)
+    if not received:
         raise Refusal(f"{recording.path} has no messages on {VIBRATION.resolved(recording.namespace)}: give a recording of the bench")
-    truths = truths_of(truth_messages)
-    rate = recording.sampling_rate
-    received = np.concatenate([block.first_index(rate) + np.arange(len(block.shaft_angle), dtype=np.int64) for block in blocks])
-    index, order = np.unique(received, return_index=True)
-    if not np.array_equal(received, index):
-        notes.append(f"samples came twice or too late, {len(received) - len(index)} of them twice: each is written once, in its place")
-    acceleration = np.concatenate([block.acceleration for block in blocks])[order]
+    truths, block_size = truths_of(truth_messages), max(map(len, received))
+    index, order = _in_order(received, notes)
+    acceleration = _joined(accelerations, order)
     columns: dict[str, Array] = {
         "index": index,
         "time": index / measured_rate,
         **dict(zip(AXES, acceleration.T, strict=False)),
-        "shaft_angle": np.concatenate([block.shaft_angle for block in blocks])[order],
+        "shaft_angle": _joined(angles, order),
     }
     tacho, readings = recording.tacho(), recording.temperatures()
     if len(tacho):
@@ -118,7 +125,24 @@ def _collect(
             "gap, and are left out: export npz or mat to keep them"
         )
     extra: dict[str, Array] = {**(own_arrays(readings) if whole else {}), **_truth_arrays(truths)}
-    return columns, extra, _labels(recording, truths), max(len(block.shaft_angle) for block in blocks)
+    return columns, extra, _labels(recording, truths), block_size
+
+
+def _in_order(received: Sequence[range], notes: list[str]) -> tuple[Array, Array | None]:
+    """Return the index of each sample once, and its place among the ``received`` ones; None if these are in order."""
+    as_received = np.concatenate([np.arange(block.start, block.stop, dtype=np.int64) for block in received])
+    if all(first.stop <= second.start for first, second in pairwise(received)):
+        return as_received, None
+    index, order = np.unique(as_received, return_index=True)
+    notes.append(f"samples came twice or too late, {len(as_received) - len(index)} of them twice: each is written once, in its place")
+    return index, order
+
+
+def _joined(parts: list[Samples], order: Array | None) -> Samples:
+    """Return the samples of all blocks in their ``order``; the list is cleared, since both would take much memory."""
+    joined = np.concatenate(parts)
+    parts.clear()
+    return joined if order is None else joined[order]
 
 
 def _readings_in(beside: Mapping[str, Array]) -> int:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import itertools
 import json
 import math
 import re
@@ -11,37 +9,30 @@ import struct
 import warnings
 import zipfile
 import zlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from dcrb_ros.exchange.pieces import Show, pieces
+from dcrb_ros.exchange.text_table import Array, numbered_column, read_table
 from dcrb_ros.runtime.optional import installed
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.stream.axes import AXES
-from dcrb_ros.text.counts import counted
 from dcrb_ros.text.files import check_regular, checked_path
 
-Array = npt.NDArray[Any]
 MOST_RATIO = 256
 """Largest size of a file's channels in memory relative to the file [-]; a compressed waveform has 5."""
 LEAST_LOADED = 64 * 1024 * 1024
 """Size up to which the channels of any file are loaded [bytes]."""
-LONGEST_LINE = 100_000
-"""Longest line of a CSV file that is read for the names of the columns [characters]."""
 MAT_BYTES = {"int8": 1, "uint8": 1, "int16": 2, "uint16": 2, "int32": 4, "uint32": 4, "single": 4, "char": 2, "logical": 1}
 """Size of an element by its class in a MAT file [bytes], where it is not 8."""
 
-TWO_INTEGERS = re.compile(r"-?[0-9]+,[0-9]+")
-"""A line that is two integers, or a number with a decimal comma."""
-NOT_A_NUMBER = re.compile(r"could not convert string (.*) to \w+ at row \d+, column (\d+)", re.DOTALL)
-COLUMNS_CHANGED = re.compile(r"the number of columns changed from \d+ to \d+")
-"""Errors of `numpy.loadtxt`, which counts rows instead of lines."""
-LONGEST_SHOWN = 40
-"""Longest text of a file in an error message [characters]."""
+MAT_NUMBERS = {name.encode() for name in MAT_BYTES if name != "char"} | {b"double", b"int64", b"uint64"}
+"""Classes of a MAT file whose elements are numbers."""
 OBJECTS = "Object arrays cannot be loaded"
 """Beginning of what numpy says of an array of pickled objects."""
 WAVE_FORMS = (b"RIFF", b"RIFX", b"RF64")
@@ -77,13 +68,32 @@ def read_external(path: Path) -> ExternalFile:
     if not checked_path(path).exists():
         raise Refusal(f"there is no file {path}: check the path")
     check_regular(path)
-    try:
+    with _explained(path):
         return reader(path)
+
+
+@contextmanager
+def _explained(path: Path) -> Iterator[None]:
+    """Refuse a file in whose content a library finds a mistake."""
+    try:
+        yield
     except Refusal:
         raise
     except Exception as error:  # the libraries raise many kinds of exceptions for invalid files
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise Refusal(f"{path} cannot be read as {path.suffix[1:].upper()}: {reason}") from None
+
+
+def _read_on_demand(path: Path, names: Sequence[str], read: Callable[[str], Array]) -> ExternalFile:
+    """Return a file of which a channel is read, by its name, only when it is asked for."""
+
+    def column(name: str | int) -> Array:
+        if str(name) not in names:
+            raise KeyError(name)
+        with _explained(path):
+            return read(str(name))
+
+    return ExternalFile(tuple(names), column)
 
 
 def _check_loaded(path: Path, size: int) -> None:
@@ -116,106 +126,18 @@ def _read_npz(path: Path) -> ExternalFile:
     with zipfile.ZipFile(path) as packed:
         _check_loaded(path, sum(entry.file_size for entry in packed.infolist()))
     with np.load(path, allow_pickle=False) as file:
-        arrays = {name: _without_objects(file, name) for name in file.files}
-    return ExternalFile(tuple(arrays), lambda name: arrays[str(name)])
+        return _read_on_demand(path, file.files, lambda name: _from_npz(path, name))
 
 
-def _without_objects(file: Mapping[str, Array], name: str) -> Array:
+def _from_npz(path: Path, name: str) -> Array:
     """Return an array of an NPZ file; an array of objects, which only unpickling would load, is empty."""
     try:
-        return file[name]
+        with np.load(path, allow_pickle=False) as file:
+            return np.asarray(file[name])
     except ValueError as error:
         if OBJECTS not in str(error):
             raise
         return np.empty(0, object)
-
-
-def _read_csv(path: Path) -> ExternalFile:
-    try:
-        return _read_table(path)
-    except UnicodeDecodeError:
-        raise Refusal(f"{path} contains characters that are not UTF-8: save it as UTF-8") from None
-
-
-def _read_table(path: Path) -> ExternalFile:
-    with path.open(encoding="utf-8-sig") as stream:
-        first = next((line for line in iter(lambda: stream.readline(LONGEST_LINE), "") if line.strip() and not line.startswith("#")), "")
-    if len(first) == LONGEST_LINE:
-        raise Refusal(f"{path} has a line of {LONGEST_LINE} characters or more: give a file with one column per channel")
-    delimiter = next((character for character in ";\t," if character in first), None)
-    names = _fields(first, delimiter)
-    headed = not all(_is_number(name) for name in names)
-    number = 0
-
-    def filled(stream: Iterator[str]) -> Iterator[str]:
-        nonlocal number
-        for number, line in enumerate(stream, 1):  # noqa: B007
-            if line.strip():
-                yield line
-
-    with path.open(encoding="utf-8-sig") as stream:
-        lines = itertools.dropwhile(lambda line: line.startswith("#"), filled(stream))
-        if headed:
-            next(lines, None)
-        begin = next(lines, None)
-        if begin is None:
-            raise Refusal(f"{path} contains no numbers: give a file with one column per channel")
-        if (delimiter != "," and "," in begin) or (not headed and TWO_INTEGERS.fullmatch(begin.strip())):
-            raise Refusal(
-                f"{path} may have decimal commas ({begin.strip()[:LONGEST_SHOWN]!r}): write decimal points, the names in the first line, "
-                "and a # before other lines above them"
-            )
-        try:
-            table = np.loadtxt(itertools.chain([begin], lines), delimiter=delimiter, ndmin=2, comments=None)
-        except ValueError as error:
-            raise Refusal(f"{path} cannot be read as CSV: line {number}{_mistake_in_table(str(error))}") from None
-
-    def column(name: str | int) -> Array:
-        if not isinstance(name, str) or not headed:
-            return _by_number(table, name)
-        if len(names) != table.shape[1]:
-            raise Refusal(
-                f"{path} has {len(names)} names in its first line, but {counted(table.shape[1], 'column')}: give each one a name, or the "
-                "numbers of the channels"
-            )
-        if names.count(name) > 1:
-            raise Refusal(f"{path} has {names.count(name)} columns called '{name}': give the number of the channel, from 1")
-        return np.asarray(table[:, names.index(name)])
-
-    return ExternalFile(names if headed else tuple(str(k + 1) for k in range(table.shape[1])), column)
-
-
-def _fields(line: str, delimiter: str | None) -> tuple[str, ...]:
-    """Return the words of a line of a table; a delimiter in quotes belongs to its word."""
-    if delimiter is None:
-        return tuple(word.strip('"') for word in line.split())
-    return tuple(word.strip() for word in next(csv.reader([line.strip()], delimiter=delimiter, skipinitialspace=True)))
-
-
-def _mistake_in_table(error: str) -> str:
-    """Return what is wrong in a line of a table, from an error of `numpy.loadtxt`."""
-    if (found := NOT_A_NUMBER.search(error)) is not None:
-        text = f"{found[1][:LONGEST_SHOWN]} is not a number" if found[1] != "''" else "the field is empty"
-        return f", column {found[2]}: {text}: write plain numbers, and nan for an unknown one"
-    if (found := COLUMNS_CHANGED.search(error)) is not None:
-        return f": {found[0]}; a file that was cut off lacks columns in its last line: copy it again, or delete the line"
-    return f": {error}"
-
-
-def _is_number(word: str) -> bool:
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True
-
-
-def _by_number(table: Array, name: str | int) -> Array:
-    """Return a column by its number, counted from 1."""
-    number = int(name)
-    if not 1 <= number <= table.shape[1]:
-        raise IndexError(name)
-    return np.asarray(table[:, number - 1])
 
 
 def _read_wav(path: Path) -> ExternalFile:
@@ -230,29 +152,34 @@ def _read_wav(path: Path) -> ExternalFile:
     if kind.kind == "u":
         raise Refusal(f"{path} has {8 * kind.itemsize} bit unsigned samples: convert it to 16 bit or to floating point")
     scale = float(np.iinfo(kind).max) + 1.0 if kind.kind == "i" else None
-    return ExternalFile(tuple(str(k + 1) for k in range(table.shape[1])), lambda name: _by_number(table, name), int(rate), scale)
+    return ExternalFile(tuple(str(k + 1) for k in range(table.shape[1])), lambda name: numbered_column(table, name), int(rate), scale)
 
 
 def _check_chunks(path: Path) -> None:
-    """Refuse a file that is no WAV file, and one with a chunk that states more bytes than follow."""
+    """Refuse a file that is no WAV file, one without samples, and one whose chunks state more bytes than follow, or none."""
     with path.open("rb") as file:
         form = file.read(12)
         if form[:4] not in WAVE_FORMS or form[8:] != b"WAVE":
             raise Refusal(f"{path} is not a WAV file: it begins with {form!r}, not with RIFF, a size and WAVE; give it its own suffix")
-        order, sizes = ">" if form[:4] == b"RIFX" else "<", dict[bytes, int]()
+        order = ">" if form[:4] == b"RIFX" else "<"
+        sizes = {b"RIFF": struct.unpack(f"{order}4xI4x", form)[0]}
         while len(head := file.read(8)) == 8:
             name, size = head[:4], struct.unpack(f"{order}4xI", head)[0]
             left = path.stat().st_size - file.tell()
             if name == b"ds64" and left >= 16:  # the sizes of the file and of its samples
-                sizes[b"data"] = struct.unpack("<8xQ", file.read(16))[0]
+                sizes[b"RIFF"], sizes[b"data"] = struct.unpack("<QQ", file.read(16))
                 file.seek(-16, 1)
-            size = sizes.get(name, size)
-            if size > left:
+            sizes[name] = size = sizes.get(name, size)
+            # A recorder writes the sizes last; without that of the file, scipy reads nothing.
+            stated = b"RIFF" if not sizes[b"RIFF"] else name if size > left or (name == b"data" and left and not size) else b""
+            if stated:
                 raise Refusal(
-                    f"{path} is cut off: its chunk {name!r} states {size} bytes, but {left} follow; copy the file again, or, if its "
-                    "recording never finished, repair its header with an audio program"
+                    f"{path} is cut off: its chunk {stated!r} states {sizes[stated]} bytes, but {left} follow; copy the file again, or, if "
+                    "its recording never finished, repair its header with an audio program"
                 )
             file.seek(size + size % 2, 1)
+        if missing := [name.decode() for name in (b"fmt ", b"data") if name not in sizes]:
+            raise Refusal(f"{path} has no chunk {' and no chunk '.join(missing)}: copy the file again")
 
 
 def _read_mat(path: Path) -> ExternalFile:
@@ -314,16 +241,24 @@ def _nested(variables: Mapping[str, Any], name: str) -> Array:
 
 def _read_hdf5(path: Path) -> ExternalFile:
     h5py = installed("h5py", f"{path} is a MAT file of version 7.3, which needs h5py: pip install h5py, or save it with -v7")
-    arrays: dict[str, Array] = {}
+    places: dict[str, str] = {}
     with h5py.File(path, "r") as file:
 
-        def keep(name: str, entry: Any) -> None:
-            if isinstance(entry, h5py.Dataset) and entry.dtype.kind in "iuf" and not name.startswith("#"):
-                _check_loaded(path, entry.nbytes + sum(values.nbytes for values in arrays.values()))
-                arrays[name.replace("/", ".")] = entry[()]
+        def keep(place: str, entry: Any) -> None:
+            numeric = isinstance(entry, h5py.Dataset) and entry.dtype.kind in "iuf"
+            # MATLAB stores characters and references to its objects as integers, too.
+            if numeric and not place.startswith("#") and entry.attrs.get("MATLAB_class", b"double") in MAT_NUMBERS:
+                places[place.replace("/", ".")] = place
 
         file.visititems(keep)
-    return ExternalFile(tuple(arrays), lambda name: arrays[str(name)])
+        _check_loaded(path, sum(file[place].nbytes for place in places.values()))
+
+    def read(name: str) -> Array:
+        with h5py.File(path, "r") as file:
+            entry = file[places[name]]
+            return np.asarray(entry[()] if not entry.attrs.get("MATLAB_empty") else ())  # which has its shape as content
+
+    return _read_on_demand(path, list(places), read)
 
 
 def _read_parquet(path: Path) -> ExternalFile:
@@ -336,12 +271,11 @@ def _read_parquet(path: Path) -> ExternalFile:
     if not names:
         raise Refusal(f"{path} has no column of numbers, but {', '.join(map(str, schema.types[:5]))}: write one number in each row")
     _check_loaded(path, 8 * about.num_rows * len(names))
-    table = parquet.read_table(path, columns=names)
-    return ExternalFile(tuple(table.column_names), lambda name: table.column(str(name)).to_numpy())
+    return _read_on_demand(path, names, lambda name: np.asarray(parquet.read_table(path, columns=[name]).column(name).to_numpy()))
 
 
 READERS: dict[str, Callable[[Path], ExternalFile]] = {
-    ".csv": _read_csv,
+    ".csv": lambda path: ExternalFile(*read_table(path)),
     ".wav": _read_wav,
     ".mat": _read_mat,
     ".npz": _read_npz,
@@ -349,29 +283,32 @@ READERS: dict[str, Callable[[Path], ExternalFile]] = {
 }
 
 Columns = Mapping[str, Array]
+WRITING = "writing"
+"""Stage of the progress."""
 
 
-def _write_npz(path: Path, columns: Columns, extra: Columns, rate: float, about: Mapping[str, Any]) -> None:
+def _write_npz(path: Path, columns: Columns, extra: Columns, rate: float, about: Mapping[str, Any], show: Show) -> None:
     arrays: dict[str, Any] = {**columns, **extra, "sampling_rate": np.array(rate), "about": np.array(json.dumps(about))}
     with path.open("wb") as stream:
         np.savez(stream, **arrays)
 
 
-def _write_csv(path: Path, columns: Columns, extra: Columns, rate: float, about: Mapping[str, Any]) -> None:
+def _write_csv(path: Path, columns: Columns, extra: Columns, rate: float, about: Mapping[str, Any], show: Show) -> None:
     # Nine digits represent a float32 exactly; a time is given to the nanosecond.
     forms = ["%d" if values.dtype.kind == "i" else "%.9f" if name == "time" else "%.9g" for name, values in columns.items()]
-    table = np.column_stack([values.astype(np.float64) for values in columns.values()])
     with path.open("w", encoding="utf-8") as stream:  # a pipe can be opened once; numpy opens a path twice
-        np.savetxt(stream, table, fmt=forms, delimiter=",", header=",".join(columns), comments="")
+        stream.write(f"{','.join(columns)}\n")
+        for piece in pieces(len(columns["index"]), show, WRITING):
+            np.savetxt(stream, np.column_stack([values[piece].astype(np.float64) for values in columns.values()]), forms, delimiter=",")
 
 
-def _write_mat(path: Path, columns: Columns, extra: Columns, rate: float, about: Mapping[str, Any]) -> None:
+def _write_mat(path: Path, columns: Columns, extra: Columns, rate: float, about: Mapping[str, Any], show: Show) -> None:
     from scipy.io import savemat
 
     savemat(path, {**columns, **extra, "sampling_rate": rate, "about": json.dumps(about)}, do_compression=True, oned_as="column")
 
 
-def _write_wav(path: Path, columns: Columns, extra: Columns, rate: float, about: Mapping[str, Any]) -> None:
+def _write_wav(path: Path, columns: Columns, extra: Columns, rate: float, about: Mapping[str, Any], show: Show) -> None:
     from scipy.io import wavfile
 
     steps = np.diff(columns["index"])
@@ -382,15 +319,18 @@ def _write_wav(path: Path, columns: Columns, extra: Columns, rate: float, about:
     wavfile.write(path, round(rate), np.column_stack([columns[name] for name in (*AXES, "shaft_angle") if name in columns]))
 
 
-def _write_parquet(path: Path, columns: Columns, extra: Columns, rate: float, about: Mapping[str, Any]) -> None:
+def _write_parquet(path: Path, columns: Columns, extra: Columns, rate: float, about: Mapping[str, Any], show: Show) -> None:
     import pyarrow
     from pyarrow import parquet
 
-    table = pyarrow.table(dict(columns)).replace_schema_metadata({"dcrb_ros": json.dumps(about), "sampling_rate": str(rate)})
-    parquet.write_table(table, path)
+    about_file = {"dcrb_ros": json.dumps(about), "sampling_rate": str(rate)}
+    schema = pyarrow.schema([(name, pyarrow.from_numpy_dtype(values.dtype)) for name, values in columns.items()], about_file)
+    with path.open("wb") as stream, parquet.ParquetWriter(stream, schema) as writer:  # pyarrow itself cannot write to a pipe
+        for piece in pieces(len(columns["index"]), show, WRITING):
+            writer.write_table(pyarrow.table({name: values[piece] for name, values in columns.items()}, schema))
 
 
-WRITERS: dict[str, Callable[[Path, Columns, Columns, float, Mapping[str, Any]], None]] = {
+WRITERS: dict[str, Callable[[Path, Columns, Columns, float, Mapping[str, Any], Show], None]] = {
     ".csv": _write_csv,
     ".wav": _write_wav,
     ".mat": _write_mat,

@@ -17,8 +17,10 @@ import numpy.typing as npt
 from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.exchange.description import COPY, LOWEST_RATE, RELATIVE, Description, read_description
 from dcrb_ros.exchange.joining import JoinedFiles
+from dcrb_ros.exchange.pieces import Show, pieces, unseen
 from dcrb_ros.exchange.pulse_train import PulseTrain, counted_pulses, joined_turns, pulse_train, turns_at_speed, wrapped, wrapped_angle
 from dcrb_ros.exchange.temperatures import CHANNELS, LATEST_STAMP, checked_channels, readings_of
+from dcrb_ros.exchange.text_table import Array
 from dcrb_ros.messages.cdr import FRAME
 from dcrb_ros.messages.description import PULSES_PER_TURN
 from dcrb_ros.messages.joints import encode_features
@@ -32,7 +34,7 @@ from dcrb_ros.recordings.manifest import FORMAT, MEASURED_UNITS, Outcome, now, r
 from dcrb_ros.recordings.recorder import channel_of
 from dcrb_ros.recordings.splitting import Bag
 from dcrb_ros.runtime.version import __version__
-from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.arrays import Floats, Samples
 from dcrb_ros.schema.numbers import HIGHEST_RATE
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.sensor_limits import LONGEST_BLOCK
@@ -63,15 +65,20 @@ class WaveformImport:
         self.orders: Orders = self.description.fault_orders(about)
         channels, factor = self.description.channels, self._factor()
         parts = {name: self._files.parts(channel) for name, channel in channels.axes.items()}
-        axes = {name: self._axis(channels.axes[name], np.concatenate(numbers), factor) for name, numbers in parts.items()}
-        self.index = self._index([len(part) for part in parts["ax"]])
-        self._check_lengths({**{name: len(values) for name, values in axes.items()}, "index": len(self.index)})
+        self._lengths = [len(part) for part in parts["ax"]]
+        self.index = self._index(self._lengths)
+        self._check_lengths({**{name: sum(map(len, numbers)) for name, numbers in parts.items()}, "index": len(self.index)})
+        self.acceleration: Samples = np.empty((len(self.index), max(2, len(parts))), np.float32)
+        for axis, name in enumerate(parts):
+            self._fill_axis(axis, channels.axes[name], parts[name], factor)
+        if len(parts) == 1:
+            self.acceleration[:, 1] = self.acceleration[:, 0]
+        parts.clear()
         self._train = self._tacho()
         self.angle = self._angle()
         self.readings = self._readings()
         """Times [ns] and values [deg C] of the readings of temperature by channel."""
-        self._check_lengths({"ax": len(axes["ax"]), "shaft_angle": len(self.angle)})
-        self.acceleration = np.column_stack([axes["ax"], axes.get("ay", axes["ax"]), *([axes["az"]] if "az" in axes else [])])
+        self._check_lengths({"ax": len(self.index), "shaft_angle": len(self.angle)})
 
     def _check_lengths(self, lengths: dict[str, int]) -> None:
         if len(set(lengths.values())) > 1 or not lengths["ax"]:
@@ -111,17 +118,22 @@ class WaveformImport:
             raise Refusal(f"{self._files} has integer samples: add full_scale to {self._about}, the value at full scale in {unit}")
         return factor * self.description.full_scale / self._files.full_scale
 
-    def _axis(self, name: str | int, numbers: Floats, factor: float) -> npt.NDArray[np.float32]:
-        """Return the acceleration of a channel, shape (samples,) [m/s^2]."""
-        with np.errstate(over="ignore"):
-            values = (numbers * factor).astype(np.float32)
-        bad = np.flatnonzero(~np.isfinite(values))
-        if len(bad):
-            raise Refusal(
-                f"{self._files}: sample {bad[0]} of '{name}' is {float(numbers[bad[0]]):g}, above "
-                f"{np.finfo(np.float32).max:.1g} m/s^2, the range of a message: remove it, or check the unit"
-            )
-        return values
+    def _fill_axis(self, axis: int, name: str | int, parts: Sequence[Array], factor: float) -> None:
+        """Write the channel ``name`` of each file to an axis of the acceleration [m/s^2]."""
+        begin = 0
+        for part in parts:
+            for piece in pieces(len(part)):
+                numbers = part[piece].astype(np.float64)
+                with np.errstate(over="ignore"):
+                    values = (numbers * factor).astype(np.float32)
+                bad = np.flatnonzero(~np.isfinite(values))
+                if len(bad):
+                    raise Refusal(
+                        f"{self._files}: sample {begin + bad[0]} of '{name}' is {float(numbers[bad[0]]):g}, above "
+                        f"{np.finfo(np.float32).max:.1g} m/s^2, the range of a message: remove it, or check the unit"
+                    )
+                self.acceleration[begin : begin + len(values), axis] = values
+                begin += len(values)
 
     def _index(self, lengths: Sequence[int]) -> npt.NDArray[np.int64]:
         d = self.description
@@ -133,7 +145,7 @@ class WaveformImport:
             return self._files.index(lengths, first, d.gap, self.measured_rate, self._about)
         if d.gap is not None:
             raise Refusal(f"{self._about} gives gap and the channel index, which contains the gaps: leave out gap")
-        index = np.concatenate(self._files.parts(name))
+        index = np.concatenate(self._files.numbers(name))
         broken = index[index != np.rint(index)]
         if len(broken):
             raise Refusal(
@@ -157,22 +169,24 @@ class WaveformImport:
     def _angle(self) -> npt.NDArray[np.float32]:
         """Return the angle of the shaft within [0, 2 pi), NaN where it is unknown, shape (samples,) [rad]."""
         d, source = self.description, self._source
-        if source == "tacho" and self._train is not None:
-            return wrapped(self._train.at(self.index))
         if source == "rpm" and d.channels.rpm is not None:
             return wrapped(self._turns_at_speed(d.channels.rpm))
         if source == "shaft_angle" and d.channels.shaft_angle is not None:
-            turned = np.concatenate(self._files.parts(d.channels.shaft_angle, nan=True))
-        else:
-            turned = d.shaft_speed * self.index.astype(np.float64) / self.measured_rate
-        return wrapped_angle(turned)
+            return wrapped_angle(np.concatenate(self._files.numbers(d.channels.shaft_angle, nan=True)))
+        angle, train = np.empty(len(self.index), np.float32), self._train if source == "tacho" else None
+        for piece in pieces(len(self.index)):
+            index = self.index[piece]
+            angle[piece] = (
+                wrapped(train.at(index)) if train else wrapped_angle(d.shaft_speed * index.astype(np.float64) / self.measured_rate)
+            )
+        return angle
 
     def _tacho(self) -> PulseTrain | None:
         """Return the turns at the pulses of the tacho; None without one."""
         d = self.description
         if d.channels.tacho is None:
             return None
-        pulses = np.concatenate(self._files.parts(d.channels.tacho))
+        pulses = np.concatenate(self._files.numbers(d.channels.tacho))
         self._check_lengths({"ax": len(self.index), "tacho": len(pulses)})
         if self._source != "tacho":
             return counted_pulses(pulses, self.index, self.pulses_per_turn, d.tacho_levels)
@@ -191,23 +205,22 @@ class WaveformImport:
     def _readings(self) -> dict[str, tuple[npt.NDArray[np.int64], Floats]]:
         channels = self.description.channels
         given = checked_channels(channels.model_dump(), self.description.temperature_deviation, self._about)
-        times = None if channels.temperature_time is None else np.concatenate(self._files.parts(channels.temperature_time))
+        times = None if channels.temperature_time is None else np.concatenate(self._files.numbers(channels.temperature_time))
         indices = self._by_file() if given else []
         return {
             channel: readings_of(
-                self._files.parts(getattr(channels, channel), nan=True), indices, times, self.measured_rate, f"{self._files}: '{channel}'"
+                self._files.numbers(getattr(channels, channel), nan=True), indices, times, self.measured_rate, f"{self._files}: '{channel}'"
             )
             for channel in given
         }
 
     def _by_file(self) -> list[npt.NDArray[np.int64]]:
         """Return the index of the samples of each file."""
-        borders = np.cumsum([len(part) for part in self._files.parts(self.description.channels.ax)])[:-1]
-        return np.split(self.index, borders)
+        return np.split(self.index, np.cumsum(self._lengths)[:-1])
 
     def _turns_at_speed(self, name: str | int) -> Floats:
         """Return the turns of the shaft, file by file, whose channels of speed may have other lengths than the waveform [-]."""
-        parts = self._files.parts(name, nan=True)
+        parts = self._files.numbers(name, nan=True)
         indices = self._by_file()
         turns = [
             turns_at_speed(part, index, self.measured_rate, f"{file}: '{name}'")
@@ -328,7 +341,7 @@ class WaveformImport:
             "recorded": now(),
         }
 
-    def write(self, path: Path) -> int:
+    def write(self, path: Path, show: Show = unseen) -> int:
         """Write the recording to a new folder; return its number of samples. Nothing is left behind if it fails."""
         outcome = Outcome(self.rate)
         about = {MANIFEST: {"manifest": record_text(self.manifest())}}
@@ -348,5 +361,6 @@ class WaveformImport:
                     messages.append(read.popleft())
                 messages.sort(key=lambda message: message.time_ns)
                 bag.write([(channels[message.topic], message.time_ns, message.data) for message in messages])
+                show(f"writing {path.name}", outcome.samples, len(self.index))
             bag.write([(channels[message.topic], message.time_ns, message.data) for message in read])
         return outcome.samples

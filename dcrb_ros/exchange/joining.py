@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.exchange.files import Array, ExternalFile, channel, read_external
+from dcrb_ros.exchange.files import ExternalFile, channel, read_external
+from dcrb_ros.exchange.text_table import Array
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
 
@@ -85,16 +86,20 @@ class JoinedFiles:
                     with suppress(Refusal):
                         yield file, name, channel(external, file, name).astype(np.float64)
 
-    def parts(self, name: str | int, *, nan: bool = False) -> list[Floats]:
-        """Return a channel of each file, shape (files,) of (samples,).
+    def parts(self, name: str | int, *, nan: bool = False) -> list[Array]:
+        """Return a channel of each file as the file has it, shape (files,) of (samples,).
 
         Raises:
             Refusal: a file lacks it, or it has values that are infinite, or NaN unless ``nan`` are allowed.
         """
         return [
-            _numbers(channel(external, file, matching(external, file, name)), file, name, nan=nan)
+            _finite(channel(external, file, matching(external, file, name)), file, name, nan=nan)
             for file, external in zip(self.files, self._externals, strict=True)
         ]
+
+    def numbers(self, name: str | int, *, nan: bool = False) -> list[Floats]:
+        """Return a channel of each file in double precision; see `parts`."""
+        return [part.astype(np.float64, copy=False) for part in self.parts(name, nan=nan)]
 
     def index(self, lengths: Sequence[int], first: int, gap: float | None, rate: float, about: Path) -> npt.NDArray[np.int64]:
         """Return the index of each sample of files of ``lengths``, from ``first``, with a ``gap`` [s] between them, shape (samples,).
@@ -136,8 +141,8 @@ def _alike(name: str, known: Iterable[str]) -> list[str]:
     return [word for word in known if pattern.fullmatch(word)]
 
 
-def _numbers(values: Array, file: Path, name: str | int, *, nan: bool) -> Floats:
+def _finite(values: Array, file: Path, name: str | int, *, nan: bool) -> Array:
     bad = int(np.count_nonzero(np.isinf(values) if nan else ~np.isfinite(values)))
     if bad:
         raise Refusal(f"{file}: {bad} of {len(values)} samples of '{name}' are not finite numbers: remove them first")
-    return values.astype(np.float64)
+    return values

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from dcrb_ros.exchange.importing import WaveformImport
+from dcrb_ros.exchange.pieces import pieces
 from dcrb_ros.settings.parameters import rpm
 from dcrb_ros.text.counts import counted
 
@@ -16,14 +19,21 @@ LOUDEST, QUIETEST = 2000.0, 1e-4
 
 def shaft_frequency(waveform: WaveformImport) -> float:
     """Return the mean shaft frequency [Hz], NaN if the speed is unknown."""
-    turns = np.diff(waveform.angle.astype(np.float64)) / (2.0 * np.pi)
-    steps = (turns - np.rint(turns))[np.diff(waveform.index) == 1]
-    return waveform.measured_rate * float(np.nanmean(steps)) if np.isfinite(steps).any() else np.nan
+    turned, count = 0.0, 0
+    for piece in pieces(len(waveform.index) - 1):
+        both = slice(piece.start, piece.stop + 1)
+        turns = np.diff(waveform.angle[both].astype(np.float64)) / (2.0 * np.pi)
+        steps = (turns - np.rint(turns))[np.diff(waveform.index[both]) == 1]
+        turned, count = turned + float(np.nansum(steps)), count + int(np.count_nonzero(np.isfinite(steps)))
+    return waveform.measured_rate * turned / count if count else np.nan
 
 
 def acceleration_rms(waveform: WaveformImport) -> float:
     """Return the root mean square of the acceleration without its mean, over the axes [m/s^2]."""
-    return float(np.sqrt(np.mean(np.var(waveform.acceleration.astype(np.float64), axis=0))))
+    mean, squares = waveform.acceleration.mean(axis=0, dtype=np.float64), 0.0
+    for piece in pieces(len(waveform.acceleration)):
+        squares += float(np.sum((waveform.acceleration[piece] - mean) ** 2))
+    return math.sqrt(squares / waveform.acceleration.size)
 
 
 def summary(waveform: WaveformImport) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -10,10 +10,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dcrb_ros.bearing.waveform import Waveform
+from dcrb_ros.exchange.description import read_description
 from dcrb_ros.exchange.importing import WaveformImport
 from dcrb_ros.exchange.plausibility import implausible
 from dcrb_ros.schema.refusal import Refusal, repeated
 from dcrb_ros.settings.shipped import find_shipped
+from dcrb_ros.text.files import checked_path
 from dcrb_ros.text.tables import read_rows
 
 NEEDED = ("file", "fault")
@@ -41,19 +43,30 @@ class ListedRun(NamedTuple):
     """Sentences on what is implausible in the recording."""
 
 
-def listed_runs(table: Path, about: str, rate: int = 0) -> Iterator[ListedRun]:
-    """Yield the recordings of a list, one after the other. All rows are checked before the first file is read.
+def read_list(table: Path, about: str) -> list[Entry]:
+    """Return the rows of a list; no file is read.
 
     Args:
         table: CSV file with the columns `NEEDED`, and any of `OPTIONAL`; files and descriptions are relative to its folder.
         about: description of the files whose row has none: a YAML file or the name of a public data set.
+
+    Raises:
+        Refusal: a column is unknown, a value or a description is refused, or a defect is implausibly large or on a healthy bearing.
+    """
+    return [_entry(f"{table}, line {number}", row, table.parent, about) for number, row in read_rows(table, NEEDED, OPTIONAL)]
+
+
+def listed_runs(entries: Iterable[Entry], rate: int = 0) -> Iterator[ListedRun]:
+    """Yield the recordings of a list, one after the other.
+
+    Args:
+        entries: rows of the list.
         rate: sampling rate to which all are decimated [Hz]; 0 leaves them.
 
     Raises:
-        Refusal: a column or a value is unknown, a defect is implausibly large or on a healthy bearing, a file cannot be imported or has
-            another hash than stated, or a rate is not a whole multiple of ``rate``.
+        Refusal: a file cannot be imported or has another hash than stated, or a rate is not a whole multiple of ``rate``.
     """
-    for entry in [_entry(f"{table}, line {number}", row, table.parent, about) for number, row in read_rows(table, NEEDED, OPTIONAL)]:
+    for entry in entries:
         line, file = entry.line, entry.file
         read = _imported(file, entry.description, entry.settings, line)
         sha256 = read.sha256()
@@ -64,10 +77,10 @@ def listed_runs(table: Path, about: str, rate: int = 0) -> Iterator[ListedRun]:
         )
         source = dict(read.description.source or {})
         warnings = [f"{line}: {sentence}" for sentence in implausible(read)]
-        yield ListedRun(entry.name, decimated(waveform, rate, str(file)) if rate else waveform, source, entry.fields, warnings)
+        yield ListedRun(entry.name, decimated(waveform, rate, f"{line}: {file}") if rate else waveform, source, entry.fields, warnings)
 
 
-class _Entry(NamedTuple):
+class Entry(NamedTuple):
     """A row of the list, checked before any file is read."""
 
     line: str
@@ -77,9 +90,10 @@ class _Entry(NamedTuple):
     settings: list[str]
     sha256: str
     fields: dict[str, Any]
+    """The other columns, as in `ListedRun`."""
 
 
-def _entry(line: str, row: dict[str, str], folder: Path, about: str) -> _Entry:
+def _entry(line: str, row: dict[str, str], folder: Path, about: str) -> Entry:
     """Return a row, whose ``line`` begins the messages.
 
     Raises:
@@ -91,7 +105,7 @@ def _entry(line: str, row: dict[str, str], folder: Path, about: str) -> _Entry:
     if not description:
         raise Refusal(f"{line}: there is no description of {row['file']}: add the column about, or give --about")
     file = folder / row["file"]
-    if not file.is_file():
+    if not checked_path(file).is_file():
         raise Refusal(f"{line}: there is no file {file}")
     settings = [part.strip() for part in (row.get("set") or "").split(";") if part.strip()]
     keys = [*(["speed_rpm"] if row.get("speed_rpm") else []), *(part.partition("=")[0].strip() for part in settings)]
@@ -103,7 +117,20 @@ def _entry(line: str, row: dict[str, str], folder: Path, about: str) -> _Entry:
     sizes = {name: _number(row[name], f"{line}: {name}") for name in NUMBERS if row.get(name)}
     fields |= _checked_sizes(sizes, row["fault"], line)
     name = row.get("name") or file.stem
-    return _Entry(line, name, file, find_shipped("description", description), settings, row.get(SHA256) or "", fields)
+    entry = Entry(line, name, file, find_shipped("description", description), settings, row.get(SHA256) or "", fields)
+    _check_description(entry)
+    return entry
+
+
+def _check_description(entry: Entry) -> None:
+    """Refuse a description that a file cannot have, whatever it contains."""
+    try:
+        described = read_description(entry.description, entry.settings)
+        described.shaft_source(entry.description)
+        described.fault_orders(entry.description)
+        described.factor(entry.description)
+    except Refusal as refusal:
+        raise Refusal(f"{entry.line}: {refusal}") from None
 
 
 def _description(about: str, folder: Path, line: str) -> Path:

@@ -31,6 +31,7 @@ from dcrb_ros.runtime.signals import STOPPED
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.text.files import expanded_path
 
 VERDICT_TIMEOUT = 3.0
 """Wall time after the last block in which the last verdict must arrive [s]."""
@@ -332,7 +333,7 @@ def _watch(
 
 def _conclude(observer: Observer, recorded: str, console: Console, status: int) -> int:
     """Print verdicts, recording and how to open it; return the ``status`` of a node that failed, or 1 if there is no verdict."""
-    path = Path(recorded)
+    path = expanded_path(recorded)
     if recorded and path.exists():  # a recording without a block is removed
         print(f"recording: {path}")
         print(f"open it with: {shlex.join(('dcrb', 'view', str(path)))}   or: {shlex.join(('rerun', str(path / f'{path.name}_0.mcap')))}")

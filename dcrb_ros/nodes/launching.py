@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -26,7 +25,8 @@ from dcrb_ros.settings.files import load_configuration, read_parameters, validat
 from dcrb_ros.settings.shipped import find_configuration, shipped_folder
 from dcrb_ros.simulation.scenario import read_scenario, read_scenario_file
 from dcrb_ros.stream.late_scenario import refuse_late
-from dcrb_ros.text.files import checked_path, is_file
+from dcrb_ros.text.files import expanded_path, is_file
+from dcrb_ros.text.writing import check_new_folder
 from dcrb_ros.vehicle.file import read_parameters as parameters_of_vehicle
 from dcrb_ros.vehicle.file import read_vehicle, vehicle_of
 from dcrb_ros.vehicle.scenario import starting_parameters, vehicle_scenario
@@ -235,23 +235,7 @@ def _check_recording(configuration: Configuration, argument: str, given: Mapping
     recorded = given.get("record")
     if configuration.recording.path:
         with naming("record" if recorded else argument, recorded or given[argument]):
-            _check_folder(Path(configuration.recording.path))
-
-
-def _check_folder(path: Path) -> None:
-    """Check that a new folder can be created at a path, or at the next free name.
-
-    Raises:
-        Refusal: it cannot.
-    """
-    folder = checked_path(path).absolute().parent
-    while not folder.exists():
-        folder = folder.parent
-    try:
-        with tempfile.TemporaryFile(dir=folder):
-            pass
-    except OSError as error:
-        raise Refusal(f"no folder can be created in {folder}: {error.strerror}; give a path in a folder that can be written") from None
+            check_new_folder(expanded_path(configuration.recording.path))
 
 
 def duration_arguments(duration: float | None) -> list[str]:

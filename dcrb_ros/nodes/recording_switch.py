@@ -15,6 +15,7 @@ from dcrb_ros.messages.topics import Message, Topic
 from dcrb_ros.recordings.recorder_thread import CLOSE_TIMEOUT, RecorderThread
 from dcrb_ros.recordings.splitting import RecordingFailed
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.files import expanded_path
 
 FOLDER = Path("recordings")
 """Folder of the recordings for which the user gave no path."""
@@ -53,7 +54,7 @@ def free_path(wanted: Path) -> Path:
 def wanted_path(configured: str, namespace: str) -> Path:
     """Return the absolute path of a new recording: as configured, or by namespace and time in `FOLDER`."""
     name = namespace.strip("/").replace("/", "-") or "bench"
-    return (Path(configured) if configured else FOLDER / f"{name}-{time.strftime('%Y%m%d-%H%M%S')}").absolute()
+    return (expanded_path(configured) if configured else FOLDER / f"{name}-{time.strftime('%Y%m%d-%H%M%S')}").absolute()
 
 
 class RecordingSwitch:

@@ -32,7 +32,7 @@ from dcrb_ros.runtime.threads import repeating
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.late_scenario import refuse_late
-from dcrb_ros.text.files import checked_path
+from dcrb_ros.text.files import expanded_path
 
 STATUS_PERIOD = 1.0
 """Wall time between two messages on /diagnostics [s]."""
@@ -97,7 +97,7 @@ class SimulatingNode(BenchNode):
         self._publisher = Publisher(self, [*topics, BENCH_DIAGNOSTICS, *clocks])
         self._clock_publisher = ClockPublisher(self._publisher.write_messages) if publishing.clock else None
         self.progress, self.refusals = Progress(), Refusals(log.warning)
-        self.recording = RecordingSwitch(recorder, log, checked_path(path).absolute() if path else None)
+        self.recording = RecordingSwitch(recorder, log, expanded_path(path).absolute() if path else None)
         clock = [self._clock_publisher] if self._clock_publisher else []
         sinks: list[Sink] = [self.progress, *clock, self._publisher, self.recording, FirstBlockLog(log.info)]
         self.engine = Engine("model", begin(gate), sinks, gate)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
-    from rich.progress import Progress, ProgressColumn
+    from rich.progress import Progress, ProgressColumn, TaskID
     from rich.table import Table
 
 UNLIMITED = 200
@@ -37,12 +37,37 @@ def table(title: str, heads: Sequence[str], rows: Iterable[Sequence[RenderableTy
     return made
 
 
-def progress(*columns: ProgressColumn, quiet: bool = False) -> Progress:
-    """Return a progress bar on the standard error output, with a description before it and ``columns`` after it."""
+def progress(*columns: ProgressColumn, quiet: bool = False, transient: bool = False) -> Progress:
+    """Return a progress bar on the standard error output, with a description before it and ``columns`` after it.
+
+    One that is ``transient`` disappears at its end.
+    """
     from rich.progress import BarColumn, Progress, TextColumn
 
     description = TextColumn("{task.description}", markup=False)
-    return Progress(description, BarColumn(), *columns, console=console(stderr=True), disable=quiet)
+    return Progress(description, BarColumn(), *columns, console=console(stderr=True), disable=quiet, transient=transient)
+
+
+@contextmanager
+def stages() -> Iterator[Callable[[str, int, int], None]]:
+    """Show a progress bar of one stage after the other on a terminal, and nothing elsewhere.
+
+    Yield the function to call with the name of a stage, what is done of it, and its total, which is 0 if it is unknown.
+    """
+    from rich.progress import TaskProgressColumn, TimeElapsedColumn, TimeRemainingColumn
+
+    output = console(stderr=True)
+    with progress(TaskProgressColumn(), TimeElapsedColumn(), TimeRemainingColumn(), quiet=not output.is_terminal, transient=True) as bar:
+        tasks: dict[str, TaskID] = {}
+
+        def show(stage: str, done: int = 0, total: int = 0) -> None:
+            if stage not in tasks:
+                for shown in tasks.values():
+                    bar.update(shown, visible=False)
+                tasks[stage] = bar.add_task(stage, total=total or None)
+            bar.update(tasks[stage], completed=done, total=total or None)
+
+        yield show
 
 
 @contextmanager

@@ -56,16 +56,36 @@ class MeasuredRun:
     source: Mapping[str, Any] = field(default_factory=dict)
     """Origin of the recording: title, licence, publisher."""
 
-    def __post_init__(self) -> None:
-        if self.name != Path(self.name).name or self.name in ("", "..") or not self.name.isprintable():
-            raise Refusal(f"name = {self.name!r} is not the name of a file: give the run a name without a path")
-        if len(os.fsencode(self.name)) > LONGEST_NAME:
-            raise Refusal(f"name = {self.name!r} has more than {LONGEST_NAME} bytes, too many for the name of a file: give a shorter one")
-        if self.fault not in FAULT_CLASSES:
+
+class RunNames:
+    """The names of runs, each of which is checked, also against those before it."""
+
+    def __init__(self) -> None:
+        self._runs = set[str]()
+        self._split_of = dict[str, str]()
+
+    def add(self, name: str, fault: str, split: str = "test", bearing_id: str = "") -> str:
+        """Add a run; return the name of its bearing, by default that of the run.
+
+        Raises:
+            Refusal: the name is not one of a file or is that of another run, fault or split are unknown, or the bearing is in two splits.
+        """
+        if name != Path(name).name or not name or name.startswith(".") or not name.isprintable():  # a * matches no name with a dot
+            raise Refusal(f"name = {name!r} is not the name of a file: give the run a name without a path or a dot at its beginning")
+        if len(os.fsencode(name)) > LONGEST_NAME:
+            raise Refusal(f"name = {name!r} has more than {LONGEST_NAME} bytes, too many for the name of a file: give a shorter one")
+        if fault not in FAULT_CLASSES:
             known = ", ".join(FAULT_CLASSES)
-            raise Refusal(f"{self.name}: fault = '{self.fault}' is unknown{nearest(self.fault, FAULT_CLASSES)}: give one of {known}")
-        if self.split not in SPLITS:
-            raise Refusal(f"{self.name}: split = '{self.split}' is unknown: give train, validation or test")
+            raise Refusal(f"{name}: fault = '{fault}' is unknown{nearest(fault, FAULT_CLASSES)}: give one of {known}")
+        if split not in SPLITS:
+            raise Refusal(f"{name}: split = '{split}' is unknown: give train, validation or test")
+        bearing = bearing_id or name
+        if (other := self._split_of.setdefault(bearing, split)) != split:
+            raise Refusal(f"{name}: the bearing {bearing} is in the splits {other} and {split}: give one for all of its runs")
+        if name in self._runs:
+            raise Refusal(f"two runs are called {name}: give them names of their own in the column name")
+        self._runs.add(name)
+        return bearing
 
 
 def write_measured_set(
@@ -81,7 +101,7 @@ def write_measured_set(
         windows: length and overlap of the windows; they are written as Parquet.
 
     Raises:
-        Refusal: the store is not empty, there is no run, two have the same name, or a bearing is in two splits.
+        Refusal: the store is not empty, there is no run, or `RunNames` refuses one.
     """
     if store.folder is None:
         if any(True for _ in store.names("")):
@@ -99,15 +119,9 @@ def _write(runs: Iterable[MeasuredRun], store: Store, title: str, licence: str, 
     """Write a data set to an empty store."""
     labels: list[dict[str, Any]] = []
     sources: dict[str, Mapping[str, Any]] = {}
-    split_of: dict[str, str] = {}
+    names = RunNames()
     for position, run in enumerate(runs):
-        bearing = run.bearing_id or run.name
-        if split_of.setdefault(bearing, run.split) != run.split:
-            raise Refusal(
-                f"{run.name}: the bearing {bearing} is in the splits {split_of[bearing]} and {run.split}: give one for all of its runs"
-            )
-        if any(run.name == label["run"] for label in labels):
-            raise Refusal(f"two runs are called {run.name}: give them names of their own in the column name")
+        bearing = names.add(run.name, run.fault, run.split, run.bearing_id)
         sources |= {str(run.source.get("title")): dict(run.source)} if run.source else {}
         labels.append(_written(run, bearing, position, store, windows))
     if not labels:

@@ -26,7 +26,7 @@ from dcrb_ros.sweep.division import REMEDIES, in_several, warnings_of
 from dcrb_ros.sweep.label import DONE
 from dcrb_ros.sweep.read_windows import ReadWindows
 from dcrb_ros.sweep.schema import SPLITS, healthy_first
-from dcrb_ros.sweep.store import Store, record_of
+from dcrb_ros.sweep.store import Store, local_folder, record_of
 from dcrb_ros.sweep.sums import SUMS, read_sums
 from dcrb_ros.sweep.table import LABELS
 from dcrb_ros.sweep.windows import INDEX
@@ -43,7 +43,7 @@ LARGEST_FILE = 4 << 30
 
 
 class DataSet:
-    """A data set of `dcrb sweep` or `dcrb collect` in a folder.
+    """A data set of `dcrb sweep` or `dcrb collect` in a folder, whose path may be given as an address ``file://``.
 
     Every file is compared with its hash before its contents are used. A data set without hashes, or with a bearing or a
     machine in more than one split, is read with a warning.
@@ -65,8 +65,8 @@ class DataSet:
     def __init__(self, folder: str | Path) -> None:
         if not isinstance(folder, (str, os.PathLike)):
             raise Refusal(f"a {type(folder).__name__} is not the path of a data set: give the folder of dcrb sweep or dcrb collect")
-        self.folder = Path(folder)
-        self._sums = read_sums(Store(str(folder))) if self.folder.is_dir() else None
+        self.folder = local_folder(folder)
+        self._sums = read_sums(Store(str(self.folder))) if self.folder.is_dir() else None
         if not (self.folder / LABELS).is_file():
             raise Refusal(f"{self.folder} has no {LABELS}, so it is not a finished data set: give the folder of dcrb sweep or dcrb collect")
         if self._sums is None:

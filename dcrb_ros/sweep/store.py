@@ -222,3 +222,16 @@ class Store:
     def _failed(self, error: OSError) -> StoreFailed:
         reason = error.strerror or str(error)
         return StoreFailed(f"{self.address} cannot be written: {reason}; {remedy_of(error)} and run the same command again to continue")
+
+
+def local_folder(address: str | Path) -> Path:
+    """Return the path that a path or an address such as ``file:///data/bearings`` has on this machine.
+
+    Raises:
+        Refusal: the address is remote or unknown.
+    """
+    if "://" not in str(address):
+        return checked_path(address)
+    if (folder := Store(str(address)).folder) is None:
+        raise Refusal(f"{address} is not on this machine: give a folder on it, to which the files are copied")
+    return folder

@@ -29,7 +29,7 @@ def checked_path(path: str | Path) -> Path:
     """Return a path that the file system can represent, whether something exists there or not.
 
     Raises:
-        Refusal: it contains a NUL or a surrogate, or a name in it is too long.
+        Refusal: it contains a NUL or a surrogate, a name in it is too long, or a folder in it may not be entered.
     """
     checked = Path(path)
     try:
@@ -37,9 +37,23 @@ def checked_path(path: str | Path) -> Path:
     except ValueError as error:
         raise Refusal(f"{checked} is not a path ({error}): give the name of a file or folder") from None
     except OSError as error:
-        if not isinstance(error, FileNotFoundError | NotADirectoryError | PermissionError):
+        if isinstance(error, PermissionError):
+            raise Refusal(f"{checked} cannot be used: {error.strerror}; make its folder accessible, or give another path") from None
+        if not isinstance(error, FileNotFoundError | NotADirectoryError):
             raise Refusal(f"{checked} cannot be used: {error.strerror}; give another path") from None
     return checked
+
+
+def expanded_path(path: str) -> Path:
+    """Return a path in which ``~`` or ``~user`` at the beginning is a home folder, for a text that no shell has expanded.
+
+    Raises:
+        Refusal: there is no such user, or see `checked_path`.
+    """
+    expanded = os.path.expanduser(path)
+    if expanded.startswith("~"):
+        raise Refusal(f"{path} begins with the home folder of an unknown user: give the whole path, or ./ before a name with ~")
+    return checked_path(expanded)
 
 
 def special_kind(path: Path) -> str:

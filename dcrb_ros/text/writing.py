@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
+import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -102,6 +103,22 @@ def check_empty(folder: Path) -> None:
             raise Refusal(f"{folder} contains files: give an empty or a new folder")
 
 
+def check_new_folder(path: Path) -> None:
+    """Check that a new folder can be created at a path, or beside it, before a long work begins.
+
+    Raises:
+        Refusal: it cannot.
+    """
+    folder = checked_path(path).absolute().parent
+    while not folder.exists():
+        folder = folder.parent
+    try:
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise Refusal(f"no folder can be created in {folder}: {error.strerror}; give a path in a folder that can be written") from None
+
+
 @contextmanager
 def _refused(path: Path, otherwise: str) -> Iterator[None]:
     """Turn an error of the operating system into a sentence on the file or folder."""
@@ -112,10 +129,15 @@ def _refused(path: Path, otherwise: str) -> Iterator[None]:
 
 
 def remedy_of(error: OSError) -> str:
-    """Return what makes a failed write possible: space on a full disk, folders in its path, a sound disk, or a permission."""
+    """Return what makes a failed write possible: space on a full disk, a file that is no pipe, folders, a sound disk, or a permission."""
     if error.errno in FULL:
         return "free some space"
-    remedies = {errno.ENOENT: "create its folder", errno.ENOTDIR: "remove the file in its path", errno.EIO: "check the disk"}
+    remedies = {
+        errno.ESPIPE: "write a regular file",
+        errno.ENOENT: "create its folder",
+        errno.ENOTDIR: "remove the file in its path",
+        errno.EIO: "check the disk",
+    }
     return remedies.get(error.errno or 0, "make it writable")
 
 

@@ -179,7 +179,12 @@ def test_options_of_the_bench_override_the_configuration_file(tmp_path: Path, mo
 
 
 @pytest.mark.parametrize(
-    ("options", "words"), [([], "recording.path = kept exists: give another name"), (["--record", "asked"], "--record asked exists")]
+    ("options", "words"),
+    [
+        ([], "recording.path = kept exists: give another name"),
+        (["--record", "asked"], "--record asked exists"),
+        (["--record=~/asked"], "/asked exists"),
+    ],
 )
 def test_a_bench_does_not_record_to_an_existing_folder(
     options: list[str], words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
@@ -188,6 +193,7 @@ def test_a_bench_does_not_record_to_an_existing_folder(
     monkeypatch.chdir(tmp_path)
     mine = tmp_path / "mine.yaml"
     mine.write_text(yaml.safe_dump({"/**": {"ros__parameters": {"recording": {"path": "kept"}}}}))
+    monkeypatch.setenv("HOME", str(tmp_path))
     for name in ("kept", "asked"):
         (tmp_path / name).mkdir()
     monkeypatch.setattr("sys.argv", ["dcrb", "bench", str(mine), *options])

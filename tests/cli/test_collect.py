@@ -145,6 +145,10 @@ def test_the_head_of_the_card_and_the_description_name_files_that_exist(kind: st
             "the bearing b is in the splits test and",
         ),
         ("file,fault\n", "the list is empty"),
+        (
+            "file,fault,name\n105.npz,healthy,.105\n",
+            "line 2: name = '.105' is not the name of a file: give the run a name without a path or",
+        ),
         ("file,fault,name\n105.npz,healthy,../../outside\n", "name = '../../outside' is not the name of a file"),
         ("file,fault,width\n105.npz,healthy,0.001\n", "line 2: width = 0.001 m, but the bearing is healthy"),
         ("file,fault,width\n105.npz,inner_ring,0.18\n", "line 2: width = 0.18 m is larger than 0.05 m: give it in metres"),
@@ -165,11 +169,24 @@ def test_a_list_that_cannot_be_used_is_refused(files: Path, tmp_path: Path, text
 
 
 @pytest.mark.parametrize(
-    ("row", "reason"), [("none.npz,roller,", "there is no file"), ("97.npz,roller,wide", "width = 'wide' is not a number")]
+    ("row", "reason"),
+    [
+        ("none.npz,roller,,,,", "there is no file"),
+        ("97.npz,roller,wide,,,", "width = 'wide' is not a number"),
+        ("97.npz,rolls,,,,", "97: fault = 'rolls' is unknown; did you mean 'roller'?: give one of"),
+        ("97.npz,roller,,tests,,", "97: split = 'tests' is unknown"),
+        ("97.npz,roller,,,about,", "two runs are called about"),
+        ("97.npz,roller,,,a/b,", "name = 'a/b' is not the name of a file"),
+        ("97.npz,roller,,,,untis=g", "ABOUT: unknown key 'untis'; did you mean 'unit'?"),
+        ("97.npz,roller,,,,unit=V", "ABOUT has the unit V and no sensitivity"),
+        ("97.npz,roller,,,,speed=1;speed_rpm=1", "ABOUT gives speed and speed_rpm"),
+        ("97.npz,roller,,,,orders=null", "ABOUT has neither bearing nor orders"),
+    ],
 )
 def test_all_rows_are_checked_before_a_file_is_read(row: str, reason: str, files: Path, tmp_path: Path) -> None:
     table = files / f"{tmp_path.name}.csv"
-    table.write_text(f"file,fault,width\nabout.yaml,healthy,\n{row}\n", encoding="utf-8")
+    table.write_text(f"file,fault,width,split,name,set\nabout.yaml,healthy,,,,\n{row}\n", encoding="utf-8")
+    reason = reason.replace("ABOUT", str(files / "about.yaml"))
     done = CliRunner().invoke(app, ["collect", str(table), "--about", str(files / "about.yaml"), "-o", str(tmp_path / "set")])
     assert f"line 3: {reason}" in str(done.exception)
 
@@ -182,6 +199,28 @@ def test_an_implausible_recording_is_named(files: Path, tmp_path: Path) -> None:
     assert done.stderr.count("warning: ") == 1
     assert done.stderr.startswith(f"warning: {table}, line 3: an acceleration of ")
     assert "m/s^2 rms is outside 0.0001 .. 2000 m/s^2: check unit" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("rate", "reason"),
+    [
+        (99, "--rate 99 is below 100 Hz, the lowest sampling rate"),
+        (7000, "line 2: {}/105.npz is sampled at 12000 Hz, which is not a whole"),
+    ],
+)
+def test_a_rate_that_cannot_be_reached_is_refused(rate: int, reason: str, files: Path, tmp_path: Path) -> None:
+    command = ["collect", str(files / "files.csv"), "--about", str(files / "about.yaml"), "--rate", str(rate), "-o", str(tmp_path / "set")]
+    assert reason.format(files) in str(CliRunner().invoke(app, command).exception)
+
+
+def test_the_output_may_be_an_address_on_this_machine(files: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    command = ["collect", str(files / "files.csv"), "--about", str(files / "about.yaml"), "-o"]
+    done = CliRunner().invoke(app, [*command, f"file://{tmp_path}/set"])
+    assert done.exit_code == 0, done.exception
+    assert len(DataSet(tmp_path / "set")) == 2
+    assert "memory://set is not on this machine" in str(CliRunner().invoke(app, [*command, "memory://set"]).exception)
+    assert [path.name for path in tmp_path.iterdir()] == ["set"]
 
 
 def test_the_output_is_no_file(files: Path) -> None:

@@ -1,4 +1,4 @@
-"""A small file that states large nested values is refused before they take memory."""
+"""A small file that states large nested values is refused before they take memory, and large files take little more than their samples."""
 
 from __future__ import annotations
 
@@ -17,6 +17,9 @@ from dcrb_ros.schema.refusal import Refusal
 
 MOST = 300 * 1024
 """Most memory that a refusal may take beyond that of the interpreter with its libraries [KiB]."""
+
+MOST_PER_SAMPLE = {"import": 50, "export": 95}
+"""Most memory per sample of a conversion [byte]: acceleration in two axes, angle and index have 20, and the time has 8 more."""
 
 
 def a_parquet_of_lists(path: Path) -> None:
@@ -52,3 +55,27 @@ def test_channels_beside_nested_values_are_read(tmp_path: Path) -> None:
     for packed in (True, False):
         savemat(tmp_path / "x.mat", {"s": {"x": np.arange(100_000.0)}}, do_compression=packed)
         assert len(channel(read_external(tmp_path / "x.mat"), tmp_path / "x.mat", "s.x")) == 100_000
+
+
+@pytest.mark.parametrize("command", list(MOST_PER_SAMPLE))
+def test_the_memory_of_a_conversion_is_bounded_by_that_of_its_samples(command: str, tmp_path: Path) -> None:
+    samples = 2_000_000
+    np.savez(tmp_path / "x.npz", a=np.random.default_rng(1).normal(size=samples).astype(np.float32))
+    (tmp_path / "about.yaml").write_text(
+        "{channels: {ax: a}, unit: g, sampling_rate: 48000, speed_rpm: 1797, orders: {FTF: 0.398, BPFO: 3.585, BPFI: 5.415, BSF: 2.357}}"
+    )
+    code = (
+        "import resource, sys, pandas, scipy.io, pyarrow.parquet; from pathlib import Path\n"
+        "from dcrb_ros.exchange.importing import WaveformImport; from dcrb_ros.exchange.export import export\n"
+        "from dcrb_ros.exchange.plausibility import summary; from dcrb_ros.recordings.reader import Recording\n"
+        "def imported(name):\n"
+        "    waveform = WaveformImport(Path(name), Path('about.yaml'))\n"
+        "    summary(waveform)\n"
+        "    waveform.write(Path('bag'))\n"
+        "before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss\n"
+        "imported('x.npz') if sys.argv[1] == 'import' else export(Recording('bag'), Path('x.csv'))\n"
+        "print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)"
+    )
+    for step in dict.fromkeys(("import", command)):
+        done = subprocess.run([sys.executable, "-c", code, step], cwd=tmp_path, capture_output=True, text=True, check=True, timeout=400.0)
+    assert int(done.stdout) * 1024 < MOST_PER_SAMPLE[command] * samples

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -99,6 +100,25 @@ def test_gaps_are_preserved_or_refused(suffix: str, tmp_path: Path) -> None:
     WaveformImport(file, beside).write(tmp_path / "new")
     old, new = Recording(bag), Recording(tmp_path / "new")
     assert [m.data for m in old.messages((VIBRATION,))] == [m.data for m in new.messages((VIBRATION,))]
+
+
+@pytest.mark.parametrize("suffix", list(WRITERS))
+def test_an_export_in_pieces_has_all_samples_and_shows_its_stages(suffix: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    bag, shown = Recording(recorded(tmp_path / "bag", 20)), list[tuple[str, int, int]]()
+    samples = bag.digests().read.count
+    export(bag, tmp_path / f"whole{suffix}")
+    monkeypatch.setattr("dcrb_ros.exchange.pieces.PIECE", 1000)
+    export(bag, tmp_path / f"pieces{suffix}", show=lambda *stage: shown.append(stage))
+    whole, pieces = (read_external(tmp_path / f"{name}{suffix}") for name in ("whole", "pieces"))
+    for name in ("ax", "ay", "shaft_angle") if suffix != ".wav" else (1, 2, 3):
+        first, second = (channel(external, tmp_path, name) for external in (whole, pieces))
+        assert (first.dtype, first.tobytes()) == (second.dtype, second.tobytes())
+    assert [stage for stage in shown if stage[0] == "reading"][-1] == ("reading", samples, samples)
+    assert next(stage for stage in shown if stage[0] == "writing") == ("writing", 0, 0)
+    waveform = WaveformImport(tmp_path / f"pieces{suffix}", tmp_path / f"pieces{suffix}.yaml")
+    waveform.write(tmp_path / "new", lambda *stage: shown.append(stage))
+    assert shown[-1] == ("writing new", samples, samples)
+    assert [m.data for m in Recording(tmp_path / "new").messages((VIBRATION,))] == [m.data for m in bag.messages((VIBRATION,))]
 
 
 def test_exports_carry_labels_and_manifest(tmp_path: Path) -> None:
@@ -229,6 +249,26 @@ def test_mat_version_7_3_is_read(noise: np.ndarray[Any, Any], tmp_path: Path) ->
     assert np.array_equal(starred.acceleration, found.acceleration)
 
 
+def test_only_numbers_are_channels_of_a_mat_version_7_3(noise: np.ndarray[Any, Any], tmp_path: Path) -> None:
+    """MATLAB stores text and references to objects as integers, and the shape of an empty array in its place."""
+    h5py = pytest.importorskip("h5py", reason="an extra of the package")
+    words = np.frombuffer("drive end bearing of the rig".encode("utf-16-le"), np.uint16)[:, None]
+    variables = {"de": (noise, "double"), "label": (words, "char"), "of": (words, "string"), "none": (np.zeros(2, np.uint64), "double")}
+    with h5py.File(tmp_path / "x.mat", "w", userblock_size=512) as file:
+        for name, (content, kind) in variables.items():
+            file[name] = content
+            file[name].attrs["MATLAB_class"] = np.bytes_(kind)
+        file["none"].attrs["MATLAB_empty"] = np.uint8(1)
+    with (tmp_path / "x.mat").open("r+b") as stream:
+        stream.write(b"MATLAB 7.3 MAT-file".ljust(124) + bytes([0, 2]) + b"IM")
+    external = read_external(tmp_path / "x.mat")
+    assert np.array_equal(channel(external, tmp_path / "x.mat", "de"), noise)
+    for name in ("label", "of"):
+        with pytest.raises(Refusal, match=rf"has no channel '{name}' \(available: de, none\)"):
+            channel(external, tmp_path / "x.mat", name)
+    assert len(channel(external, tmp_path / "x.mat", "none")) == 0
+
+
 def test_mat_version_7_3_without_h5py_is_refused_with_the_remedy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(__import__("sys").modules, "h5py", None)
     (tmp_path / "x.mat").write_bytes(b"MATLAB 7.3 MAT-file".ljust(124) + bytes([0, 2]) + b"IM" + b"\x89HDF\r\n\x1a\n" + bytes(600))
@@ -246,6 +286,42 @@ def test_wav_with_integer_samples_requires_full_scale(noise: np.ndarray[Any, Any
     assert found.acceleration[:4, 0].tolist() == [0.0, 25.0, -50.0, 12.5]
     with pytest.raises(Refusal, match=r"sampling_rate = 48000 Hz, but .*x\.wav contains 12000 Hz"):
         WaveformImport(path, described(tmp_path, channels={"ax": 1}, full_scale=50.0, sampling_rate=48000))
+
+
+@pytest.mark.parametrize(
+    ("header", "sentence"),
+    [
+        (b"RIFF\0\0\0\0WAVE{fmt}data@\x01\0\0", "its chunk b'RIFF' states 0 bytes, but "),
+        (b"RIFF\x64\x01\0\0WAVE{fmt}data\0\0\0\0", "its chunk b'data' states 0 bytes, but 320 follow; copy the file again, or, if "),
+        (b"RIFF\x64\x01\0\0WAVE{fmt}data\xff\xff\xff\xff", "its chunk b'data' states 4294967295 bytes, but 320 follow"),
+        (b"RF64\xff\xff\xff\xffWAVEds64\x1c\0\0\0" + bytes(28) + b"{fmt}data\xff\xff\xff\xff", "its chunk b'RIFF' states 0 bytes"),
+        (b"RIFF\x64\x01\0\0WAVE{fmt}LIST@\x01\0\0", "has no chunk data: copy the file again"),
+        (b"RIFF\x64\x01\0\0WAVEdata@\x01\0\0", "has no chunk fmt : copy the file again"),
+    ],
+    ids=["no size of the file", "no size of the data", "largest size", "no size of 64 bits", "no data", "no format"],
+)
+def test_a_wav_file_that_was_never_finished_is_refused(header: bytes, sentence: str, tmp_path: Path) -> None:
+    wavfile.write(tmp_path / "whole.wav", 12000, np.zeros(160, np.int16))
+    whole = (tmp_path / "whole.wav").read_bytes()
+    (tmp_path / "x.wav").write_bytes(header.replace(b"{fmt}", whole[12:36]) + whole[44:])
+    with pytest.raises(Refusal, match=re.escape(sentence)):
+        read_external(tmp_path / "x.wav")
+
+
+@pytest.mark.parametrize("suffix", list(WRITERS))
+def test_an_export_to_a_pipe_arrives_or_is_refused(suffix: str, tmp_path: Path) -> None:
+    bag, pipe = Recording(recorded(tmp_path / "bag", 20)), tmp_path / f"pipe{suffix}"
+    export(bag, tmp_path / f"file{suffix}")
+    os.mkfifo(pipe)
+    with ThreadPoolExecutor(1) as reader:
+        received = reader.submit(pipe.read_bytes)
+        if suffix in (".wav", ".mat"):
+            with pytest.raises(Refusal, match="cannot be written: Illegal seek; write a regular file or give another file"):
+                export(bag, pipe)
+            return
+        export(bag, pipe)
+        whole = (tmp_path / f"file{suffix}").read_bytes()
+        assert len(received.result(20.0)) == pytest.approx(len(whole), abs=500)
 
 
 @pytest.mark.parametrize("text", ["de;fe\n1.5;2\n3;4\n", "# a rig\n1.5 2\n3 4\n", '"de","fe"\n1.5,2\n3,4\n', "1.5\t2\n3\t4\n"])

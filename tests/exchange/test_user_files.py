@@ -203,11 +203,14 @@ def test_settings_change_a_description(tmp_path: Path) -> None:
             WaveformImport(tmp_path / "x.npz", description, [setting])
 
 
-def test_an_output_that_exists_is_refused_before_the_files_are_read(tmp_path: Path) -> None:
+def test_an_output_that_cannot_be_made_is_refused_before_the_files_are_read(tmp_path: Path) -> None:
     (tmp_path / "bag").mkdir()
     done = dcrb("import", str(tmp_path / "none.csv"), "--about", str(about(tmp_path)), "-o", str(tmp_path / "bag"))
     assert done.returncode == 2
     assert "exists: give another name, or --force" in done.stderr
+    done = dcrb("import", str(tmp_path / "none.csv"), "--about", str(about(tmp_path)), "-o", "/proc/bag")
+    assert done.returncode == 2
+    assert "no folder can be created in /proc: " in done.stderr
 
 
 def test_the_command_says_what_is_not_as_it_was_measured(tmp_path: Path) -> None:

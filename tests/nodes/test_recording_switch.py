@@ -22,6 +22,7 @@ from dcrb_ros.nodes.recording_switch import RecordingSwitch, free_path, wanted_p
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.recordings.recorder_thread import CLOSE_TIMEOUT, RecorderThread
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.ground_truth import commands_in
 from dcrb_ros.stream.events import Event, SpeedCommand, TimedCommand
@@ -213,3 +214,11 @@ def test_the_answer_names_the_whole_path(configured: str) -> None:
     assert path.is_absolute()
     assert configured in str(path)
     assert bool(configured) or path.name.startswith("wagon-box1-")
+
+
+def test_a_path_in_the_home_folder_needs_no_shell(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert wanted_path("~/drive", "/dcrb") == tmp_path / "drive"
+    assert wanted_path("./~/drive", "/dcrb") == Path("~", "drive").absolute()
+    with pytest.raises(Refusal, match=r"^~nobody-here/drive begins with the home folder of an unknown user: give the whole path"):
+        wanted_path("~nobody-here/drive", "/dcrb")

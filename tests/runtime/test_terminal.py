@@ -6,7 +6,7 @@ import pytest
 from rich.progress import TextColumn
 from rich.table import Table
 
-from dcrb_ros.runtime.terminal import UNLIMITED, console, progress
+from dcrb_ros.runtime.terminal import UNLIMITED, console, progress, stages
 
 
 def test_units_and_names_in_tables_and_sentences_are_printed_literally(capsys: pytest.CaptureFixture[str]) -> None:
@@ -41,3 +41,16 @@ def test_a_quiet_progress_bar_prints_nothing(capsys: pytest.CaptureFixture[str])
     with progress(TextColumn("done"), quiet=True) as bar:
         bar.add_task("bag", total=1.0, completed=1.0)
     assert capsys.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("terminal", [True, False])
+def test_stages_are_shown_on_a_terminal_only(terminal: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.delenv("FORCE_COLOR", raising=False)
+    if terminal:
+        monkeypatch.setenv("FORCE_COLOR", "1")
+    with stages() as show:
+        show("reading [a]", 0, 0)
+        show("writing", 1, 4)
+    shown = capsys.readouterr()
+    assert not shown.out
+    assert [text in shown.err for text in ("reading [a]", "writing", "25%")] == [terminal] * 3

@@ -48,6 +48,15 @@ def test_missing_samples_are_missing_in_the_data_set(tmp_path: Path) -> None:
         data_set.windows("test", length=400).arrays()
 
 
+def test_an_address_on_this_machine_is_its_folder(tmp_path: Path) -> None:
+    data_set = stored(recorded((0, 1000)), tmp_path / "my set")
+    assert DataSet(f"file://{tmp_path}/my set").folder == data_set.folder
+    with pytest.raises(Refusal, match=r"^memory://set is not on this machine: give a folder on it"):
+        DataSet("memory://set")
+    with pytest.raises(Refusal, match=r"^ftps://set cannot be used for a data set: "):
+        DataSet("ftps://set")
+
+
 def test_a_whole_recording_needs_no_index(tmp_path: Path) -> None:
     waveform = recorded((100, 2100))
     data_set = stored(waveform, tmp_path / "set")

@@ -76,6 +76,15 @@ def test_names_that_no_file_can_have_are_refused(name: str, words: str, tmp_path
     assert checked_path(tmp_path / "new" / "folder") == tmp_path / "new" / "folder"
 
 
+def test_a_path_in_a_folder_that_may_not_be_entered_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def lstat(path: Path) -> None:
+        raise PermissionError(13, "Permission denied", path)
+
+    monkeypatch.setattr("os.lstat", lstat)
+    with pytest.raises(Refusal, match=r"a cannot be used: Permission denied; make its folder accessible, or give another path$"):
+        checked_path(tmp_path / "a")
+
+
 def test_a_pipe_in_place_of_a_named_file_is_refused_as_a_pipe(tmp_path: Path) -> None:
     pipe = tmp_path / "pipe.yaml"
     os.mkfifo(pipe)
