@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from lifecycle_msgs.msg import State
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallbackReturn
 
@@ -59,7 +58,7 @@ class ManagedDetectorNode(LifecycleNodeMixin, BenchNode):
     def on_parameters(self, changes: dict[str, Any]) -> None:
         """Take parameters for the next configuration; refuse them while the node is configured, and once it is finalized."""
         keys = ", ".join(changes)
-        if self._state_machine.current_state[0] == State.PRIMARY_STATE_FINALIZED:
+        if self._state_machine.current_state[1] == "finalized":
             raise Refusal(f"parameters: {keys} cannot change once the detector is finalized; start a new node")
         if self._topics is not None:
             raise Refusal(f"parameters: {keys} cannot change while the detector is configured; deactivate and clean it up first")
