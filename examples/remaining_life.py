@@ -128,6 +128,8 @@ def main(folder: Path) -> None:
         raise dcrb_ros.Refusal(f"{folder} has no validation and test bearings to estimate: give a data set with several splits")
     print(f"{len(histories(train))} failures of training bearings, median severity {limit(train)[0]:.1f} m/s^2")
     estimated = pd.concat([estimates(rows, train) for _, rows in others.groupby("bearing_id")], ignore_index=True)
+    if estimated.empty:
+        raise dcrb_ros.Refusal(f"no bearing to estimate has {FEWEST} inspections in a trend: give more lives, or inspect them more often")
     for name, rows in estimated.groupby("bearing"):
         print(f"{name}: {scores(rows)}")
     print(f"all: {scores(estimated)}")

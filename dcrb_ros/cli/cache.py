@@ -15,9 +15,11 @@ import typer
 
 from dcrb_ros.cli.options import JsonOutput, size_text
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.temporary import in_use
 
 ATTEMPTS = 10
 """How often a folder is removed to which another command is writing."""
+WRITTEN = "{} cannot be deleted, because another command writes to it: wait until it has ended, and repeat"
 
 
 def cache(
@@ -33,6 +35,8 @@ def cache(
     folders = {path: _size(path) for path in _folders()}
     sizes = {path: size for path, size in folders.items() if size}  # importing the kernels makes empty folders
     if clear:
+        if used := next((path for path in folders if in_use(path)), None):
+            raise Refusal(WRITTEN.format(used))
         for path in folders:
             _remove(path)
     if as_json:
@@ -78,7 +82,7 @@ def _remove(folder: Path) -> None:
                 raise Refusal(f"{folder} cannot be deleted: {error.strerror}; make it and its contents writable, and repeat") from None
         else:
             return
-    raise Refusal(f"{folder} cannot be deleted, because another command writes to it: wait until it has ended, and repeat")
+    raise Refusal(WRITTEN.format(folder))
 
 
 def _folders() -> Iterator[Path]:
