@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import sys
+import argparse
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +19,8 @@ def features(data_set: dcrb_ros.DataSet, row: pd.Series) -> list[float]:
     waveform = data_set.waveform(row["run"])
     found: list[float] = []
     turns = np.abs(waveform.turns)  # whichever way the shaft turns
+    if turns[-1] - turns[0] < 2.0:  # the lines of a shorter run are not resolved
+        raise dcrb_ros.Refusal(f"{row['run']} has {turns[-1] - turns[0]:.2g} revolutions, but a run needs two: simulate longer runs")
     for axis in np.ascontiguousarray(waveform.acceleration.T):
         filtered = signal.sosfiltfilt(signal.butter(4, 2000.0, "highpass", fs=row["sampling_rate"], output="sos"), axis)
         envelope = np.abs(signal.hilbert(filtered))
@@ -49,4 +51,9 @@ def main(folder: Path) -> float:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", type=Path, help="folder with a data set of dcrb sweep")
+    try:
+        main(parser.parse_args().folder)
+    except dcrb_ros.Refusal as refusal:
+        parser.error(str(refusal))

@@ -11,18 +11,15 @@ import argparse
 import numpy as np
 from matplotlib.figure import Figure
 
-from dcrb_ros import Recording
+from dcrb_ros import Recording, Refusal
 
 LIMIT = 94.4
 """Temperature above ambient at which wayside detectors alarm [K]."""
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("recording")
-    parser.add_argument("-o", "--output", default="burn_off.png")
-    arguments = parser.parse_args()
-    recording = Recording(arguments.recording)
+def main(folder: str, output: str) -> None:
+    """Draw the recording in a folder to a file."""
+    recording = Recording(folder)
     truth, states, waveform = recording.truth(), recording.states(), recording.waveform()
     time = truth.time
     node = {name: truth.thermal(f"row1/{name} [deg C]") for name in ("inner_ring", "outer_ring")} | {"box": truth.thermal("box [deg C]")}
@@ -57,9 +54,16 @@ def main() -> None:
         ax.set_ylabel(label)
         ax.grid(alpha=0.3)
     noise.set_xlabel(f"simulated time [s]; heat is stored {truth.thermal('acceleration')[0]:g} times as fast, grey: the grease is lost")
-    figure.savefig(arguments.output)
-    print(f"{arguments.output}: at most {node['inner_ring'].max():.0f} °C, {heat.max() * 1e-3:.1f} kW")
+    figure.savefig(output)
+    print(f"{output}: at most {node['inner_ring'].max():.0f} °C, {heat.max() * 1e-3:.1f} kW")
 
 
 if __name__ == "__main__":
-    main()
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("recording")
+    parser.add_argument("-o", "--output", default="burn_off.png")
+    arguments = parser.parse_args()
+    try:
+        main(arguments.recording, arguments.output)
+    except Refusal as refusal:
+        parser.error(str(refusal))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import sys
+import argparse
 from pathlib import Path
 
 import numpy as np
@@ -21,4 +21,9 @@ def main(folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", type=Path, help="folder with a data set of dcrb sweep or dcrb collect")
+    try:
+        main(parser.parse_args().folder)
+    except dcrb_ros.Refusal as refusal:
+        parser.error(str(refusal))

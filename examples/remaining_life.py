@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import sys
+import argparse
 from pathlib import Path
 from typing import Literal
 
@@ -31,6 +31,8 @@ def inspections(folder: Path) -> pd.DataFrame:
     """Return the labels with the severity of each inspection: the root mean square of the vertical acceleration [m/s^2]."""
     data_set = dcrb_ros.DataSet(folder)
     table = data_set.labels()
+    if "hours" not in table:
+        raise dcrb_ros.Refusal(f"{folder} has no operating hours: give a data set of lives, such as that of dcrb sweep twenty_lives")
     table["severity"] = [float(np.std(data_set.waveform(run).acceleration[:, 1])) for run in table["run"]]
     return table
 
@@ -122,8 +124,12 @@ def main(folder: Path) -> None:
     """Estimate the lives of the validation and test bearings from the training bearings, then each life from all others."""
     table = inspections(folder)
     train, others = table[table["split"] == "train"], table[table["split"] != "train"]
+    if others.empty:
+        raise dcrb_ros.Refusal(f"{folder} has no validation and test bearings to estimate: give a data set with several splits")
     print(f"{len(histories(train))} failures of training bearings, median severity {limit(train)[0]:.1f} m/s^2")
     estimated = pd.concat([estimates(rows, train) for _, rows in others.groupby("bearing_id")], ignore_index=True)
+    if estimated.empty:
+        raise dcrb_ros.Refusal(f"no bearing to estimate has {FEWEST} inspections in a trend: give more lives, or inspect them more often")
     for name, rows in estimated.groupby("bearing"):
         print(f"{name}: {scores(rows)}")
     print(f"all: {scores(estimated)}")
@@ -134,4 +140,9 @@ def main(folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", type=Path, help="folder with a data set of lives of dcrb sweep")
+    try:
+        main(parser.parse_args().folder)
+    except dcrb_ros.Refusal as refusal:
+        parser.error(str(refusal))

@@ -5,7 +5,7 @@ Both are folders with a data set, of `dcrb sweep` or `dcrb collect`.
 
 from __future__ import annotations
 
-import sys
+import argparse
 from pathlib import Path
 
 import numpy as np
@@ -42,4 +42,11 @@ def main(twins: Path, recordings: Path) -> float:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), Path(sys.argv[2]))
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("twins", type=Path, help="data set to train on")
+    parser.add_argument("recordings", type=Path, help="data set to test on")
+    options = parser.parse_args()
+    try:
+        main(options.twins, options.recordings)
+    except dcrb_ros.Refusal as refusal:
+        parser.error(str(refusal))

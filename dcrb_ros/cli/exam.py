@@ -128,11 +128,15 @@ def _verify_entry(path: Path, exam: Exam) -> bool:
     from dcrb_ros.schema.printable import printable
 
     try:
-        flaws = list(differences(read_entry(path), exam))
+        entry = read_entry(path)
     except Refusal as refusal:
         # The entries after it are verified, too.
         print_error("dcrb", str(refusal))
         return False
+    if entry.sealed_sha256 != exam.seal and entry.scenarios_sha256 != exam.digest:
+        print(f"{path}: DOES NOT AGREE, its scenarios are of another exam, '{printable(entry.exam)}': give entries of this one")
+        return False
+    flaws = list(differences(entry, exam))
     more = f" (and {len(flaws) - 1} more)" if len(flaws) > 1 else ""
     result = f"DOES NOT AGREE, {printable(flaws[0])}{more}: make it again with dcrb score --entry" if flaws else "agrees"
     print(f"{path}: {result}")
@@ -147,7 +151,9 @@ def table(
         Path | None, typer.Option(help="Folder with entries of the same detectors on measured recordings, to compare with.")
     ] = None,
 ) -> None:
-    """Write the leaderboard of a folder of entries: leaderboard.md, leaderboard.html and a figure for each exam.
+    """Write the leaderboard of a folder of entries: leaderboard.md, leaderboard.html and a figure leaderboard-N.png for each exam.
+
+    Those of an earlier table in the folder are replaced, and its other figures are removed.
 
     Example: dcrb exam table entries --measured measured_entries
     """
@@ -164,19 +170,20 @@ def table(
             board_figure(board).savefig(written / figure)
         (written / names[0]).write_bytes(markdown(boards, figures).encode())
         (written / names[1]).write_bytes(page(boards, figures).encode())
-    _remove_other_figures(folder, figures)
     for name in names:
         print(folder / name)
+    _remove_other_figures(folder, figures)
 
 
 def _remove_other_figures(folder: Path, figures: Sequence[str]) -> None:
-    """Remove the figures of a longer table that was written to the folder before."""
+    """Remove the figures of a longer table that was written to the folder before, and print their names."""
     for file in folder.glob("leaderboard-*.png"):
         if re.fullmatch(r"leaderboard-[1-9]\d*\.png", file.name) and file.name not in figures and file.is_file():
             try:
                 file.unlink()
             except OSError as error:
                 raise Refusal(f"{file} is of an earlier table and cannot be removed: {error.strerror}; remove it") from None
+            print(f"{file}: removed, it is of an earlier table")
 
 
 @app.command()

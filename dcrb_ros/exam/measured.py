@@ -50,6 +50,8 @@ LONGEST = 60.0
 """Longest part of a recording that is judged [s]: the longest window of the detector."""
 SHORTEST = 0.5
 """Shortest recording that is judged [s]."""
+LEAST_TURNS = 4.0
+"""Shaft revolutions without which a recording is not judged [-]."""
 LARGEST = float(np.finfo(np.float32).max)
 """Largest acceleration, the range of a message [m/s^2]."""
 FOUND = 0.9
@@ -249,7 +251,7 @@ def diagnose(recording: MeasuredRecording, parameters: DetectorParameters, *, ga
 def diagnose_as_a_whole(values: Floats, rate: int, frequency: float, orders: Orders, parameters: DetectorParameters) -> Diagnosis:
     """Return the diagnosis of a signal of shape (samples,) at a constant shaft ``frequency`` [Hz], judged once in a single window."""
     duration = len(values) / rate
-    once = {"window": duration, "hop": duration, "least_window": SHORTEST, "confirm": 1, "least_turns": 4.0}
+    once = {"window": duration, "hop": duration, "least_window": SHORTEST, "confirm": 1, "least_turns": LEAST_TURNS}
     detector = FaultDetector(orders, rate, parameters.model_copy(update=once))
     angle = np.mod(2.0 * np.pi * frequency / rate * np.arange(len(values)), 2.0 * np.pi)
     diagnosis = detector.update(0, np.column_stack([values, values]), angle)

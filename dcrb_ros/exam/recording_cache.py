@@ -97,6 +97,7 @@ def cached_recording(case: Case, folder: Path) -> Path:
             return path
         _report(f"scenario '{case.expectation.name}': {path} {flaw}; it is simulated again")
     try:
+        folder.mkdir(parents=True, exist_ok=True)  # dcrb cache --clear may have removed it since the start
         with temporary(folder) as making:
             try:
                 _simulate(case, making / path.name)

@@ -15,7 +15,7 @@ from typing import Any
 
 from dcrb_ros.exam.criteria import UNLIMITED
 from dcrb_ros.exam.exam_file import GAIN_TAG, MACHINE_TAG, exam_of
-from dcrb_ros.exam.measured import FOUND, KNOWN, MeasuredRecording, read_table
+from dcrb_ros.exam.measured import FOUND, KNOWN, LEAST_TURNS, MeasuredRecording, read_table
 from dcrb_ros.exam.replica_geometry import bearing_settings, geometry_of, longest_step
 from dcrb_ros.exam.replica_priors import (
     AZIMUTH,
@@ -158,6 +158,13 @@ def _counterparts(
         raise Refusal(
             f"{table}, {recording.name}: a speed of {60.0 * recording.speed:g} rpm is outside 0 .. {rpm(fastest):.0f} rpm of the bench: "
             "check the column of speeds, or leave it out of the table"
+        )
+    turns = min(plan.longest, recording.seconds) * recording.speed
+    if turns < LEAST_TURNS:
+        raise Refusal(
+            f"{table}, {recording.name}: at {60.0 * recording.speed:g} rpm the shaft makes {turns:.2g} revolutions in the "
+            f"{min(plan.longest, recording.seconds):g} s that are compared, but a verdict needs {LEAST_TURNS:g}: check the column of "
+            "speeds, compare a longer part with --longest, or leave the recording out of the table"
         )
     sampled = fields_by_key()["sensor.sampling_rate"]
     low, high = sampled.low or 0.0, sampled.high or math.inf

@@ -56,9 +56,11 @@ class ManagedDetectorNode(LifecycleNodeMixin, BenchNode):
         return answer
 
     def on_parameters(self, changes: dict[str, Any]) -> None:
-        """Take parameters for the next configuration; refuse them while the node is configured."""
+        """Take parameters for the next configuration; refuse them while the node is configured, and once it is finalized."""
+        keys = ", ".join(changes)
+        if self._state_machine.current_state[1] == "finalized":
+            raise Refusal(f"parameters: {keys} cannot change once the detector is finalized; start a new node")
         if self._topics is not None:
-            keys = ", ".join(changes)
             raise Refusal(f"parameters: {keys} cannot change while the detector is configured; deactivate and clean it up first")
         self._parameters_given = validated({**flatten(self._parameters_given.model_dump()), **changes}, DetectorParameters, "parameters")
 

@@ -66,6 +66,12 @@ def remove_abandoned(folder: Path) -> None:
         remove(path)
 
 
+def in_use(folder: Path) -> bool:
+    """Return whether another process writes to a temporary file or folder in ``folder``; remove abandoned ones before."""
+    remove_abandoned(folder)
+    return any(folder.glob(f"{WRITING}{'[0-9a-f]' * DIGITS}*"))
+
+
 def abandoned(folder: Path, prefix: str) -> Iterator[Path]:
     """Yield what `new_locked` made with ``prefix`` in a folder and a killed process has left, locked until the next one."""
     with suppress(OSError):

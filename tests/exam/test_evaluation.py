@@ -260,6 +260,12 @@ def test_a_recording_that_cannot_be_put_in_its_place_is_refused(tmp_path: Path, 
     assert not list(tmp_path.glob(".writing-*"))
 
 
+def test_a_folder_that_was_cleared_since_the_start_is_made_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(recording_cache, "_simulate", lambda case, target: target.mkdir())
+    path = cached_recording(CASES[0], tmp_path / "dcrb_ros" / "exam")
+    assert path.is_dir()
+
+
 @pytest.mark.parametrize("size", [100, 5000])
 def test_a_full_disk_names_the_recording_and_the_option(size: int, tmp_path: Path) -> None:
     with files_of_at_most(size), pytest.raises(Refusal) as refused:

@@ -214,6 +214,7 @@ def test_every_prior_is_described_and_draws_values_within_its_words() -> None:
         ({"seconds": "0.4"}, "line 2: seconds = 0.4, but a verdict needs 0.5 s: leave calm_1 out"),
         ({"gain": "loud"}, "gain = loud is invalid"),
         ({"speed_rpm_from_lines": "10000"}, "calm_1: a speed of 10000 rpm is outside 0 .. 9549 rpm of the bench: check the"),
+        ({"speed_rpm_from_lines": "1e-6"}, "calm_1: at 1e-06 rpm the shaft makes 8.3e-08 revolutions in the 5 s that are compared, but a"),
         ({"speed_rpm_from_lines": "x"}, "line 2"),
     ],
 )

@@ -251,6 +251,17 @@ def test_a_missing_value_is_named_in_words(tmp_path: Path, capsys: pytest.Captur
     assert f"sealed_sha256 is stated as nothing, but {exam.tree['sealed_sha256']} follows: make it again with dcrb score --entry" in printed
 
 
+def test_an_entry_of_another_exam_is_named_as_such(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "other").mkdir()
+    exam, other = Sealed(tmp_path), Sealed(tmp_path / "other", "f" * 64)
+    assert exam.verify({**other.tree, "exam": "spring"}) == 1
+    assert (
+        f"{exam.file}: DOES NOT AGREE, its scenarios are of another exam, 'spring': give entries of this one\n" in capsys.readouterr().out
+    )
+    assert exam.verify({**other.tree, "sealed_sha256": ""}) == 1
+    assert "its scenarios are of another exam, 'autumn'" in capsys.readouterr().out
+
+
 def test_an_entry_of_another_exam_with_copied_hashes_does_not_agree(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "other").mkdir()
     exam, other = Sealed(tmp_path), Sealed(tmp_path / "other", "f" * 64)

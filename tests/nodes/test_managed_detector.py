@@ -149,6 +149,8 @@ def test_a_manager_controls_the_detector(manager: Manager) -> None:
 
     assert manager.request(ACTIVE_SHUTDOWN)
     assert manager.state == FINALIZED
+    refused = "parameters: hop cannot change once the detector is finalized; start a new node"
+    assert manager.set("hop", 0.3) == (False, refused)
     manager.await_subscribers(1)
     assert manager.process.end(signal.SIGINT) == 0, manager.process.output
     assert "a callback failed" not in manager.process.output

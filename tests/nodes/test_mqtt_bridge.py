@@ -9,7 +9,7 @@ import sys
 import threading
 from collections import defaultdict
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -166,3 +166,40 @@ def test_a_bridge_without_a_broker_says_so_in_one_line(port: str) -> None:
     assert found.returncode == 1
     assert found.stderr.startswith("mqtt_bridge: no connection to the broker 127.0.0.1:")
     assert found.stderr.count("\n") == 1
+
+
+@brokered
+def test_a_bridge_survives_an_empty_diagnosis_and_says_that_its_broker_is_gone(tmp_path: Path) -> None:
+    from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+
+    number, log = domain(), tmp_path / "bridge.log"
+    with graph_client(number) as client, ExitStack() as stack:
+        publisher = client.node.create_publisher(DiagnosticArray, DIAGNOSIS.resolved(NAMESPACE), 10)
+        with broker(tmp_path) as port, listener(port) as received:
+            example = stack.enter_context(bridge(number, log, "--broker", "127.0.0.1", "--port", str(port)))
+            client.until(lambda: publisher.get_subscription_count() == 2, "the subscription of the bridge")
+            publisher.publish(DiagnosticArray())
+            publisher.publish(DiagnosticArray(status=[DiagnosticStatus(message="healthy")]))
+            client.until(lambda: received.values(DIAGNOSES), "the diagnosis over MQTT")
+            assert [value["verdict"] for value in received.values(DIAGNOSES)] == ["healthy"]
+        place = f"the broker 127.0.0.1:{port}"
+        client.until(lambda: f"no connection to {place}" in log.read_text(), "the sentence on the broker that is gone")
+        assert f"connected to {place}" in log.read_text()
+        example.send_signal(signal.SIGINT)
+        assert example.wait(PATIENCE) == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "sentence"),
+    [
+        (["--namespace", "a b"], 2, "--namespace a b: Invalid namespace"),
+        (["--port", "x"], 2, "argument --port: invalid int value: 'x'"),
+    ],
+)
+def test_invalid_arguments_of_the_bridge_are_refused(arguments: list[str], status: int, sentence: str) -> None:
+    found = subprocess.run(
+        [sys.executable, str(EXAMPLE), *arguments], env=environment(domain()), capture_output=True, text=True, timeout=PATIENCE
+    )
+    assert found.returncode == status
+    assert sentence in found.stderr
+    assert "Traceback" not in found.stderr

@@ -260,6 +260,20 @@ def test_the_example_commands_the_bench(tmp_path: Path) -> None:
     assert lines[5] in {"waiting", "healthy", "outer_ring"}
 
 
+def test_the_example_that_waits_for_a_bench_ends_at_ctrl_c(tmp_path: Path) -> None:
+    number, example = domain(), ROOT / "examples" / "control.py"
+    with graph_client(number) as client:
+        control = subprocess.Popen([sys.executable, str(example)], env=environment(number), stderr=subprocess.PIPE, text=True)
+        try:
+            client.until(lambda: "control" in client.node.get_node_names(), "the node of the example")
+            control.send_signal(signal.SIGINT)
+            assert control.communicate(timeout=PATIENCE)[1] == "stopped\n"
+            assert control.returncode == 1
+        finally:
+            control.kill()
+            control.wait(PATIENCE)
+
+
 DURING_IMPORT = """
 import importlib, os, signal
 from dcrb_ros.nodes import programs

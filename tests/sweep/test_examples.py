@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +13,9 @@ import numpy as np
 import pandas as pd
 import pytest
 from synthetic_bearing import ORDERS, synthetic
+from waiting import PATIENCE
 
-from dcrb_ros import DataSet
+from dcrb_ros import DataSet, Refusal
 from dcrb_ros.sweep.store import record_of
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -74,3 +77,32 @@ def test_the_features_of_the_baseline_do_not_depend_on_the_direction_of_rotation
     example, data_set = loaded("baseline"), DataSet(tmp_path)
     forwards, backwards = (example.features(data_set, row) for _, row in data_set.labels().iterrows())
     assert backwards == pytest.approx(forwards, abs=0.02)
+
+
+@pytest.mark.filterwarnings("ignore:.*has no SHA256SUMS")
+def test_remaining_lives_need_a_data_set_of_lives(tmp_path: Path) -> None:
+    silence = np.zeros((3 * 4096, 2), np.float32)
+    pd.DataFrame([row_of(tmp_path, "0", silence, silence[:, 0], "cage")]).to_parquet(tmp_path / "labels.parquet")
+    with pytest.raises(Refusal, match="has no operating hours: give a data set of lives"):
+        loaded("remaining_life").main(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("command", "sentence"),
+    [
+        (["baseline.py", "nowhere"], "nowhere has no labels.parquet"),
+        (["load_dataset.py"], "the following arguments are required: folder"),
+        (["remaining_life.py", "nowhere"], "nowhere has no labels.parquet"),
+        (["twin_classifier.py", "nowhere", "nowhere"], "nowhere has no labels.parquet"),
+        (["burn_off.py", "nowhere"], "there is no recording nowhere"),
+    ],
+    ids=lambda value: value[0] if isinstance(value, list) else "",
+)
+def test_an_example_refuses_what_is_missing_in_one_sentence(command: list[str], sentence: str, tmp_path: Path) -> None:
+    pytest.importorskip("sklearn")
+    found = subprocess.run(
+        [sys.executable, str(EXAMPLES / command[0]), *command[1:]], cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE
+    )
+    assert found.returncode == 2
+    assert sentence in found.stderr.splitlines()[-1]
+    assert "Traceback" not in found.stderr
