@@ -56,7 +56,9 @@ class ManagedDetectorNode(LifecycleNodeMixin, BenchNode):
         return answer
 
     def on_parameters(self, changes: dict[str, Any]) -> None:
-        """Take parameters for the next configuration; refuse them while the node is configured."""
+        """Take parameters for the next configuration; refuse them while the node is configured, and if there is no next one."""
+        if self._state_machine.current_state[1] == "finalized":  # by a shutdown or a failed transition
+            raise Refusal(f"parameters: {', '.join(changes)} would have no effect, because the detector is finalized; start the node anew")
         if self._topics is not None:
             keys = ", ".join(changes)
             raise Refusal(f"parameters: {keys} cannot change while the detector is configured; deactivate and clean it up first")

@@ -149,6 +149,8 @@ def test_a_manager_controls_the_detector(manager: Manager) -> None:
 
     assert manager.request(ACTIVE_SHUTDOWN)
     assert manager.state == FINALIZED
+    accepted, reason = manager.set("hop", 0.2)
+    assert (accepted, "hop would have no effect, because the detector is finalized" in reason) == (False, True)
     manager.await_subscribers(1)
     assert manager.process.end(signal.SIGINT) == 0, manager.process.output
     assert "a callback failed" not in manager.process.output
