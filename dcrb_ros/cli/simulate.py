@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from dcrb_ros.recordings.digest import RecordedSamples
     from dcrb_ros.recordings.manifest import Outcome
     from dcrb_ros.recordings.reproduction import RunReproduction
+    from dcrb_ros.settings.configuration import Configuration
 
 
 class Timed(Protocol):
@@ -101,6 +102,7 @@ def simulate(
 
     tree = read_scenario_file(scenario) if scenario else None
     configuration = starting_configuration(tree, load_configuration(config, settings or ()), str(scenario))
+    _refuse_without_sample(seconds, configuration)
     path = output or Path(Path(config).stem)
     with replacing("-o", path, force=force):
         from dcrb_ros.recordings.recorder import Recorder
@@ -113,6 +115,13 @@ def simulate(
         with Recorder(path, configuration, simulation.bodies, scenario=tree) as recorder:
             progress = _run(path.name, simulation.blocks(seconds), seconds, recorder.write, quiet=quiet, partial=True)
     _print_written(path, progress, {"": recorder.outcome}, quiet=quiet, as_json=as_json)
+
+
+def _refuse_without_sample(seconds: float, configuration: Configuration) -> None:
+    """Refuse a duration that has no sample, as the recording could not be opened."""
+    rate = configuration.sensor.sampling_rate
+    if not round(seconds * rate):
+        raise Refusal(f"--duration {seconds:g} s is shorter than a sample at {rate} Hz: give at least {1.0 / rate:.2g} s")
 
 
 def reproduce(source: Path, output: Path | None, *, force: bool, quiet: bool, as_json: bool) -> None:
@@ -175,6 +184,7 @@ def simulate_vehicle(
     tree, path = read_scenario_file(scenario) if scenario else None, output or Path(Path(source).stem)
     parameters = starting_parameters(tree, read_parameters(source, settings), str(scenario))
     simulation = simulation_of(parameters, source, tree, str(scenario))
+    _refuse_without_sample(seconds, simulation.vehicle.boxes[0].configuration)
     if scenario:
         refuse_late(tree, seconds, f"the scenario {scenario}", "increase --duration or leave out --scenario")
     with replacing("-o", path, force=force), VehicleRecorder(path, parameters, simulation) as recorder:

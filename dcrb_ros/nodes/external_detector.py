@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import secrets
 import shlex
 import shutil
 import signal
@@ -11,6 +12,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from dcrb_ros.exam.evaluation import CandidateRefusal
@@ -42,6 +44,8 @@ LISTENING_TIME = 0.5
 """Wall time in which other nodes in the domain are discovered before the detector starts [s]."""
 GATE = 'read -r _ || exit; exec "$@" </dev/null'
 """Shell script that becomes the detector once a line arrives on its standard input, which is sent when the guard of its group has begun."""
+MARK = "DCRB_ROS_DETECTOR"
+"""Variable of the environment by which the processes of a detector are found that have left its group."""
 LOOK_EVERY = 50
 """Bundles between two looks for other publishers on the topics of the exam [-]."""
 
@@ -231,8 +235,12 @@ def _split(command: str) -> list[str]:
 
 @contextmanager
 def _process(command: Sequence[str], domain: int) -> Iterator[tuple[subprocess.Popen[bytes], ChildOutput]]:
-    """Run the detector and keep the end of its output; its process group is ended in any case, even if this process is killed."""
-    environment = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
+    """Run the detector and keep the end of its output; its process group is ended in any case, even if this process is killed.
+
+    Processes that have left the group are killed at the end.
+    """
+    mark = secrets.token_hex(16)
+    environment = {**os.environ, "ROS_DOMAIN_ID": str(domain), MARK: mark}
     groups: list[int] = []
     output = ChildOutput(MOST_OUTPUT, lambda: os.killpg(groups[0], signal.SIGKILL))
     with group_guard(EXIT_TIMEOUT) as guard:
@@ -256,7 +264,10 @@ def _process(command: Sequence[str], domain: int) -> Iterator[tuple[subprocess.P
             output.begin()
             yield process, output
         finally:
-            _end(process)
+            try:
+                _end(process)
+            finally:
+                _end_marked(mark)
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:
@@ -269,3 +280,12 @@ def _end(process: subprocess.Popen[bytes]) -> None:
         with suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)
         process.wait()
+
+
+def _end_marked(mark: str) -> None:
+    """Kill the processes with a mark in their environment, such as those in a session of their own, where there is /proc."""
+    entry = f"{MARK}={mark}".encode()
+    for environment in Path("/proc").glob("[0-9]*/environ"):
+        with suppress(OSError):  # it has ended, or is another user's
+            if entry in environment.read_bytes().split(b"\0"):
+                os.kill(int(environment.parent.name), signal.SIGKILL)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from typing import Any, TypeVar
@@ -113,7 +114,7 @@ class ParameterNode(Node):
         """
         given = (self._with_declared_type(parameter) for parameter in parameter_list)
         parameter_list = [parameter for parameter in given if not self._is_settled(parameter)]
-        changes = {parameter.name: parameter.value for parameter in parameter_list if not is_of_ros(parameter.name)}
+        changes = {parameter.name: _plain(parameter.value) for parameter in parameter_list if not is_of_ros(parameter.name)}
         if changes:
             try:
                 self._check_of_ros(parameter_list)  # once `on_parameters` has applied the others, none may be refused
@@ -162,6 +163,11 @@ class ParameterNode(Node):
         if type(number) is int and present.type_ == Parameter.Type.INTEGER and -(2**63) <= number < 2**63:
             return Parameter(parameter.name, Parameter.Type.INTEGER, number)
         return parameter
+
+
+def _plain(value: Any) -> Any:
+    """Return the value of a parameter as a file gives it: that of a request may be an array."""
+    return value.tolist() if isinstance(value, array) else value
 
 
 def is_of_ros(key: str) -> bool:

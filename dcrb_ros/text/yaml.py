@@ -195,6 +195,10 @@ def parsed(text: str, largest: int = LARGEST_TEXT) -> Any:
         if error.problem != NESTED_FOR_LIBYAML:
             raise
         raise yaml.MarkedYAMLError(problem=TOO_DEEP, problem_mark=error.problem_mark) from None
+    except yaml.reader.ReaderError as error:
+        line = text.encode(errors="replace")[: error.position].count(b"\n")  # libyaml counts bytes
+        problem = f"it contains the control character U+{error.character:04X}: remove it"
+        raise yaml.MarkedYAMLError(problem=problem, problem_mark=yaml.Mark("", error.position, line, 0, None, 0)) from None
     except (ValueError, OverflowError):
         raise yaml.MarkedYAMLError(problem="it names a character that does not exist") from None
 

@@ -11,6 +11,7 @@ import math
 
 import numpy as np
 
+from dcrb_ros.measurement.filter_cache import cached_on_disk
 from dcrb_ros.measurement.kernels import filtered
 from dcrb_ros.schema.arrays import Complexes, Floats
 from dcrb_ros.vehicle.description import Vehicle, Wheel
@@ -278,6 +279,7 @@ def _columns(before: Complexes, after: Complexes, direct: Floats, inputs: list[i
     return tuple(np.ascontiguousarray(part[:, inputs]) for part in (before, after, direct))  # type: ignore[return-value]
 
 
+@cached_on_disk
 def _lowpass(order: int, cutoff: float, rate: float) -> Floats:
     from scipy.signal import butter
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dcrb_ros.measurement.random_streams import random_stream
-from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.arrays import Complexes, Floats
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.vehicle.description import Vehicle, levels
 from dcrb_ros.vehicle.kernels import add_paths
@@ -49,11 +49,19 @@ class Path:
 
     def response(self, frequency: Floats, rate: float) -> Floats:
         """Return the squared magnitude at frequencies [Hz]."""
-        z = np.exp(-2j * np.pi * frequency / rate)
-        whole = np.zeros(len(frequency), np.complex128)
-        for (gain, a1, a2), delay in zip(self.sections, self.delays, strict=True):
-            whole += gain * (1.0 - z**2) / (1.0 - a1 * z - a2 * z**2) * z**delay
-        return np.asarray(np.square(np.abs(whole)), np.float64)
+        return _magnitude(self.sections[:, 0], _resonances(self.sections, self.delays, frequency, rate))
+
+
+def _resonances(sections: Floats, delays: Floats, frequency: Floats, rate: float) -> list[tuple[Complexes, Complexes, Complexes]]:
+    """Return numerator, denominator and delay of each resonance of a path at frequencies [Hz]; they do not depend on the gains."""
+    z = np.exp(-2j * np.pi * frequency / rate)
+    return [(1.0 - z**2, 1.0 - a1 * z - a2 * z**2, z**delay) for (_, a1, a2), delay in zip(sections, delays, strict=True)]
+
+
+def _magnitude(gains: Floats, resonances: Sequence[tuple[Complexes, Complexes, Complexes]]) -> Floats:
+    """Return the squared magnitude of a sum of resonances with some gains."""
+    whole = sum(gain * above / below * late for gain, (above, below, late) in zip(gains, resonances, strict=True))
+    return np.asarray(np.square(np.abs(whole)), np.float64)
 
 
 class Paths:
@@ -100,9 +108,9 @@ def drawn_path(seed: int, name: str, bands: tuple[float, ...], decibels: tuple[f
     unit = np.column_stack([0.5 * (1.0 - radius**2) * sign, 2.0 * radius * np.cos(angle), -(radius**2)])
     aims, gains = 10.0 ** (np.asarray(decibels) / 10.0), 10.0 ** (np.asarray(decibels)[band] / 20.0)
     grids = [np.asarray(np.geomspace(a, b, 400), np.float64) for a, b in itertools.pairwise(edges)]
+    resonances = [_resonances(unit, delays, grid, rate) for grid in grids]
     for _ in range(60):  # each band is mostly of its own resonances
-        path = Path(unit * np.column_stack([gains, np.ones(RESONANCES), np.ones(RESONANCES)]), delays)
-        present = np.array([path.response(grid, rate).mean() for grid in grids])
+        present = np.array([_magnitude(unit[:, 0] * gains, each).mean() for each in resonances])
         gains = gains * ((aims / present) ** 0.25)[band]
     return Path(unit * np.column_stack([np.round(gains, 9), np.ones(RESONANCES), np.ones(RESONANCES)]), delays)
 

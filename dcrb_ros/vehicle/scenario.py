@@ -93,7 +93,7 @@ def vehicle_scenario(tree: Any, vehicle: Vehicle, source: str) -> VehicleScenari
         changes = {key: value for key, value in entry.values.items() if not key.startswith(PREFIX)}
         asked = sorted_changes(vehicle, course.wheels, changes, where)
         for name, values in asked.boxes.items():
-            of_boxes[name].append(replace(entry, values=values))
+            of_boxes[name].append(replace(entry, values=values, source=f"{entry.source}, {name}"))
         for key, value in entry.values.items():
             if key.startswith(PREFIX):
                 settings += course.settings(entry, key, checked_command(key.removeprefix(PREFIX), value, where))

@@ -119,3 +119,11 @@ def test_the_recording_is_opened_with_the_view(tmp_path: Path, capsys: pytest.Ca
     bag = tmp_path / "my bag"
     assert dcrb("simulate", "healthy", "-o", str(bag), "--duration", "0.01") == 0
     assert capsys.readouterr().out.splitlines()[-1] == f"open it with: dcrb view '{bag}'"
+
+
+@pytest.mark.parametrize("what", [["healthy"], ["--vehicle", "bogie"]], ids=["bench", "vehicle"])
+def test_a_run_without_a_sample_is_refused(what: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    bag = tmp_path / "bag"
+    assert dcrb("simulate", *what, "-o", str(bag), "--duration", "1e-9") == 2
+    assert "--duration 1e-09 s is shorter than a sample at 51200 Hz: give at least 2e-05 s" in capsys.readouterr().err
+    assert not bag.exists()

@@ -202,6 +202,8 @@ def test_a_vehicle_names_a_parameter_of_a_wrong_type_once(vehicle: VehicleSimula
         reason = vehicle.set_parameters_atomically([Parameter(key, value="x")]).reason
         assert reason.startswith(f"parameters: {key} = 'x'")
         assert reason.endswith(f" is not a number within {words}")
+    requested = Parameter.from_parameter_msg(Parameter("time_scale", value=[1.0, 2.0]).to_parameter_msg())
+    assert "time_scale = [1.0, 2.0] is not a number" in vehicle.set_parameters_atomically([requested]).reason
 
 
 def check_pending_reset(node: SimulatorNode | VehicleSimulatorNode, key: str) -> None:

@@ -136,6 +136,14 @@ def test_the_failure_of_a_detector_is_explained(command: str, sentence: str, cap
     assert "failed on the first scenario (healthy)" in said
 
 
+DAEMON = """
+import subprocess, sys, time
+child = subprocess.Popen(["sleep", "300"], start_new_session=True)
+open(sys.argv[1], "w").write(str(child.pid))
+time.sleep(300)
+"""
+
+
 @pytest.mark.parametrize("start", ["exec sleep 300", "trap '' INT; sleep 300; sleep 300"], ids=["ends on SIGINT", "ignores SIGINT"])
 def test_no_detector_outlives_a_killed_exam(start: str, tmp_path: Path) -> None:
     pid = tmp_path / "pid"
@@ -148,6 +156,13 @@ def test_no_detector_outlives_a_killed_exam(start: str, tmp_path: Path) -> None:
         exam.kill()
         exam.wait(60.0)
     wait_for(lambda: not runs(detector))
+
+
+def test_a_process_in_a_session_of_its_own_ends_with_the_detector(tmp_path: Path) -> None:
+    pid = tmp_path / "pid"
+    node = shlex.join([sys.executable, "-c", DAEMON, str(pid)])
+    assert dcrb("score", str(ROOT / "bags/healthy"), "--node", node, "--patience", "1") == 1
+    wait_for(lambda: not runs(int(pid.read_text())))
 
 
 def test_a_detector_that_cannot_be_started_is_refused(capsys: pytest.CaptureFixture[str]) -> None:

@@ -129,6 +129,13 @@ def test_tags_and_merge_keys_are_refused_in_plain_words(text: str, words: str, t
     assert words in str(refused.value)
 
 
+def test_a_control_character_is_refused_in_one_line_with_its_place(tmp_path: Path) -> None:
+    path = tmp_path / "a.yaml"
+    path.write_text("\u00e9: 1\nb: \x07\n", encoding="utf-8")
+    with pytest.raises(Refusal, match=r"a\.yaml is not valid YAML in line 2: it contains the control character U\+0007: remove it$"):
+        read_yaml(path)
+
+
 @given(st.text(alphabet="0123456789eE+-._xb:", max_size=14) | st.integers() | st.floats(allow_nan=False))
 def test_what_is_written_is_read_back(value: str | float) -> None:
     found = parsed(yaml_text({"value": value}))["value"]

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import itertools
+import subprocess
+import sys
 from dataclasses import replace
 from typing import Any
 
@@ -379,6 +381,22 @@ def test_paths_are_reciprocal_and_take_energy() -> None:
     assert all(paths[a, b] is paths[b, a] for a, b in paths)
     with pytest.raises(Refusal, match="of a bearing's energy reaches other boxes"):
         bearing_paths(bogie(paths__same_side="-30, -6, -6, -6, -6", paths__diagonal="-6, -6, -6, -6, -6"), 102400.0)
+
+
+def test_drawn_paths_keep_their_bits() -> None:
+    path = bearing_paths(bogie(paths__seed=3), 102400.0)[0, 1]
+    # Of commit 584becef, which evaluated every resonance in each of the 60 steps.
+    assert path.sections[[0, -1], 0].tolist() == [-6.526953279300049e-05, -0.0016806971566057133]
+    assert path.delays[[0, -1]].tolist() == [165.0, 68.0]
+
+
+def test_a_second_vehicle_of_a_rate_needs_no_design_of_filters() -> None:
+    VehicleModel(bogie())
+    code = (
+        "import sys; from dcrb_ros.vehicle.file import read_vehicle; from dcrb_ros.vehicle.model import VehicleModel; "
+        "VehicleModel(read_vehicle('healthy_bogie')); sys.exit('scipy.signal' in sys.modules)"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
 def test_curve_wind_and_brakes_load_the_boxes() -> None:

@@ -105,7 +105,7 @@ def test_the_scenario_of_a_bearing_is_refused_by_its_name(start: dict[str, Any])
         ([{"at": 1.0, "set": {"axle_2.slide": 0.9}}], "entry 1: axle_2.slide = 0.9 is outside"),
         ([{"at": 1.0, "set": {"axle_2.slide": "locked"}}], "entry 1: axle_2.slide = locked is outside 0 .. 0.2: give the share"),
         ([{"at": 1.0, "set": {"axle_1.left.sensor.swapped_with": "axle_2.left"}}], "cannot change during a run"),
-        ([{"at": 1.0, "set": {"axle_1.left.faults.outer_1.widht": 0.1}}], "entry 1.*widht"),
+        ([{"at": 1.0, "set": {"axle_1.left.faults.outer_1.widht": 0.1}}], r"entry 1, axle_1.left \(at 1 s\): .*widht"),
         ([{"at": 1.0, "set": {"axle_1.left.wheel.flat": 0.9}}], "entry 1: axle_1.left.wheel.*flat"),
         ([{"at": 1.0, "set": {"axle_1.left.wheel": 0.02}}], "entry 1: 'axle_1.left.wheel' is a group of parameters"),
         ([{"at": 1.0, "over": 1.0, "set": {"axle_1.left.wheel.polygon": "3 1e-5"}}], "cannot change gradually"),

@@ -69,6 +69,7 @@ def vehicle_sweep_of(given: Any, file: SweepFile, source: str, folder: Path, tex
                 f"{source}: cases.{name}: another {VEHICLE_SEED} is another vehicle, which may be in another split: move it to 'vary'"
             )
         _check_boxes(axes, names, f"{source}: cases.{name}")
+        _refuse_varied(axes, vary, f"{source}: cases.{name}")
     for where, axes in (("vary", vary), *((f"cases.{name}", axes) for name, axes in cases.items())):
         for values in _tried(axes):
             try:
@@ -131,6 +132,14 @@ def _check_boxes(axes: Axes, names: list[str], source: str) -> None:
     placeholder = next((key for key in axes if key.startswith(f"{BOX}.")), None)
     if (placeholder is not None) != bool(boxes):
         raise Refusal(f"{source}: '{placeholder or BOX}' needs both the boxes and a parameter: give {BOX}: [{names[0]}] and {BOX}.bench")
+
+
+def _refuse_varied(axes: Axes, vary: Axes, source: str) -> None:
+    """Refuse a case that sets a parameter which is varied, whose varied value would have no effect."""
+    for values in _tried(axes):
+        twice = next((key for key in placed(values) if key in vary), None)
+        if twice is not None:
+            raise Refusal(f"{source}: {twice} is under 'vary' too, which would have no effect in this case: give it in one of the two")
 
 
 def _tried(axes: Axes) -> Iterator[dict[str, Value]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.sweep.design import Point
@@ -60,29 +61,40 @@ class VehiclePlan(Plan):
         known: set[str] = set()
         position = 0
         for point, cases in zip(self._points(), self._cases(), strict=False):
+            boxes = self._boxes_at(point)
             for case, values in cases:
                 changes = {**point, **placed(values)}
                 together = digest([self._common, self._difference(changes)])
                 if together not in known:
                     known.add(together)
-                    yield tuple(self._box(position + k, box, together, case, point, changes) for k, box in enumerate(self._boxes))
-                    position += len(self._boxes)
+                    yield tuple(self._run_of(box, position + k, together, case, changes) for k, box in enumerate(boxes))
+                    position += len(boxes)
 
-    def _box(self, position: int, box: str, together: str, case: str, point: Point, changes: Point) -> PlannedRun:
-        vehicle = self._vehicle(point)
-        return PlannedRun(
-            position,
-            digest([together, box]),
-            case,
-            digest([self._common, self._difference(point), box]),
-            digest([self._condition(point), box]),
-            self._splits[vehicle],
-            changes,
-            point,
-            "",
-            int(changes.get(VEHICLE_SEED, self._seed)),
-            {BEARING_ID: digest([vehicle, box]), MACHINE: vehicle, TOGETHER: together, BOX: box},
-        )
+    def _boxes_at(self, point: Point) -> list[PlannedRun]:
+        """Return what the runs of each box of the vehicle at a point have in common, whatever the case."""
+        vehicle, condition, difference = self._vehicle(point), self._condition(point), self._difference(point)
+        return [
+            PlannedRun(
+                0,
+                "",
+                "",
+                digest([self._common, difference, box]),
+                digest([condition, box]),
+                self._splits[vehicle],
+                {},
+                point,
+                "",
+                0,
+                {BEARING_ID: digest([vehicle, box]), MACHINE: vehicle, TOGETHER: "", BOX: box},
+            )
+            for box in self._boxes
+        ]
+
+    def _run_of(self, box: PlannedRun, position: int, together: str, case: str, changes: Point) -> PlannedRun:
+        """Return the run of a box with a case."""
+        seed, truth = int(changes.get(VEHICLE_SEED, self._seed)), {**box.truth, TOGETHER: together}
+        name = digest([together, truth[BOX]])
+        return replace(box, position=position, name=name, case=case, changes=changes, seed=seed, truth=truth)
 
     def _vehicle(self, point: Point) -> str:
         """Return the hash of the seed of the vehicle: points with one seed share the individuals of their bearings."""

@@ -155,6 +155,10 @@ def test_shipped_vehicles_and_their_cost() -> None:
         ({"cases": {"outer": {"box": [*BOXES]}}}, "needs both the boxes and a parameter"),
         ({"cases": {"outer": {"axle_1.left.bench": "outer_ring"}}}, "cases.outer"),
         ({"cases": {"other": {"vehicle.seed": 3}}}, "cases.other: another vehicle.seed is another vehicle"),
+        (
+            {"vary": {"axle_1.left.wheel.flat": [0.02, 0.03]}, "cases": {"flat": {"box": [*BOXES], "box.wheel.flat": 0.04}}},
+            "cases.flat: axle_1.left.wheel.flat is under 'vary' too, which would have no effect in this case",
+        ),
         ({"set": {"operating.speed": 90.0}}, "unknown group 'operating'"),
         ({"windows": {"length": 100000}}, "is longer than a run"),
         ({"lives": 3}, "unknown key 'lives'"),
