@@ -312,7 +312,7 @@ def _case(
         first if first < onset else None,
         required=entry.required and not narrow,
         bearing_onset=history.first_of_bearing if entry.verdict == "sensor" else None,
-        speeds=speed_knots(configuration, events),
+        speeds=tuple(speed_knots(configuration, events)),
     )
     return Case(expectation, CaseSimulation(configuration, scenario, duration))
 
