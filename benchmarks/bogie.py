@@ -96,17 +96,15 @@ def row_of(case: VehicleCase) -> str:
     return f"{row}, -{level}" if row.startswith("one") else row
 
 
+def damaged_boxes(case: VehicleCase) -> dict[str, str]:
+    """Return the damaged component by box."""
+    return {name.replace(".", "/"): verdict for name, verdict in case.damaged.items() if verdict in BEARING_FAULTS}
+
+
 def outcome(found: Answers, detector: str, case: VehicleCase) -> tuple[bool, bool, bool]:
     """Return whether the alarms are on the damaged boxes only, whether a healthy box has one, and whether the suspect is damaged."""
-    damaged = {name.replace(".", "/") for name, verdict in case.damaged.items() if verdict in BEARING_FAULTS}
-    alarms = set(found.alarms[detector])
+    damaged, alarms = set(damaged_boxes(case)), set(found.alarms[detector])
     return alarms == damaged, bool(alarms - damaged), found.suspects(detector) == damaged
-
-
-def named_components(found: Mapping[str, str], case: VehicleCase) -> list[tuple[str, str]]:
-    """Return the damaged component of each damaged box, and the one that was named."""
-    damaged = {name.replace(".", "/"): verdict for name, verdict in case.damaged.items() if verdict in BEARING_FAULTS}
-    return [(verdict, found.get(name, "none")) for name, verdict in damaged.items()]
 
 
 def main() -> None:
@@ -125,7 +123,7 @@ def main() -> None:
         found = answers(kept_signal(case.parameters, case.duration, given.recordings))
         rows[row_of(case)].append({name: outcome(found, name, case) for name in DETECTORS})
         causes[row_of(case)].append(found.causes)
-        names.update(named_components(found.alarms["comparing"], case))
+        names.update((verdict, found.alarms["comparing"].get(name, "none")) for name, verdict in damaged_boxes(case).items())
     print_tables(rows, causes)
     print("\nNumber of damaged boxes by the last component that the comparing detector named:\n")
     print(table(("damaged", "named", "boxes"), ((*pair, count) for pair, count in sorted(names.items()))))

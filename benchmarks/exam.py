@@ -13,9 +13,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from result_pages import ROOT, replace_part, today
+
 from dcrb_ros.text.markdown import table as markdown_table
 
-ROOT = Path(__file__).resolve().parents[1]
 PAGE, IMAGES = ROOT / "docs/results/exam.md", ROOT / "docs/images"
 SCORE = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()", "score"]
 MOST_FAILURES = 30
@@ -53,11 +54,10 @@ def table(headings: list[str], rows: list[list[str]]) -> Iterator[str]:
 
 def report_lines(report: dict[str, Any], image: str, caption: str) -> Iterator[str]:
     """Yield a report as lines of Markdown."""
-    date = time.strftime("%d %B %Y", time.gmtime()).lstrip("0")
     seconds = sum(scenario["duration"] for scenario in report["scenarios"])
     yield (
         f"{len(report['scenarios'])} scenarios, {seconds:.0f} s of signal; dcrb_ros {report['dcrb_ros']}, model `{report['model']}`, "
-        f"{date}; scenarios `{report['scenarios_sha256'][:16]}`."
+        f"{today()}; scenarios `{report['scenarios_sha256'][:16]}`."
     )
     yield from table(
         ["criterion", "required", "result", "status"],
@@ -99,20 +99,6 @@ def report_lines(report: dict[str, Any], image: str, caption: str) -> Iterator[s
         yield from table(["scenario", "correct verdict", "error", "remark"], rows)
 
 
-def replace(name: str, lines: Iterator[str]) -> None:
-    """Replace a report on the page, between its two comments."""
-    text = re.sub(r"\n{3,}", "\n\n", "\n".join(lines)).strip()
-    page, count = re.subn(
-        rf"(<!-- report {name} -->\n).*?(<!-- end of report -->)",
-        lambda match: f"{match[1]}{text}\n{match[2]}",
-        PAGE.read_text(encoding="utf-8"),
-        flags=re.DOTALL,
-    )
-    if count != 1:
-        sys.exit(f"{PAGE} has {count} places for the report {name}, but must have one")
-    PAGE.write_text(page, encoding="utf-8")
-
-
 REPORTS = {
     "shipped": ("standard", [], "The shipped detector's report"),
     "blind": ("blind", [], "The shipped detector's report on other speeds, loads and faults"),
@@ -137,7 +123,10 @@ def main() -> None:
     for report in given.reports or usual:
         began = time.monotonic()
         exam, exam_options, caption = REPORTS[report]
-        replace(report, report_lines(evaluate(exam, f"exam-{report}.png", options + exam_options), f"exam-{report}.png", caption))
+        image = f"exam-{report}.png"
+        lines = report_lines(evaluate(exam, image, options + exam_options), image, caption)
+        text = re.sub(r"\n{3,}", "\n\n", "\n".join(lines)).strip()
+        replace_part(PAGE, f"<!-- report {report} -->", "<!-- end of report -->", text)
         print(f"{report}: {time.monotonic() - began:.0f} s of wall time, using existing recordings")
     print(f"reports: {PAGE}")
 

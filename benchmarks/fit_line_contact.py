@@ -31,15 +31,12 @@ def fit() -> tuple[list[mpmath.mpf], list[mpmath.mpf]]:
     values, ts, weights = [wanted(node) for node in nodes], [scaled(node) for node in nodes], [mpmath.mpf(1)] * NODES
     above, below = [mpmath.mpf(0)], [mpmath.mpf(1)]
     for _ in range(TURNS):
-        matrix, right = mpmath.matrix(NODES, ABOVE + BELOW + 1), mpmath.matrix(NODES, 1)
-        for i, (t, value, weight) in enumerate(zip(ts, values, weights, strict=True)):
-            right[i] = weight
-            for j in range(ABOVE + 1):
-                matrix[i, j] = weight * t**j / value
-            for j in range(1, BELOW + 1):
-                matrix[i, ABOVE + j] = -weight * t**j
-        coefficients = mpmath.qr_solve(matrix, right)[0]
-        above, below = [coefficients[j] for j in range(ABOVE + 1)], [mpmath.mpf(1), *(coefficients[ABOVE + j] for j in range(1, BELOW + 1))]
+        rows = [
+            [*(weight * t**j / value for j in range(ABOVE + 1)), *(-weight * t**j for j in range(1, BELOW + 1))]
+            for t, value, weight in zip(ts, values, weights, strict=True)
+        ]
+        coefficients = list(mpmath.qr_solve(mpmath.matrix(rows), mpmath.matrix(weights))[0])
+        above, below = coefficients[: ABOVE + 1], [mpmath.mpf(1), *coefficients[ABOVE + 1 :]]
         weights = [1 / abs(mpmath.polyval(below[::-1], t)) for t in ts]
     return above, below
 

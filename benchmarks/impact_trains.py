@@ -1,7 +1,8 @@
 """Strength and time of single impacts in a squared envelope, and the scatter of a train of impacts.
 
 The impacts are those of one line of the envelope: its phase is followed, and each period contains one impact. The estimators are alike for
-simulated and measured signals; docs/explanation/realism.md defines the statistics.
+simulated and measured signals; docs/explanation/realism.md defines the statistics. ``squared`` is a squared envelope of shape (samples,),
+``rate`` its sampling rate [Hz] and ``frequency`` that of the line, found within half a bandwidth of 2 Hz [Hz].
 """
 
 from __future__ import annotations
@@ -70,13 +71,7 @@ class Scatter(NamedTuple):
 
 
 def followed_phase(squared: Floats, rate: float, frequency: float) -> Floats:
-    """Return the phase [periods] of a line of an envelope, followed with a bandwidth of 2 Hz, shape of ``squared``.
-
-    Args:
-        squared: squared envelope, shape (samples,).
-        rate: its sampling rate [Hz].
-        frequency: frequency of the line [Hz].
-    """
+    """Return the phase [periods] of a line of an envelope, followed with a bandwidth of 2 Hz, shape of ``squared``."""
     time = np.arange(len(squared)) / rate
     count = min(round(FOLLOWING * rate), len(squared))
     step, window = max(1, count // STEPS), np.hanning(count)
@@ -88,11 +83,6 @@ def followed_phase(squared: Floats, rate: float, frequency: float) -> Floats:
 
 def train_of(squared: Floats, rate: float, frequency: float) -> Train:
     """Return the impacts at a line of a squared envelope.
-
-    Args:
-        squared: squared envelope, shape (samples,).
-        rate: its sampling rate [Hz].
-        frequency: frequency of the line, found within half a bandwidth of 2 Hz [Hz].
 
     Raises:
         Refusal: the envelope contains fewer than `FEWEST` impacts.
@@ -120,12 +110,7 @@ def train_of(squared: Floats, rate: float, frequency: float) -> Train:
 
 
 def scatter_of(train: Train, elements: int, shaft_frequency: float) -> Scatter:
-    """Return the scatter of the impacts of a train.
-
-    Args:
-        train: impacts, one per passage of a rolling element.
-        elements: rolling elements of a row, after which the same one passes again.
-        shaft_frequency: [Hz]
+    """Return the scatter of the impacts of a train; each of the ``elements`` of a row passes again after the others.
 
     Raises:
         Refusal: the train has no more impacts than the row has elements.
@@ -147,13 +132,9 @@ def scatter_of(train: Train, elements: int, shaft_frequency: float) -> Scatter:
 
 
 def delays(squared: Floats, rate: float, train: Train, envelope_rate: float) -> Floats:
-    """Return the delay of each impact relative to the mean impact in an envelope [s], shape (impacts,); NaN beyond the reach.
+    """Return the delay of each impact relative to the mean impact in the envelope of one band [s], shape (impacts,); NaN beyond the reach.
 
-    Args:
-        squared: squared envelope of one band, shape (samples,).
-        rate: its sampling rate [Hz].
-        train: impacts in the envelope of the whole band.
-        envelope_rate: sampling rate of that envelope [Hz].
+    The ``train`` is that of the envelope of the whole band, whose sampling rate is ``envelope_rate`` [Hz].
     """
     window = np.hanning(round(ENVELOPE_SMOOTHING * rate) + 2)
     smooth = np.sqrt(np.maximum(signal.oaconvolve(squared, window, "same"), 0.0))
@@ -175,10 +156,7 @@ def shared_jitter(late: Sequence[npt.ArrayLike]) -> float:
     """Return the standard deviation [s] of the time errors of impacts that two bands share.
 
     The errors of estimation of two bands are independent, so their covariance is the variance of the errors of the impacts themselves. A
-    negative covariance gives 0.
-
-    Args:
-        late: delays of the impacts in each of two bands, shape (2, impacts) [s]; NaN where unknown.
+    negative covariance gives 0. ``late`` has the delays of the impacts in each band, shape (2, impacts) [s]; NaN where unknown.
     """
     both = np.asarray(late, np.float64)
     both = both[:, np.isfinite(both).all(axis=0)]

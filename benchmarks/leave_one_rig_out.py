@@ -188,20 +188,21 @@ def main() -> None:
     np.seterr(all="ignore")
     recordings = [*measured(options.measured), *recorded(options.recordings), *(simulated() if options.balls else ())]
     shipped = DetectorParameters()
+    evidence = [evidence_of(recording) for recording in recordings]
     judged = []
-    for recording in recordings:
-        found, verdicts = evidence_of(recording), {}
-        for fault, name in THRESHOLDS.items():
-            for factor in FACTORS:
-                tried = shipped.model_copy(update={name: factor * getattr(shipped, name)})
-                verdicts[fault, factor] = verdict(recording, found, tried)
+    for recording, found in zip(recordings, evidence, strict=True):
+        verdicts = {
+            (fault, factor): verdict(recording, found, shipped.model_copy(update={name: factor * getattr(shipped, name)}))
+            for fault, name in THRESHOLDS.items()
+            for factor in FACTORS
+        }
         judged.append(Judged(recording.rig, recording.truth, verdicts))
     rigs = list(dict.fromkeys(one.rig for one in judged))
     everywhere = chosen(judged)
     without = {rig: chosen([one for one in judged if one.rig != rig]) for rig in rigs}
     counts: dict[tuple[str, str], list[int]] = defaultdict(lambda: [0, 0, 0, 0])
-    for recording in recordings:
-        found, row = evidence_of(recording), counts[recording.rig, recording.truth]
+    for recording, found in zip(recordings, evidence, strict=True):
+        row = counts[recording.rig, recording.truth]
         row[0] += 1
         for column, parameters in enumerate((shipped, everywhere, without[recording.rig]), 1):
             row[column] += verdict(recording, found, parameters) == recording.truth

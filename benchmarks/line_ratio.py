@@ -1,4 +1,8 @@
-"""The lines of an envelope relative to the spectrum around them, and their growth from a healthy bearing to a faulty one."""
+"""The lines of an envelope relative to the spectrum around them, and their growth from a healthy bearing to a faulty one.
+
+``squared`` is a squared envelope and ``signal`` a signal of shape (samples,), ``rate`` its sampling rate [Hz], ``frequency`` that of the
+fundamental of the line [Hz] and ``shaft_frequency`` that of the shaft [Hz].
+"""
 
 from __future__ import annotations
 
@@ -28,12 +32,6 @@ LEVELS = 5
 def line_ratio(squared: Floats, rate: float, frequency: float, shaft_frequency: float) -> float:
     """Return R [-], the sum over three harmonics of a line over the median of the spectrum around it; the median of windows of 1 s.
 
-    Args:
-        squared: squared envelope, shape (samples,).
-        rate: its sampling rate [Hz].
-        frequency: fundamental of the line [Hz].
-        shaft_frequency: [Hz]
-
     Raises:
         Refusal: the envelope is shorter than a window.
     """
@@ -45,7 +43,7 @@ def line_ratio(squared: Floats, rate: float, frequency: float, shaft_frequency: 
 
 
 def window_ratio(squared: Floats, rate: float, frequency: float, shaft_frequency: float) -> float:
-    """Return R [-] of one window; the arguments are those of `line_ratio`."""
+    """Return R [-] of one window."""
     amplitude = np.abs(fft.rfft((squared - squared.mean()) * np.hanning(len(squared))))
     axis, ratio = np.arange(len(amplitude)) * rate / len(squared), 0.0
     for harmonic in HARMONICS:
@@ -59,12 +57,6 @@ def kurtogram_ratio(signal: npt.NDArray[np.floating], rate: float, frequency: fl
 
     The bands are those of a 1/3-binary tree that ends at 0.43 of the sampling rate (Antoni 2007, "Fast computation of the kurtogram for
     the detection of transient faults", Mech. Syst. Signal Process. 21). A band is wide enough for three harmonics of the line.
-
-    Args:
-        signal: shape (samples,).
-        rate: its sampling rate [Hz].
-        frequency: fundamental of the line [Hz].
-        shaft_frequency: [Hz]
 
     Raises:
         Refusal: the signal is shorter than a window, or no band contains three harmonics.

@@ -7,18 +7,15 @@ machine it was made.
 from __future__ import annotations
 
 import argparse
-import datetime
 import os
 import platform
-import re
 import subprocess
 import sys
-from pathlib import Path
 
 import llvmlite.binding
 import numba
+from result_pages import ROOT, commit, replace_part, today
 
-ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "results" / "performance.md"
 BAGS = ("healthy", "outer_ring_defect", "run_up")
 PARTS = {
@@ -43,22 +40,8 @@ def measured(part: str) -> str:
 
 def about() -> str:
     """Return the line above a part."""
-    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, stdout=subprocess.PIPE, text=True, check=True).stdout.strip()
-    now = datetime.datetime.now(datetime.timezone.utc)
     machine = f"{os.cpu_count()} cores ({llvmlite.binding.get_host_cpu_name()}), {os.getloadavg()[1]:.0f} running processes in the mean"
-    return f"*{now.day} {now:%B %Y}, commit `{commit}`, {machine}, Python {platform.python_version()}, numba {numba.__version__}.*"
-
-
-def replaced(page: str, part: str, text: str) -> str:
-    """Return the page with another text of a part.
-
-    Raises:
-        SystemExit: the page has no marks of this part.
-    """
-    begin, end = f"<!-- measured: {part} -->", f"<!-- end: {part} -->"
-    if page.count(begin) != 1 or page.count(end) != 1:
-        sys.exit(f"{PAGE} needs the marks {begin} and {end} once each")
-    return re.sub(f"{re.escape(begin)}.*{re.escape(end)}", lambda _: f"{begin}\n{text}\n{end}", page, flags=re.DOTALL)
+    return f"*{today()}, commit `{commit()}`, {machine}, Python {platform.python_version()}, numba {numba.__version__}.*"
 
 
 def main() -> None:
@@ -70,7 +53,7 @@ def main() -> None:
         parser.error(f"there is no part {', '.join(sorted(unknown))}: give {', '.join(PARTS)}")
     for part in options.parts or PARTS:
         text = measured(part)
-        PAGE.write_text(replaced(PAGE.read_text(), part, f"{about()}\n\n{text.strip()}"))
+        replace_part(PAGE, f"<!-- measured: {part} -->", f"<!-- end: {part} -->", f"{about()}\n\n{text.strip()}")
         print(f"{part}: written", flush=True)
 
 

@@ -48,8 +48,7 @@ def bench(text: str) -> str:
 @functools.cache
 def fingerprints() -> dict[str, Any]:
     """Return the fingerprints of the model by case."""
-    cases: dict[str, Any] = json.loads((ROOT / "tests/unchanged/fingerprints.json").read_text(encoding="utf-8"))["cases"]
-    return cases
+    return dict(json.loads((ROOT / "tests/unchanged/fingerprints.json").read_text(encoding="utf-8"))["cases"])
 
 
 def samples(case: str) -> str:
@@ -103,8 +102,7 @@ def digests(shown: Iterable[str]) -> dict[str, str]:
 
 def stamps() -> dict[str, Any]:
     """Return the manifest of the pictures by file name."""
-    manifest: dict[str, Any] = json.loads(MANIFEST.read_text(encoding="utf-8"))
-    return manifest
+    return dict(json.loads(MANIFEST.read_text(encoding="utf-8")))
 
 
 def write_stamps(manifest: Mapping[str, Any]) -> None:

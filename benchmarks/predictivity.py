@@ -8,10 +8,10 @@ whole replica is compared by the entries of a leaderboard, and no detector runs.
 from __future__ import annotations
 
 import argparse
-import subprocess
 import sys
-import time
 from pathlib import Path
+
+from result_pages import ROOT, commit, today
 
 from dcrb_ros.exam.detector_families import families_of, shipped_members
 from dcrb_ros.exam.evaluation import no_progress
@@ -27,7 +27,6 @@ from dcrb_ros.runtime.linear_algebra import one_thread_each
 from dcrb_ros.text.markdown import table
 from dcrb_ros.text.writing import write_whole
 
-ROOT = Path(__file__).parents[1]
 VARIANTS = {
     "rigid path, equal impacts": ("path", "impacts"),
     "path": ("impacts", "background"),
@@ -49,26 +48,16 @@ def compared(given: argparse.Namespace, without: tuple[str, ...]) -> Comparison:
         return compare_with_field(recordings, exam, [*shipped_members(), *members], broken, folder, Limits(), given.workers, no_progress)
 
 
-def compared_by_entries(given: argparse.Namespace) -> Comparison:
-    """Return the comparison of the leaderboard's replica by its entries."""
-    entries, measured = read_entries(given.leaderboard), read_entries(given.leaderboard / "measured")
-    return compare_entries(given.measured / "recordings.csv", read_exam(given.replica), entries, measured)
-
-
 def page(comparisons: dict[str, Comparison], source: str) -> str:
     """Return the results page; ``source`` says from what the whole replica was evaluated."""
     whole = comparisons[list(comparisons)[-1]]
     parts = [(name, *rows(one.families[:1])[0][1:]) for name, one in comparisons.items()]
     members = [(name, *rows(one.members[:1])[0][1:]) for name, one in comparisons.items() if one.members != one.families]
-    commit = subprocess.run(
-        ["git", "rev-parse", "--short=8", "HEAD"], stdout=subprocess.PIPE, text=True, check=True, cwd=ROOT
-    ).stdout.strip()
-    date = time.strftime("%d %B %Y", time.gmtime()).lstrip("0")
     return "\n".join(
         [
             "# Predictivity of the exam",
             "",
-            f"Written by `make predictivity` on {date}, {source}. The shipped detector has the rules of commit `{commit}`.",
+            f"Written by `make predictivity` on {today()}, {source}. The shipped detector has the rules of commit `{commit()}`.",
             "[Does an exam predict your rig?](../how-to/predict-your-rig.md) explains the method and the figures. Impacts, housing and",
             "background have priors that follow statistics of these recordings, so this is no test on held-out rigs. No prior was",
             "fitted to the marks of a detector.",
@@ -116,8 +105,11 @@ def main() -> int:
         return 0
     comparisons = {}
     for name in given.only or list(VARIANTS)[-1 if given.leaderboard else 0 :]:
-        by_entries = given.leaderboard is not None and not VARIANTS[name]
-        comparisons[name] = compared_by_entries(given) if by_entries else compared(given, VARIANTS[name])
+        if given.leaderboard is not None and not VARIANTS[name]:
+            entries = read_entries(given.leaderboard), read_entries(given.leaderboard / "measured")
+            comparisons[name] = compare_entries(given.measured / "recordings.csv", read_exam(given.replica), *entries)
+        else:
+            comparisons[name] = compared(given, VARIANTS[name])
         print(f"{name}\n{markdown(comparisons[name])}", flush=True)
     source = f"model `{model_fingerprint()}`"
     if given.leaderboard is not None:

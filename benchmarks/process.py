@@ -9,6 +9,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import psutil
+
 TICK = os.sysconf("SC_CLK_TCK")
 """Ticks of processor time per second [Hz]."""
 
@@ -16,8 +18,8 @@ TICK = os.sysconf("SC_CLK_TCK")
 def resident(pid: int) -> float:
     """Return the resident memory of a process [MB]; 0 after it has ended."""
     try:
-        return int(Path(f"/proc/{pid}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
-    except (OSError, IndexError):
+        return float(psutil.Process(pid).memory_info().rss / 1e6)
+    except psutil.NoSuchProcess:
         return 0.0
 
 

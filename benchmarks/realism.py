@@ -11,21 +11,19 @@ import argparse
 from collections import defaultdict
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple, Protocol
 
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from scipy import signal
+from signal_machines import DURATION, SETTLING, Case, case_of, recordings
 
-from dcrb_ros.bearing.frequencies import Orders, characteristic_orders
 from dcrb_ros.bearing.payload import cage_speed
 from dcrb_ros.core.laws.lubricants import lubricant_of
 from dcrb_ros.core.laws.viscosity import kinematic_viscosity
-from dcrb_ros.exam.measured import read_measured
-from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.simulation.run import simulate
 from dcrb_ros.validation.friction_moment import friction_moment
 from dcrb_ros.validation.oiled_bench import BORE, OUTSIDE
 from dcrb_ros.validation.realism import Statistics, lines_of, squared_envelope, statistics
@@ -36,8 +34,6 @@ MODES = 6
 """Modes of each axle box: the accelerometers of the rigs are on housings that have some."""
 SPEEDS = {"600 rpm": 62.832, "1800 rpm": 188.496}
 """Further speeds of healthy bearings [rad/s]."""
-SETTLING, DURATION = 0.2, 3.0
-"""Simulated time before the statistics, and of them [s]."""
 SHOWN = ("cw48_N_0", "hitself_Normal_1200", "mfpt_O3", "hitself_OR5_1200")
 """Measured recordings in the pictures: two of healthy bearings, two of outer-ring faults."""
 ROW_NAMES = ("time [ms], acceleration over its rms [-]", "frequency [kHz], power density over the power [1/Hz]")
@@ -50,49 +46,17 @@ POINTS = (
 """Speed [rad/s], load [N] and temperature [deg C]."""
 
 
-class Case(NamedTuple):
-    """A signal, and the orders and speeds that locate its lines."""
-
-    name: str
-    values: Floats
-    rate: float
-    shaft: float
-    orders: Orders
-
-    @property
-    def statistics(self) -> Statistics:
-        return statistics(self.values, self.rate, self.shaft, self.orders)
-
-
 def simulated(bench: str, seed: int, *settings: str) -> tuple[Case, Case]:
     """Return the acceleration in Y of an individual of a bench, behind the modes of its axle box and at the outer ring itself."""
     path = ("structure.housing=none", f"structure.modes={MODES}", f"structure.seed={seed}")
     given = (f"surfaces.seed={seed}", f"simulation.seed={seed}", *path, *settings)
-    configuration = load_configuration(bench, given)
-    blocks = list(Simulation(configuration, waveform_only=True).blocks(SETTLING + DURATION))
-    start, shaft = round(SETTLING * blocks[0].rate), configuration.operating.speed / (2.0 * np.pi)
-    orders = characteristic_orders(configuration.bearing)
-    box, ring = (
-        Case(f"{bench} {seed}", np.concatenate(parts)[start:, 1].astype(np.float64), blocks[0].rate, shaft, orders)
-        for parts in ([block.acceleration for block in blocks], [block.clean for block in blocks])
-    )
-    return box, ring
-
-
-def measured(folder: Path) -> dict[tuple[str, str], list[Case]]:
-    """Return the recordings of a folder by truth and rig."""
-    cases: dict[tuple[str, str], list[Case]] = defaultdict(list)
-    for recording in read_measured(folder):
-        values = recording.samples()
-        cases[recording.truth, recording.rig].append(
-            Case(recording.name, values - values.mean(), float(recording.rate), recording.speed, recording.orders)
-        )
-    return cases
+    run = simulate(bench, SETTLING + DURATION, settings=given)
+    return case_of(run, f"{bench} {seed}", ring=False), case_of(run, f"{bench} {seed}", ring=True)
 
 
 def table(title: str, cases: dict[str, list[Case]]) -> None:
     """Print median and range of each statistic of groups of signals."""
-    rows = {name: [case.statistics for case in group] for name, group in cases.items()}
+    rows = {name: [statistics(case.values, case.rate, case.shaft, case.orders) for case in group] for name, group in cases.items()}
     print(f"\n| {title} | " + " | ".join(f"{name} ({len(group)})" for name, group in rows.items()) + " |")
     print("|---" * (1 + len(rows)) + "|")
     for field in (*(field for field in Statistics._fields if field != "harmonics"), "harmonic 1", "harmonic 8"):
@@ -124,20 +88,7 @@ def operating_points() -> None:
         print(f"| {speed * 30 / np.pi:.0f} | {load / 1e3:g} | {temperature:g} | {slips} | {power:.0f} | {skf:.0f} | {power / skf:.2f} |")
 
 
-class Signal(Protocol):
-    """What a row of a picture needs of a signal."""
-
-    @property
-    def name(self) -> str: ...
-    @property
-    def values(self) -> Floats: ...
-    @property
-    def rate(self) -> float: ...
-    @property
-    def shaft(self) -> float: ...
-
-
-def draw_row(row: Sequence[Axes], case: Signal, order: float) -> None:
+def draw_row(row: Sequence[Axes], case: Case, order: float) -> None:
     """Draw a signal, its power spectrum and its squared envelope spectrum over multiples of an order [-]."""
     rms = float(case.values.std())
     count = round(0.1 * case.rate)
@@ -158,7 +109,7 @@ def draw_row(row: Sequence[Axes], case: Signal, order: float) -> None:
         ax.tick_params(labelsize="x-small")
 
 
-def draw(path: Path, cases: Sequence[Signal], orders: Sequence[float], line: str = "BPFO") -> None:
+def draw(path: Path, cases: Sequence[Case], orders: Sequence[float], line: str = "BPFO") -> None:
     """Draw a row for each case, with the squared envelope spectrum over multiples of its order of a line [-]."""
     figure, axes = plt.subplots(len(cases), 3, figsize=(13.0, 2.1 * len(cases)), layout="constrained")
     for row, case, order in zip(axes, cases, orders, strict=True):
@@ -171,8 +122,8 @@ def draw(path: Path, cases: Sequence[Signal], orders: Sequence[float], line: str
 
 def draw_pictures(folder: Path, pictures: Path) -> None:
     """Draw two simulated individuals beside two measured bearings, healthy and with a defect of the outer ring."""
-    named = {case.name: case for cases in measured(folder).values() for case in cases}
-    shown = [named[name] for name in SHOWN]
+    named = recordings(folder)
+    shown = [named[name][0] for name in SHOWN]
     for truth, name, theirs in (("healthy", "realism-healthy.png", shown[:2]), ("outer_ring", "realism-outer.png", shown[2:])):
         cases = [*(simulated(BENCHES[truth], seed)[0] for seed in SEEDS[:2]), *theirs]
         draw(pictures / name, cases, [case.orders.bpfo for case in cases])
@@ -183,10 +134,13 @@ def print_tables(folder: Path) -> None:
     ours, rings = {}, {}
     for truth, bench in BENCHES.items():
         ours[truth], rings[truth] = map(list, zip(*(simulated(bench, seed) for seed in SEEDS), strict=True))
-    theirs = measured(folder)
+    theirs = recordings(folder).values()
     for truth in BENCHES:
-        both = {"simulated": ours[truth], "simulated, rigid box": rings[truth]}
-        table(truth, both | {rig: cases for (its, rig), cases in theirs.items() if its == truth})
+        groups = defaultdict(list, {"simulated": ours[truth], "simulated, rigid box": rings[truth]})
+        for case, rig, its in theirs:
+            if its == truth:
+                groups[rig].append(case)
+        table(truth, groups)
     at_speeds = {name: [simulated("healthy", seed, f"operating.speed={speed}")[1] for seed in SEEDS] for name, speed in SPEEDS.items()}
     table("healthy, rigid box", {"1200 rpm": rings["healthy"], **at_speeds})
     operating_points()

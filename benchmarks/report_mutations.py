@@ -59,23 +59,20 @@ def dry(settings: tuple[str, ...]) -> PaperRun:
     return simulate(PaperRunSpec("healthy", "pocket", 2.0, given, state_rate=3000))
 
 
-def noticed(settings: tuple[str, ...]) -> tuple[list[ReportRow], int]:
-    """Return the rows that fall short, and how many there are."""
-    rows = list(comparisons(settings))
-    return [row for row in rows if not row.holds], len(rows)
-
-
 def main() -> None:
     """Print the table."""
-    chosen = {name: settings for name, settings in MUTATIONS.items() if not sys.argv[1:] or name in sys.argv[1:]}
+    names = sys.argv[1:] or list(MUTATIONS)
+    if unknown := sorted(set(names) - set(MUTATIONS)):
+        sys.exit(f"there is no mutation '{unknown[0]}' (known: {', '.join(MUTATIONS)})")
     print("| mutation | rows that notice | which |\n|---|---|---|")
-    for name, settings in chosen.items():
+    for name in names:
         try:
-            short, count = noticed(settings)
+            rows = list(comparisons(MUTATIONS[name]))
         except Refusal as refusal:
             print(f"| {name} | refused | {refusal} |", flush=True)
             continue
-        print(f"| {name} | {len(short)} of {count} | {'; '.join(f'{row.quantity} ({row.found})' for row in short) or 'none'} |", flush=True)
+        short = [f"{row.quantity} ({row.found})" for row in rows if not row.holds]
+        print(f"| {name} | {len(short)} of {len(rows)} | {'; '.join(short) or 'none'} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -9,9 +9,6 @@ from __future__ import annotations
 
 import argparse
 import itertools
-import re
-import subprocess
-import time
 from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
@@ -19,6 +16,7 @@ from pathlib import Path
 from drawn_machines import TRUTHS
 from kept_results import digest_of
 from realism import draw
+from result_pages import commit, replace_part, today
 from signal_machines import (
     RIGS,
     Case,
@@ -37,7 +35,6 @@ from signal_page import aims_table, table
 
 from dcrb_ros.exam.measured import TABLE, files_hash, read_measured
 from dcrb_ros.exam.replica import table_digest
-from dcrb_ros.text.writing import write_whole
 
 KINDS = {
     "outer": "Defects of the outer ring",
@@ -53,7 +50,7 @@ VARIANTS = {
 SHOWN = tuple(name for names in VARIANTS.values() for name in names.values())
 PICTURED = {"outer": (("6205", 1), ("6205", 2), ("axle box", 1)), "inner": (("6205", 1), ("6205", 2))}
 """Bearing and number of the simulated machines by kind of defect."""
-MARKS = re.compile(r"(<!-- begin of the tables -->\n).*(<!-- end of the tables -->)", re.DOTALL)
+MARKS = "<!-- begin of the tables -->", "<!-- end of the tables -->"
 
 
 def key(bearing: str, variant: str, kind: str) -> str:
@@ -87,9 +84,7 @@ def measured(folder: Path, output: Path) -> dict[str, list[Row]]:
 
 def page(rigs: dict[str, list[Row]], groups: dict[str, list[Row]], machines: int) -> Iterator[str]:
     """Yield the tables as lines of Markdown."""
-    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], stdout=subprocess.PIPE, text=True, check=True).stdout.strip()
-    date = time.strftime("%d %B %Y", time.gmtime()).lstrip("0")
-    yield f"`python benchmarks/signal_realism.py`, {machines} machines, {date}, commit `{commit}`."
+    yield f"`python benchmarks/signal_realism.py`, {machines} machines, {today()}, commit `{commit()}`."
     yield ""
     yield "## Expected ranges"
     yield ""
@@ -141,7 +136,7 @@ def main() -> None:
     if given.page is None:
         print(text)
     else:
-        write_whole(given.page, MARKS.sub(lambda match: f"{match[1]}\n{text}\n{match[2]}", given.page.read_text(encoding="utf-8")))
+        replace_part(given.page, *MARKS, f"\n{text}")
 
 
 if __name__ == "__main__":

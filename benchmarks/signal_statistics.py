@@ -68,15 +68,9 @@ class SignalStatistics(NamedTuple):
 def signal_statistics(
     signal: npt.NDArray[np.floating], rate: float, shaft_frequency: float, orders: Orders, elements: int, order: float | None = None
 ) -> SignalStatistics:
-    """Return the statistics of one axis.
+    """Return the statistics of one axis, a ``signal`` of shape (samples,) in any unit; rate and shaft frequency in Hz.
 
-    Args:
-        signal: shape (samples,), in any unit.
-        rate: sampling rate [Hz].
-        shaft_frequency: [Hz]
-        orders: kinematic orders of the bearing.
-        elements: rolling elements of a row.
-        order: kinematic order of the impacts [-], BPFO by default.
+    A row of the bearing has some rolling ``elements``; ``order`` is the kinematic order of the impacts [-], BPFO by default.
 
     Raises:
         Refusal: the signal is too short, or its sampling rate leaves no band.

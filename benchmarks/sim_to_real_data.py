@@ -82,13 +82,9 @@ class Windows:
     @staticmethod
     def of(parts: list[tuple[FeatureTable, str, str]]) -> Windows:
         """Return the windows of tables with their class and recording; windows without features are left out."""
-        values, truth, recording = [], [], []
-        for table, fault, name in parts:
-            sound = table.values[np.isfinite(table.values).all(axis=1)]
-            values.append(sound)
-            truth += [fault] * len(sound)
-            recording += [name] * len(sound)
-        return Windows(parts[0][0].names, np.concatenate(values), truth, recording)
+        values = [table.values[np.isfinite(table.values).all(axis=1)] for table, _, _ in parts]
+        named = [(fault, name) for sound, (_, fault, name) in zip(values, parts, strict=True) for _ in sound]
+        return Windows(parts[0][0].names, np.concatenate(values), [fault for fault, _ in named], [name for _, name in named])
 
 
 def features(values: Floats, rate: int, angle: Floats, orders: Orders) -> FeatureTable:
@@ -133,8 +129,7 @@ def measured(folder: Path, rig: Rig) -> tuple[list[Measured], list[Measured]]:
 
 def recording(row: MeasuredRecording, rate: int) -> Measured:
     """Return a recording, resampled to a sampling rate [Hz]."""
-    common = math.gcd(row.rate, rate)
-    values = signal.resample_poly(row.samples(), rate // common, row.rate // common) if row.rate != rate else row.samples()
+    values = signal.resample_poly(row.samples(), rate, row.rate) if row.rate != rate else row.samples()
     angle = 2.0 * np.pi * row.speed * np.arange(len(values)) / rate
     return Measured(row.name, row.truth, values - values.mean(), rate, angle, row.orders)
 

@@ -80,8 +80,7 @@ def forest_scores(truth: Sequence[str], given: Features, seed: int = 1, trees: i
     forest.fit(given.train, truth)
     probability = forest.predict_proba(given.test)
     values = np.zeros((len(probability), len(CLASSES)))
-    for k, name in enumerate(forest.classes_):
-        values[:, CLASSES.index(name)] = probability[:, k]
+    values[:, [CLASSES.index(name) for name in forest.classes_]] = probability
     return values
 
 

@@ -28,7 +28,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
-from predictivity import ROOT
+from result_pages import ROOT
 from signal_machines import RIGS, Row
 from signal_realism import measured
 
@@ -70,12 +70,9 @@ def excess(mean: Mean) -> float:
 
 
 def moved_priors(two: Mean, three: Mean, power: tuple[float, float]) -> tuple[str, str]:
-    """Return what is appended to `housing_priors` and to `replica_priors`.
+    """Return what is appended to `housing_priors` and to `replica_priors`, from means over two rigs and over all three.
 
-    Args:
-        two: means over the two rigs.
-        three: means over all rigs.
-        power: level of the power from 5 to 20 kHz over the two rigs and over all [dB].
+    ``power`` has the level of the power from 5 to 20 kHz over the two rigs and over all [dB].
     """
 
     def ratio(name: str) -> float:

@@ -89,12 +89,7 @@ def _tree(calibration: Calibration, name: str) -> dict[str, Any]:
         "level": calibration.level,
         "vary": vary(calibration),
         "estimates": {
-            estimate.key: {
-                "value": _short(estimate.value),
-                "low": _short(estimate.low),
-                "high": _short(estimate.high),
-                "unit": estimate.unit,
-            }
+            estimate.key: {name: _short(getattr(estimate, name)) for name in ("value", "low", "high")} | {"unit": estimate.unit}
             for estimate in calibration.estimates
         },
         "path": path,

@@ -68,12 +68,7 @@ class HealthyRecording:
 
 
 def checked_recording(signal: Signal, name: str, *, trust: bool = False) -> HealthyRecording:
-    """Return a recording after its checks.
-
-    Args:
-        signal: a recording, run or waveform with a shaft angle.
-        name: its name in messages.
-        trust: whether to take it as healthy although the detector finds a fault.
+    """Return a recording, called ``name`` in messages, after its checks; with ``trust`` although the detector finds a fault.
 
     Raises:
         Refusal: it is empty, too short, clipped, without speed, at a varying speed, of an unknown bearing, or faulty.
@@ -122,11 +117,7 @@ def checked_recording(signal: Signal, name: str, *, trust: bool = False) -> Heal
 
 
 def check_one_machine(recordings: Sequence[HealthyRecording]) -> None:
-    """Refuse recordings that cannot be of one machine.
-
-    Raises:
-        Refusal: none, or their sampling rates, units, axes or bearings differ, or one is given twice.
-    """
+    """Refuse no recordings, and some that cannot be of one machine: rates, units, axes or bearings differ, or one is given twice."""
     if not recordings:
         raise Refusal("no recording is given: give at least one of the healthy machine")
     first = recordings[0]

@@ -76,12 +76,14 @@ def identified_path(
     machines: Sequence[HealthyRecording], individuals: Sequence[Sequence[RingAcceleration]], step_rate: float
 ) -> IdentifiedPath:
     """Return the path of each axis and the noise of both; of the individuals of the bearing for each recording, the first is the source."""
-    path, sources = IdentifiedPath(), [bearings[0] for bearings in individuals]
+    path, sources, rate = IdentifiedPath(), [bearings[0] for bearings in individuals], machines[0].rate
     for row, axis in enumerate(machines[0].axes):
-        path.fits[axis] = fit_path(_data(machines, sources, row, axis, step_rate))
+        measured = [binned(power_density(machine.acceleration[row], rate), rate) for machine in machines]
+        simulated = [binned(power_density(source.acceleration[COLUMNS[axis]], rate), rate) for source in sources]
+        path.fits[axis] = fit_path(PathSpectra.of(measured, simulated, LOWEST, step_rate))
     _add_noise(path)
     for row, axis in enumerate(machines[0].axes):
-        spectrum = power_density(sources[0].acceleration[COLUMNS[axis]], machines[0].rate)
+        spectrum = power_density(sources[0].acceleration[COLUMNS[axis]], rate)
         _add_axis(path, axis, spectrum, [_unsure(m, i, row, axis) for m, i in zip(machines, individuals, strict=True)])
     if machines[0].axes == ("y",):
         path.parameters["structure.path_x"] = path.parameters["structure.path_y"]
@@ -90,16 +92,6 @@ def identified_path(
     if machines[0].unit == "relative":
         path.remarks.append("the unit of the recording is relative: the gain contains it, and levels mean nothing by themselves")
     return path
-
-
-def _data(machines: Sequence[HealthyRecording], sources: Sequence[RingAcceleration], row: int, axis: str, step_rate: float) -> PathSpectra:
-    rate = machines[0].rate
-    return PathSpectra.of(
-        [binned(power_density(machine.acceleration[row], rate), rate) for machine in machines],
-        [binned(power_density(source.acceleration[COLUMNS[axis]], rate), rate) for source in sources],
-        LOWEST,
-        step_rate,
-    )
 
 
 class Unsure(NamedTuple):

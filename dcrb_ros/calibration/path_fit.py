@@ -129,12 +129,7 @@ class PathFit:
 
 
 def fit_path(data: PathSpectra, *, white: float | None = None) -> PathFit:
-    """Return the path that explains the spectra of one axis.
-
-    Args:
-        data: measured spectra and those of the source.
-        white: density of the white noise if it is known [m/s^2/sqrt(Hz)].
-    """
+    """Return the path that explains the spectra of one axis; ``white`` is the density of the white noise if known [m/s^2/sqrt(Hz)]."""
     difference = data.measured - data.source
     floor = data.lowest if white is None else 2.0 * math.log(max(white, 1e-12))
     start = np.array([floor - 0.3 * (white is None), *np.median(difference, axis=1)])

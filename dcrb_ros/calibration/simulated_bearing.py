@@ -52,21 +52,16 @@ def bench_of(
 ) -> Configuration:
     """Return the bench without path, background and errors of the sensor, at the speed and the sampling rate of a recording.
 
-    Args:
-        measured: the recording.
-        base: the bench; by default the one that made the recording, or ``healthy`` with the number and the size of rollers that give the
-            recording's orders.
-        settings: parameters to change in it.
+    By default it is the one that made the recording, or ``healthy`` with the number and the size of rollers that give its orders.
 
     Raises:
         Refusal: the base has a bearing with other orders, or it cannot run at this speed or rate, or a setting would be replaced.
     """
     given = base if base is not None else measured.configuration
     bench = load_configuration(given if given is not None else "healthy", settings)
-    changes: dict[str, Any] = {}
-    for group, empty in (("faults", Faults()), ("structure", Structure()), ("background", Background()), ("publishing", Publishing())):
-        changes |= flatten({group: empty.model_dump()})
-    changes |= flatten({"recording": Recording().model_dump(), "sensor": SensorParameters().model_dump()})
+    empty = {"faults": Faults(), "structure": Structure(), "background": Background(), "publishing": Publishing()}
+    empty |= {"recording": Recording(), "sensor": SensorParameters()}
+    changes = flatten({group: parameters.model_dump() for group, parameters in empty.items()})
     changes |= rates(measured.rate, bench.simulation.step) | {"operating.speed": measured.speed}
     mismatch = _mismatch(characteristic_orders(bench.bearing), measured.orders)
     if mismatch and given is not None:

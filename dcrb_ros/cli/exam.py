@@ -77,9 +77,9 @@ def open_(
 
     file = output or sealed.with_name(f"{sealed.name.removesuffix('.yaml').removesuffix('.sealed')}.opened.yaml")
     check_file("--output", file, force=force)
-    opened = open_exam(read_sealed(sealed), read_secret(secret), str(sealed))
-    write_whole(file, yaml_text(dict(opened.tree)))
-    print(f"{file}: {counted(len(opened.exam.cases), 'scenario')}; score it with dcrb score {shlex.quote(str(file))}")
+    exam, tree = open_exam(read_sealed(sealed), read_secret(secret), str(sealed))
+    write_whole(file, yaml_text(tree))
+    print(f"{file}: {counted(len(exam.cases), 'scenario')}; score it with dcrb score {shlex.quote(str(file))}")
 
 
 @app.command()
@@ -102,7 +102,7 @@ def verify(
         )
         raise typer.Exit(1)
     print(f"{sealed}: agrees with the secret")
-    drawn = open_exam(exam, seed, str(sealed)).exam
+    drawn, _ = open_exam(exam, seed, str(sealed))
     agree = drawn.digest == exam.scenarios_sha256
     print(f"scenarios: {'agree' if agree else f'DO NOT AGREE, {_other_scenarios(exam.dcrb_ros)}'}")
     for path in entries or ():

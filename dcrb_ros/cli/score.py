@@ -169,9 +169,9 @@ def _check_python(python: str | None, node: str | None, detector: Path | None, r
     other = "--node" if node is not None else "--detector" if detector is not None else "--reference" if reference else ""
     if other:
         raise Refusal(f"--python and {other} name two detectors: evaluate them one at a time")
-    from dcrb_ros.exam.plugin_process import check_plugin
+    from dcrb_ros.exam.plugin_process import DetectorProcess
 
-    check_plugin(python, limits)
+    DetectorProcess(python, limits).close()  # refuses what cannot be imported
 
 
 def _check_effect(context: typer.Context, measured: Path | None, node: str | None, python: str | None, *, show: bool) -> None:

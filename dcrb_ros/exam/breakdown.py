@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from statistics import harmonic_mean
 
 from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.profile import HEADLINE
 from dcrb_ros.exam.scoring import ScenarioResult
-from dcrb_ros.exam.statistics import characteristic, harmonic_mean, partial_area
+from dcrb_ros.exam.statistics import characteristic, partial_area
 from dcrb_ros.schema.verdicts import BEARING_FAULTS
 
 PARTIAL = 0.1
@@ -70,7 +71,8 @@ def areas_of(scores: Sequence[tuple[str, float | None]]) -> list[FamilyArea]:
 
 def overall_area(areas: Sequence[FamilyArea]) -> float:
     """Return the harmonic mean of the areas and partial areas of all families [-]; NaN if there are none."""
-    return harmonic_mean([value for area in areas for value in (area.area, area.partial) if value is not None])
+    values = [value for area in areas for value in (area.area, area.partial) if value is not None]
+    return harmonic_mean(values) if values else math.nan
 
 
 def strata(results: Sequence[ScenarioResult], criteria: Criteria) -> list[Stratum]:

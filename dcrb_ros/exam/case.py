@@ -10,8 +10,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from dcrb_ros.exam.expectation import Expectation
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.parameters import rpm
+
+INEFFECTIVE = ("time_scale", "recording")
+"""Groups and parameters of the nodes, which have no effect in an exam."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +44,13 @@ class Case:
     def name(self) -> str:
         """Name of the scenario."""
         return self.expectation.name
+
+
+def refuse_ineffective(keys: Iterable[str], where: str) -> None:
+    """Refuse dotted keys of parameters that have no effect in an exam."""
+    key = next((key for key in keys if key.partition(".")[0] in INEFFECTIVE), None)
+    if key is not None:
+        raise Refusal(f"{where}: {key} has no effect in an exam, which is simulated as fast as possible and records nothing: leave it out")
 
 
 def canonical(tree: Any) -> str:

@@ -17,7 +17,6 @@ from dcrb_ros.exam.plugin_process import DetectorProcess
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.parameter_field import more
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.text.writing import write_whole
 
 IMPORT_LIMITS = Limits(scenario=120.0, options=False)
 """Limits of the import of a file."""
@@ -103,16 +102,15 @@ def _kept_about(file: Path, digest: str, kept: Path | None) -> dict[str, Any]:
     """Return class and variants of a file with a digest, from the folder ``kept`` where it has them."""
     if kept is None:
         return _about(str(file))
-    from dcrb_ros.core.signed_file import read_signed, signed
-    from dcrb_ros.exam.recording_cache import OTHER_FOLDER
+    from dcrb_ros.core.signed_file import read_signed
+    from dcrb_ros.exam.recording_cache import keep
 
     path = kept / f"family-{hashlib.sha256(f'{package_digest()} {digest} {file.name}'.encode()).hexdigest()[:32]}.signed"
     try:
-        read: dict[str, Any] = json.loads(read_signed(path))
-        return read
+        return dict(json.loads(read_signed(path)))
     except OSError:  # a damaged file is like a missing one: the family is imported again
         about = _about(str(file))
-        write_whole(path, signed(path, json.dumps(about).encode()), otherwise=OTHER_FOLDER)
+        keep(path, json.dumps(about).encode())
         return about
 
 
@@ -127,8 +125,7 @@ def _about(file: str) -> dict[str, Any]:
     except Refusal as refusal:
         raise NoFamily(left_out(refusal)) from None
     process.close()
-    about: dict[str, Any] = json.loads(process.imported)
-    return about
+    return dict(json.loads(process.imported))
 
 
 def left_out(refusal: Refusal) -> str:

@@ -51,24 +51,6 @@ def detector_blocks(signal: Signal) -> Iterator[DetectorBlock]:
         yield DetectorBlock(*piece, tuple(readings))
 
 
-def run_detector(factory: DetectorFactory, signal: Signal) -> Outcome:
-    """Return a detector's diagnoses of a signal, decoded from the messages that a node would publish.
-
-    Raises:
-        Refusal: the signal cannot be read, or the detector has no ``update`` or returns an unknown verdict.
-        RuntimeError: the detector raised an exception.
-    """
-    rate, diagnoses = signal.sampling_rate, []
-    detector = RunningDetector(factory, signal.orders, rate, lambda: signal.bearing)
-    for block in detector_blocks(signal):
-        output = checked_output(detector.take(block))
-        if output is not None:
-            diagnoses.append(
-                ReceivedDiagnosis((block.end - 1) / rate, output) if isinstance(output, str) else decode_diagnosis(encode_diagnosis(output))
-            )
-    return Outcome(diagnoses)
-
-
 @dataclass(frozen=True)
 class PythonDetector:
     """A detector written in Python as a candidate; a new one is made for every scenario."""
@@ -79,8 +61,21 @@ class PythonDetector:
     """Whether scenarios are evaluated in processes of their own, to which the factory is pickled."""
 
     def diagnose(self, signal: Signal) -> Outcome:
-        """Return its diagnoses of a signal; see `run_detector`."""
-        return run_detector(self.factory, signal)
+        """Return its diagnoses of a signal, decoded from the messages that a node would publish.
+
+        Raises:
+            Refusal: the signal cannot be read, or the detector has no ``update`` or returns an unknown verdict.
+            RuntimeError: the detector raised an exception.
+        """
+        rate, outcome = signal.sampling_rate, Outcome()
+        detector = RunningDetector(self.factory, signal.orders, rate, lambda: signal.bearing)
+        for block in detector_blocks(signal):
+            output = checked_output(detector.take(block))
+            if isinstance(output, str):
+                outcome.received.append(ReceivedDiagnosis((block.end - 1) / rate, output))
+            elif output is not None:
+                outcome.received.append(decode_diagnosis(encode_diagnosis(output)))
+        return outcome
 
 
 def shipped_detector(parameters: DetectorParameters, name: str = SHIPPED) -> PythonDetector:

@@ -50,9 +50,8 @@ class AnyOutcome(Protocol):
     def received(self) -> Sized:
         """Its diagnoses."""
 
-    @property
-    def failure(self) -> str:
-        """Why it failed; empty if it did not."""
+    failure: str
+    """Why it failed; empty if it did not."""
 
 
 class Candidate(Protocol[Evaluated]):

@@ -14,9 +14,8 @@ from typing import Any
 
 from pydantic import Field, ValidationError
 
-from dcrb_ros.exam.case import Case, CaseSimulation, derived_tags, scenarios_hash
+from dcrb_ros.exam.case import Case, CaseSimulation, derived_tags, refuse_ineffective, scenarios_hash
 from dcrb_ros.exam.criteria import Criteria, DelayLimits
-from dcrb_ros.exam.exam_parameters import refuse_ineffective
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.fault_history import fault_history
 from dcrb_ros.exam.revolutions import speed_knots
@@ -256,14 +255,11 @@ def _variations(entry: ScenarioEntry, where: str) -> Iterator[tuple[dict[str, An
     """Yield fixed parameters, fault parameters and name parts for every combination of listed values."""
     lists = _lists(entry, where)
     for values in itertools.product(*(value for _, _, value in lists)):
-        groups = {"set": flatten(entry.set), "fault": flatten(entry.fault)}
+        groups, words = {"set": flatten(entry.set), "fault": flatten(entry.fault)}, []
         for (group, key, _), value in zip(lists, values, strict=True):
             groups[group][key] = value
-        yield (
-            groups["set"],
-            groups["fault"],
-            [f"{key.rsplit('.', 1)[-1]}={value}" for (_, key, _), value in zip(lists, values, strict=True)],
-        )
+            words.append(f"{key.rsplit('.', 1)[-1]}={value}")
+        yield groups["set"], groups["fault"], words
 
 
 def _case(
@@ -312,7 +308,7 @@ def _case(
         first if first < onset else None,
         required=entry.required and not narrow,
         bearing_onset=history.first_of_bearing if entry.verdict == "sensor" else None,
-        speeds=speed_knots(configuration, events),
+        speeds=tuple(speed_knots(configuration, events)),
     )
     return Case(expectation, CaseSimulation(configuration, scenario, duration))
 
@@ -345,18 +341,15 @@ def _changes_besides_fault(
 def _has_twin(entry: ScenarioEntry, configuration: Configuration, others: Sequence[Any], fault: Mapping[str, Any], where: str) -> bool:
     """Return whether a case has a healthy twin: the same run without its fault."""
     appears = entry.verdict != "healthy" and bool(fault)
-    if entry.twin and appears and _is_healthy(configuration, others, f"{where}, without its fault"):
-        return True
+    if entry.twin and appears:
+        bare = f"{where}, without its fault"
+        events = scheduled_changes({"timeline": list(others)}, configuration, bare) if others else []
+        if fault_history(configuration, events, bare).is_healthy:
+            return True
     if entry.twin and "twin" in entry.model_fields_set:
         without = "where another fault remains in the healthy run" if appears else "without a fault that appears"
         raise Refusal(f"{where}: twin = true has no effect {without}: leave it out, or give all faults under 'fault'")
     return False
-
-
-def _is_healthy(configuration: Configuration, changes: Sequence[Any], where: str) -> bool:
-    """Return whether neither a configuration nor changes of it bring a fault."""
-    events = scheduled_changes({"timeline": list(changes)}, configuration, where) if changes else []
-    return fault_history(configuration, events, where).is_healthy
 
 
 def _grade(entry: ScenarioEntry, given: Mapping[str, Any], where: str) -> dict[str, str | float]:

@@ -126,14 +126,10 @@ def _recording(case: Case, folder: Path) -> Recording:
 
 def _simulated(signal: LedSignal[SimulatedRecording]) -> LedSignal[SimulatedRecording]:
     """Return a signal after its recordings have been simulated."""
-    for recording in _recordings(signal):
+    for recording in signal.recordings:
         cached_recording(recording.case, recording.folder)
     return signal
 
 
 def _is_simulated(signal: LedSignal[SimulatedRecording]) -> bool:
-    return all(is_recorded(recording.case, recording.folder) for recording in _recordings(signal))
-
-
-def _recordings(signal: LedSignal[SimulatedRecording]) -> list[SimulatedRecording]:
-    return [recording for recording in (signal.lead, signal.recording) if recording is not None]
+    return all(is_recorded(recording.case, recording.folder) for recording in signal.recordings)

@@ -14,8 +14,8 @@ import numpy as np
 from scipy.stats import chi2
 
 from dcrb_ros.exam.credit import Credit
-from dcrb_ros.exam.profile import HEADLINE, PROFILES, Profile
-from dcrb_ros.exam.statistics import CONFIDENCE, Interval
+from dcrb_ros.exam.profile import PROFILES, Profile
+from dcrb_ros.exam.statistics import CONFIDENCE, Interval, class_mean
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
 
@@ -66,15 +66,10 @@ def clean_factor(failed: Floats | float, periods: Floats | float) -> Any:
 
 def exam_scores(contributions: Sequence[Contribution]) -> list[ExamScore]:
     """Return the exam score for every profile; none without both a fault and healthy time."""
-    if not _families(contributions) or not sum(contribution.credit.periods for contribution in contributions):
+    if all(c.family == "healthy" for c in contributions) or not sum(c.credit.periods for c in contributions):
         return []
     whole, samples = np.ones((1, len(contributions))), draws(contributions)
     return [_exam_score(contributions, profile, whole, samples) for profile in PROFILES]
-
-
-def headline_score(scores: Sequence[ExamScore]) -> ExamScore:
-    """Return the score for the profile `HEADLINE`."""
-    return next(score for score in scores if score.profile == HEADLINE)
 
 
 def _exam_score(contributions: Sequence[Contribution], profile: Profile, whole: Floats, samples: Floats) -> ExamScore:
@@ -127,29 +122,20 @@ def _drawn(groups: tuple[tuple[int, ...], ...], seed: int) -> Floats:
 
 def _parts(contributions: Sequence[Contribution], profile: Profile, samples: Floats) -> tuple[Floats, Floats]:
     """Return the credit for the faults and the factor for false alarms and silence of every sample."""
-    families = _families(contributions)
-    means = [samples[:, members] @ _column(contributions, members, profile) / samples[:, members].sum(axis=1) for members in families]
+    faulty = [position for position, contribution in enumerate(contributions) if contribution.family != "healthy"]
+    credits = np.array([[contributions[position].credit.detection[profile.name] for position in faulty]])
+    detection = class_mean(credits, [contributions[position].family for position in faulty], samples[:, faulty].T)[0]
     periods = samples @ np.array([float(contribution.credit.periods) for contribution in contributions])
     failed = samples @ np.array([float(contribution.credit.failed) for contribution in contributions])
     clean = np.where(periods > 0.0, clean_factor(failed, np.maximum(periods, 1.0)), 1.0)
-    return np.mean(means, axis=0), np.clip(clean, 0.0, 1.0)
-
-
-def _column(contributions: Sequence[Contribution], members: Sequence[int], profile: Profile) -> Floats:
-    return np.array([contributions[member].credit.detection[profile.name] for member in members])
-
-
-def _families(contributions: Sequence[Contribution]) -> list[list[int]]:
-    """Return the positions of the scenarios of every family with a fault."""
-    return [members for family, members in _grouped(contributions).items() if family != "healthy"]
+    return detection, np.clip(clean, 0.0, 1.0)
 
 
 def _grouped(contributions: Sequence[Contribution]) -> Mapping[str, list[int]]:
     """Return the positions of the scenarios by family, families and names in alphabetical order."""
-    order = sorted(range(len(contributions)), key=lambda position: (contributions[position].family, contributions[position].name))
     groups: dict[str, list[int]] = {}
-    for position in order:
-        groups.setdefault(contributions[position].family, []).append(position)
+    for position, contribution in sorted(enumerate(contributions), key=lambda item: (item[1].family, item[1].name)):
+        groups.setdefault(contribution.family, []).append(position)
     return groups
 
 

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
 
 from dcrb_ros.exam.revolutions import Knot, revolutions
+from dcrb_ros.schema.arrays import Floats
 
 FEWEST_REVOLUTIONS = 10.0
 """Revolutions from which on a bearing can be judged [-]: a broken bar strikes once in 2.2 to 2.5 revolutions, so four times in them."""
@@ -86,14 +90,18 @@ class Expectation:
 
     def revolutions(self, begin: float, end: float) -> float:
         """Return the shaft revolutions from ``begin`` to ``end`` [s], in either direction [-]."""
+        return revolutions(self._knots, begin, end)
+
+    @cached_property
+    def _knots(self) -> Floats:
+        """Times [s] and speeds [rad/s], shape (knots, 2); none if the speed is unknown."""
         speed = self.tags.get("speed")
-        constant = ((0.0, speed),) if isinstance(speed, float) else ()
-        return revolutions(self.speeds or constant, begin, end)
+        return np.array(self.speeds or ([(0.0, speed)] if isinstance(speed, float) else []), np.float64)
 
     @property
     def speed_known(self) -> bool:
         """Whether the speed of the shaft is known."""
-        return bool(self.speeds) or isinstance(self.tags.get("speed"), float)
+        return len(self._knots) > 0
 
     def judgeable(self, begin: float, end: float) -> bool:
         """Return whether the shaft turns enough between two times [s] for a verdict; also if its speed is unknown."""

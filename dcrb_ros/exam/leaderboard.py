@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise, starmap
 from pathlib import Path
 
 from dcrb_ros.exam.agreement import Agreement, agreement
@@ -22,33 +23,21 @@ MEASURED_HEAD = "correct on measured recordings"
 
 
 @dataclass(frozen=True)
-class RankedEntry:
-    """An entry and its comparison with the next one."""
-
-    entry: Entry
-    next: ScoreDifference | None
-    """Comparison with the next entry; None for the last."""
-
-
-@dataclass(frozen=True)
 class Board:
     """The entries of one exam, the best one first."""
 
     exam: str
     scenarios_sha256: str
-    ranking: tuple[RankedEntry, ...]
+    entries: tuple[Entry, ...]
+    comparisons: tuple[ScoreDifference, ...]
+    """Comparison of each entry with the next one."""
     field: Agreement | None = None
     """Comparison with measured recordings, if there is one."""
 
     @property
-    def entries(self) -> list[Entry]:
-        """The entries in this order."""
-        return [ranked.entry for ranked in self.ranking]
-
-    @property
     def marking(self) -> Marking:
         """How they are marked."""
-        return marking_of(self.ranking[0].entry)
+        return marking_of(self.entries[0])
 
     @property
     def heads(self) -> tuple[str, ...]:
@@ -96,45 +85,34 @@ def boards(entries: Sequence[Entry]) -> list[Board]:
         if not entry.exam_score:
             raise Refusal(f"the entry '{entry.detector}' of the exam {entry.exam} has no exam score: it takes faults and healthy time")
         groups.setdefault((entry.exam, entry.scenarios_sha256, entry.last_verdict), []).append(entry)
-    return [Board(exam, digest, tuple(_ranked(group))) for (exam, digest, _), group in sorted(groups.items())]
+    return [_board(group) for _, group in sorted(groups.items())]
 
 
-def _ranked(entries: Sequence[Entry]) -> Iterator[RankedEntry]:
+def _board(entries: Sequence[Entry]) -> Board:
     if (twice := repeated(entry.detector for entry in entries)) is not None:
         raise Refusal(f"two entries of the exam {entries[0].exam} are called '{twice}': give them different names with --name")
     marking = marking_of(entries[0])
     ordered = sorted(entries, key=lambda entry: (-marking.mark(entry), entry.detector))
-    for entry, below in zip(ordered, [*ordered[1:], None], strict=True):
-        yield RankedEntry(entry, marking.compare(entry, below) if below is not None else None)
+    return Board(ordered[0].exam, ordered[0].scenarios_sha256, tuple(ordered), tuple(starmap(marking.compare, pairwise(ordered))))
 
 
 def rows(board: Board) -> Iterator[tuple[str, ...]]:
     """Yield the cells of each row; see `Board.heads`."""
     shares = dict(zip(board.field.detectors, board.field.measured, strict=True)) if board.field else {}
     heads = board.marking.heads(board.entries)
-    for number, ranked in enumerate(board.ranking, 1):
-        yield (
-            str(number),
-            printable(ranked.entry.detector),
-            *board.marking.cells(ranked.entry, heads),
-            _better(ranked.next),
-            *([f"{shares[ranked.entry.detector]:.0f}%" if ranked.entry.detector in shares else "–"] if board.field else []),
-        )
-
-
-def _better(comparison: ScoreDifference | None) -> str:
-    if comparison is None:
-        return "–"
-    return f"{'yes' if comparison.distinguished else 'not shown'}, {comparison.confidence:.1%}"
+    better = [f"{'yes' if each.distinguished else 'not shown'}, {each.confidence:.1%}" for each in board.comparisons]
+    for number, (entry, than_next) in enumerate(zip(board.entries, [*better, "–"], strict=True), 1):
+        share = [f"{shares[entry.detector]:.0f}%" if entry.detector in shares else "–"] if board.field else []
+        yield str(number), printable(entry.detector), *board.marking.cells(entry, heads), than_next, *share
 
 
 def about(board: Board) -> str:
     """Return what a board shows, in one paragraph."""
-    versions = ", ".join(sorted({f"dcrb_ros {ranked.entry.dcrb_ros}, model {ranked.entry.model}" for ranked in board.ranking}))
-    seals = {ranked.entry.sealed_sha256 for ranked in board.ranking} - {""}
+    versions = ", ".join(sorted({f"dcrb_ros {entry.dcrb_ros}, model {entry.model}" for entry in board.entries}))
+    seals = {entry.sealed_sha256 for entry in board.entries} - {""}
     sealed = f"; sealed as {', '.join(sorted(seals))}" if seals else ""
     return (
-        f"{len(board.ranking[0].entry.scenarios)} scenarios, sha256 {board.scenarios_sha256 or '(recordings)'}{sealed}; {versions}. "
+        f"{len(board.entries[0].scenarios)} scenarios, sha256 {board.scenarios_sha256 or '(recordings)'}{sealed}; {versions}. "
         f"{board.marking.about}. The column 'better than the next' says whether the {CONFIDENCE:.0%} interval of the difference from the "
         "next detector on the same scenarios excludes 0, and in which share of the bootstrap samples the detector is better."
         f"{_agreement(board.field)}"

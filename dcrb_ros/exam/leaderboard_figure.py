@@ -20,7 +20,7 @@ LONGEST = 34
 
 def board_figure(board: Board) -> Figure:
     """Return the figure of a leaderboard."""
-    count = len(board.ranking)
+    count = len(board.entries)
     figure = Figure(figsize=(12, 2.2 + 0.42 * count), dpi=90, layout="constrained")
     scores, pairs = figure.subplots(1, 2, width_ratios=(1.4, 1.0))
     _scores(scores, board)
@@ -30,7 +30,7 @@ def board_figure(board: Board) -> Figure:
 
 
 def _names(board: Board) -> list[str]:
-    return [shortened(printable(ranked.entry.detector), LONGEST, "…") for ranked in board.ranking]
+    return [shortened(printable(entry.detector), LONGEST, "…") for entry in board.entries]
 
 
 def _scores(axes: Axes, board: Board) -> None:
@@ -54,8 +54,8 @@ def _scores(axes: Axes, board: Board) -> None:
             label=name,
         )
     labels = [f"{name}  {number}" for number, name in enumerate(_names(board), 1)]
-    axes.set_yticks(range(len(board.ranking)), labels, fontsize=8, parse_math=False)
-    axes.set(xlabel=f"{board.marking.name} [{board.marking.unit}]", xlim=(-2.0, 102.0), ylim=(len(board.ranking) - 0.5, -0.5))
+    axes.set_yticks(range(len(rows)), labels, fontsize=8, parse_math=False)
+    axes.set(xlabel=f"{board.marking.name} [{board.marking.unit}]", xlim=(-2.0, 102.0), ylim=(len(rows) - 0.5, -0.5))
     if len(names) > 1:
         axes.legend(fontsize=8, loc="best")
     axes.grid(alpha=0.25)

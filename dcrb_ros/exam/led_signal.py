@@ -78,6 +78,11 @@ class LedSignal(Generic[Judged]):
     bearing: None = None
 
     @property
+    def recordings(self) -> list[Judged]:
+        """The healthy recording, if there is one, and the other one."""
+        return [self.recording] if self.lead is None else [self.lead, self.recording]
+
+    @property
     def orders(self) -> Orders:
         """Characteristic orders of the bearing."""
         return self.recording.orders
@@ -95,9 +100,7 @@ class LedSignal(Generic[Judged]):
         """Yield the blocks of both recordings."""
         rate, before, values = self.recording.rate, self._before(), self.recording.longest_part(self.longest)
         samples = np.concatenate([before, values])
-        frequency = np.concatenate(
-            [np.full(len(before), self.lead.speed if self.lead else 0.0), np.full(len(values), self.recording.speed)]
-        )
+        frequency = np.repeat([self.lead.speed if self.lead else 0.0, self.recording.speed], [len(before), len(values)])
         angle = np.mod(np.cumsum(frequency) * (2.0 * np.pi / rate), 2.0 * np.pi)
         length = max(1, int(PIECE * rate))
         for begin in range(0, len(samples), length):
@@ -111,9 +114,8 @@ class LedSignal(Generic[Judged]):
         if self.lead is None:
             return np.zeros(0)
         signal, rate = self.lead.longest_part(self.longest_lead), self.recording.rate
-        common = math.gcd(self.lead.rate, rate)
         if self.lead.rate != rate:
-            signal = np.asarray(resample_poly(signal, rate // common, self.lead.rate // common))
+            signal = np.asarray(resample_poly(signal, rate, self.lead.rate))
         return signal if self.recording.gain_known else signal * self._scale(signal)
 
     def _scale(self, lead: Floats) -> float:
@@ -123,15 +125,10 @@ class LedSignal(Generic[Judged]):
 
     def expectation(self) -> Expectation:
         """Return what is expected: an alarm in the healthy lead is false, and the last verdict after it counts."""
-        before, rate = self._samples_before(), self.recording.rate
-        end, lead = (before + self.recording.samples_within(self.longest)) / rate, self.lead.name if self.lead else ""
-        return expectation(self.recording, end, before / rate, lead)
-
-    def _samples_before(self) -> int:
-        """Return the number of samples of the healthy recording at the sampling rate of the other one."""
-        if self.lead is None:
-            return 0
-        return math.ceil(Fraction(self.lead.samples_within(self.longest_lead) * self.recording.rate, self.lead.rate))
+        rate, before, lead = self.recording.rate, 0, ""
+        if self.lead is not None:  # resampled to the other rate
+            before, lead = math.ceil(Fraction(self.lead.samples_within(self.longest_lead) * rate, self.lead.rate)), self.lead.name
+        return expectation(self.recording, (before + self.recording.samples_within(self.longest)) / rate, before / rate, lead)
 
 
 def healthy_lead(recording: Judged, recordings: Sequence[Judged]) -> Judged | None:

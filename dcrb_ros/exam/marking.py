@@ -8,11 +8,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from dcrb_ros.exam.exam_score import DECIMALS, SEED, ScoreDifference, compare, difference, draws, headline_score, interval, scores
+from dcrb_ros.exam.exam_score import DECIMALS, SEED, ScoreDifference, compare, difference, draws, interval, scores
 from dcrb_ros.exam.leaderboard_entry import Entry, EntryScenario, entry_of
 from dcrb_ros.exam.profile import HEADLINE, HEADLINE_PROFILE, PROFILES
 from dcrb_ros.exam.report import Report
-from dcrb_ros.exam.statistics import CONFIDENCE, Interval
+from dcrb_ros.exam.statistics import CONFIDENCE, Interval, class_mean
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.verdicts import FAULT_CLASSES
@@ -84,7 +84,7 @@ class ScoreMarking(Marking):
 
     def mark(self, entry: Entry) -> float:
         """Return the score of the profile `HEADLINE`."""
-        return headline_score(entry.scores()).score.value
+        return self.series(entry)[HEADLINE].value
 
     def samples(self, entry: Entry, seed: int = SEED) -> Floats:
         """Return this score in bootstrap samples."""
@@ -179,11 +179,8 @@ def _is_right(scenario: EntryScenario) -> bool:
 def _shares(entry: Entry, weights: Floats) -> Floats:
     """Return the mean over the classes of the weighted share of correct verdicts [%]; ``weights`` has shape (samples, scenarios)."""
     required = _required(entry)
-    right = np.array([float(_is_right(scenario)) for scenario in required])
-    families = sorted({scenario.family for scenario in required})
-    classes = [[k for k, scenario in enumerate(required) if scenario.family == family] for family in families]
-    means = [weights[:, members] @ right[members] / weights[:, members].sum(axis=1) for members in classes]
-    return np.asarray(100.0 * np.mean(means, axis=0), np.float64)
+    right = np.array([[float(_is_right(scenario)) for scenario in required]])
+    return np.asarray(100.0 * class_mean(right, [scenario.family for scenario in required], weights.T)[0], np.float64)
 
 
 def _cell(mark: Interval) -> str:

@@ -161,12 +161,13 @@ def _recording(row: dict[str, str], folder: Path, speed: str) -> MeasuredRecordi
     seconds = _stated(row, "seconds", "s") or math.inf
     if seconds < SHORTEST:
         raise Refusal(f"seconds = {row['seconds']}, but a verdict needs {SHORTEST:g} s: leave {row['name']} out")
-    name, machine = row["name"], row.get("machine") or _machine(row["rig"], rate)
+    name, rig = row["name"], row["rig"]
+    machine = row.get("machine") or rig.removesuffix(f"{rate / 1000.0:g}") or rig
     bearing = row.get("bearing") or f"{row['truth']} {name.rpartition('_')[0] or name}"
     pitch = _stated(row, "pitch_diameter_mm", "mm", _range("bearing.pitch_radius", 2e3))
     return MeasuredRecording(
         name=name,
-        rig=row["rig"],
+        rig=rig,
         machine=machine,
         truth=row["truth"],
         rate=rate,
@@ -232,11 +233,6 @@ def _stated(row: dict[str, str], column: str, unit: str, limits: tuple[float, fl
     if not low <= value <= high:
         raise Refusal(f"{column} = {text} is outside {low:g} .. {high:g} {unit}: give it in {unit}, or leave it empty")
     return value
-
-
-def _machine(rig: str, rate: int) -> str:
-    """Return the name of a rig without a number of kHz at its end that is the sampling rate [Hz]."""
-    return rig.removesuffix(f"{rate / 1000.0:g}") or rig
 
 
 def diagnose(recording: MeasuredRecording, parameters: DetectorParameters, *, gain: float = 1.0, seconds: float = LONGEST) -> Diagnosis:

@@ -9,14 +9,14 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from typing import Any
 
 from dcrb_ros.exam.detector_process import FAILED, LEFTOVER, MESSAGE, NOTHING, READY, REFUSED, STATUSES, VERDICT, Begin, Request
 from dcrb_ros.exam.detector_run import Signal, detector_blocks
-from dcrb_ros.exam.evaluation import CandidateRefusal, Outcome
+from dcrb_ros.exam.evaluation import AnyOutcome, CandidateRefusal, Outcome
 from dcrb_ros.exam.limits import Limits
 from dcrb_ros.exam.packets import receive_packet, send_packet
 from dcrb_ros.exam.running_detector import checked_output
@@ -88,26 +88,23 @@ class DetectorProcess:
             Refusal: the signal cannot be read, or the detector has no ``update`` or returns an unknown verdict.
         """
         outcome = Outcome()
-
-        def exchange() -> None:
+        with self.guarded(outcome):
             for diagnosis in self._diagnoses(signal):
                 outcome.received.append(diagnosis)
-
-        outcome.failure = self.guarded(exchange)
         return outcome
 
-    def guarded(self, exchange: Callable[[], None]) -> str:
-        """Run the exchange of a scenario; return why the detector failed, or nothing. After a failure the process is closed."""
+    @contextmanager
+    def guarded(self, outcome: AnyOutcome) -> Iterator[None]:
+        """Write to an outcome why the detector failed in the exchange of a scenario. After a failure the process is closed."""
         self._output.restart()
         try:
-            exchange()
+            yield
         except DetectorFailure as failure:
             self.close()
-            return f"{failure}{self._output.last_lines()}"
+            outcome.failure = f"{failure}{self._output.last_lines()}"
         except BaseException:
             self.close()
             raise
-        return ""
 
     def _diagnoses(self, signal: Signal) -> Iterator[ReceivedDiagnosis]:
         rate = signal.sampling_rate
@@ -239,15 +236,6 @@ def running_process(given: str, limits: Limits) -> Iterator[DetectorProcess]:
     yield process
     if not process.closed:
         _PROCESSES[key] = process
-
-
-def check_plugin(given: str, limits: Limits) -> None:
-    """Import a detector in a process of its own.
-
-    Raises:
-        CandidateRefusal: it cannot be imported.
-    """
-    DetectorProcess(given, limits).close()
 
 
 def _signal_name(number: int) -> Any:

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from dcrb_ros.exam.correlation import kendall_tau, mean_maximum_rank_violation, pearson_r, spearman_rho
 from dcrb_ros.exam.exam_score import interval
-from dcrb_ros.exam.statistics import Interval
+from dcrb_ros.exam.statistics import Interval, class_mean
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
 
@@ -96,20 +96,6 @@ class Predictivity:
     statistics: Mapping[str, Statistic]
 
 
-def class_mean(marks: Floats, truths: Sequence[str], weights: Floats) -> Floats:
-    """Return the mean over the classes of the weighted mean over their recordings, shape (detectors, samples) [-].
-
-    ``marks`` has shape (detectors, recordings), ``weights`` (recordings, samples). A class without weight in a sample is left out of it.
-    """
-    total, present = np.zeros((len(marks), weights.shape[1])), np.zeros(weights.shape[1])
-    for truth in sorted(set(truths)):
-        members = np.array([other == truth for other in truths])
-        whole = weights[members].sum(axis=0)
-        total += np.where(whole > 0.0, marks[:, members] @ weights[members] / np.where(whole > 0.0, whole, 1.0), 0.0)
-        present += whole > 0.0
-    return np.asarray(total / np.maximum(present, 1.0), np.float64)
-
-
 def scopes(recordings: Sequence[Compared]) -> Iterator[tuple[str, list[int]]]:
     """Yield the name of each scope and the positions of its recordings."""
     everything = list(range(len(recordings)))
@@ -127,11 +113,7 @@ def scopes(recordings: Sequence[Compared]) -> Iterator[tuple[str, list[int]]]:
 
 
 def check_families(families: Iterable[str], left_out: Sequence[str] = ()) -> None:
-    """Refuse fewer families than an order takes; the sentence has the first reason why a detector is ``left_out``.
-
-    Raises:
-        Refusal: there are fewer than three families of detectors.
-    """
+    """Refuse fewer than three families of detectors; the sentence has the first reason why a detector is ``left_out``."""
     count = len(set(families))
     if count < FEWEST:
         because = f" ({len(left_out)} left out, such as {left_out[0]})" if left_out else ""

@@ -11,19 +11,16 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from dcrb_ros.core.signed_file import DamagedFile, read_signed, signed
 from dcrb_ros.exam.detector_families import BrokenFamily, Member, left_out
 from dcrb_ros.exam.evaluation import OnDone
 from dcrb_ros.exam.limits import Limits
 from dcrb_ros.exam.measured import measured_criteria
 from dcrb_ros.exam.plugin_process import DetectorProcess
 from dcrb_ros.exam.predictivity_task import Task
-from dcrb_ros.exam.recording_cache import OTHER_FOLDER
+from dcrb_ros.exam.recording_cache import OTHER_FOLDER, keep, kept_content
 from dcrb_ros.exam.scoring import score_scenario
-from dcrb_ros.runtime.exit_status import print_error
 from dcrb_ros.runtime.processes import in_processes
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.text.writing import write_whole
 
 ANSWERS = "answers"
 """Subfolder of the answers in the folder of the exam's recordings."""
@@ -60,23 +57,21 @@ def answers_of(
         raise Refusal(f"{store} cannot hold the answers: {error.strerror}; {OTHER_FOLDER}") from None
     answers: dict[str, Mapping[str, str]] = {}
     broken: list[BrokenFamily] = []
-    kept = {member.name: _kept(store, member) for member in members}
+    kept = {member: _kept(store, member) for member in members}
     calls = {}
-    for member in members:
-        missing = [task for task in tasks if task.digest not in kept[member.name]]
-        calls[member] = partial(run_member, member.given, missing, limits)
     with progress as on_done:
-        for member in members:
-            if not calls[member].args[1]:
-                answers[member.name] = kept[member.name]
+        for member, known in kept.items():
+            if missing := [task for task in tasks if task.digest not in known]:
+                calls[member] = partial(run_member, member.given, missing, limits)
+            else:
+                answers[member.name] = known
                 on_done(member.name)
-        waiting = {member: call for member, call in calls.items() if member.name not in answers}
-        for member, outcome in in_processes(waiting, min(workers, len(waiting))) if waiting else ():
+        for member, outcome in in_processes(calls, workers):
             if isinstance(outcome, str):
                 broken.append(BrokenFamily(member.name, outcome))
             else:
-                answers[member.name] = {**kept[member.name], **outcome}
-                _keep(store, member, answers[member.name])
+                answers[member.name] = {**kept[member], **outcome}
+                keep(_file(store, member), json.dumps(answers[member.name]).encode())
             on_done(member.name)
     return Answers(answers, tuple(broken))
 
@@ -106,17 +101,5 @@ def _file(store: Path, member: Member) -> Path:
 
 
 def _kept(store: Path, member: Member) -> Mapping[str, str]:
-    """Return the kept answers of a member; none if the file is missing, or is not as it was written, which is reported."""
-    try:
-        answers: dict[str, str] = json.loads(read_signed(_file(store, member)))
-    except FileNotFoundError:
-        return {}
-    except DamagedFile as error:
-        print_error("dcrb", f"{error}; {member.name} judges the recordings again")
-        return {}
-    return answers
-
-
-def _keep(store: Path, member: Member, answers: Mapping[str, str]) -> None:
-    file = _file(store, member)
-    write_whole(file, signed(file, json.dumps(answers).encode()), otherwise=OTHER_FOLDER)
+    """Return the kept answers of a member by the digest of the task."""
+    return dict(json.loads(kept_content(_file(store, member), f"{member.name} judges the recordings again") or "{}"))

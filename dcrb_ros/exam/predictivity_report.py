@@ -19,11 +19,11 @@ from dcrb_ros.exam.leaderboard_entry import Entry
 from dcrb_ros.exam.led_signal import LEAD
 from dcrb_ros.exam.limits import Limits
 from dcrb_ros.exam.measured import TABLE, led_scenarios, read_measured, read_table
-from dcrb_ros.exam.predictivity import Compared, Marks, Predictivity, check_families, class_mean, predictivities
+from dcrb_ros.exam.predictivity import Compared, Marks, Predictivity, check_families, predictivities
 from dcrb_ros.exam.predictivity_marks import answers_of
 from dcrb_ros.exam.predictivity_task import Task, measured_tasks, simulate_missing, simulated_tasks
 from dcrb_ros.exam.replica import table_digest
-from dcrb_ros.exam.statistics import CONFIDENCE, Interval
+from dcrb_ros.exam.statistics import CONFIDENCE, Interval, class_mean
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal, repeated

@@ -73,7 +73,7 @@ def simulated_tasks(exam: Exam, recordings: Sequence[MeasuredRecording], folder:
 
 def simulate_missing(tasks: Sequence[Task[SimulatedRecording]], workers: int, progress: AbstractContextManager[OnDone]) -> None:
     """Simulate the recordings and their leads that are missing, with more than one worker in processes of their own."""
-    recordings = {one.name: one for task in tasks for one in (task.signal.recording, task.signal.lead) if one is not None}
+    recordings = {one.name: one for task in tasks for one in task.signal.recordings}
     with progress as on_done:
         missing = {}
         for name, one in recordings.items():
@@ -81,10 +81,7 @@ def simulate_missing(tasks: Sequence[Task[SimulatedRecording]], workers: int, pr
                 on_done(name)
             else:
                 missing[name] = partial(cached_recording, one.case, one.folder)
-        done = (
-            in_processes(missing, min(workers, len(missing))) if workers > 1 and missing else ((k, call()) for k, call in missing.items())
-        )
-        for name, _ in done:
+        for name, _ in in_processes(missing, workers) if workers > 1 else ((name, call()) for name, call in missing.items()):
             on_done(name)
 
 

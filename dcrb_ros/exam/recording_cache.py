@@ -16,12 +16,14 @@ from pathlib import Path
 
 import platformdirs
 
+from dcrb_ros.core.signed_file import DamagedFile, read_signed, signed
 from dcrb_ros.exam.case import Case, canonical
 from dcrb_ros.messages.topic import SimulatedTopic
 from dcrb_ros.messages.topics import GROUND_TRUTH, TEMPERATURES, VIBRATION
 from dcrb_ros.recordings.manifest import model_fingerprint, software
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.recordings.splitting import RecordingFailed
+from dcrb_ros.runtime.exit_status import print_error
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.loop import Simulation
@@ -29,7 +31,7 @@ from dcrb_ros.simulation.scenario import scheduled_changes
 from dcrb_ros.text.files import open_regular, read_text
 from dcrb_ros.text.json import parsed_json
 from dcrb_ros.text.temporary import remove_abandoned, temporary
-from dcrb_ros.text.writing import remedy_of, sync
+from dcrb_ros.text.writing import remedy_of, sync, write_whole
 
 RECORDED: tuple[SimulatedTopic, ...] = (VIBRATION, GROUND_TRUTH)
 """Topics of every recording."""
@@ -68,6 +70,26 @@ def checked_folder(folder: Path) -> Iterator[Path]:
         remove_abandoned(folder)
 
 
+def kept_content(path: Path, consequence: str) -> bytes | None:
+    """Return what `keep` wrote to a file; None if there is none, or if it is damaged, which is reported with its ``consequence``."""
+    try:
+        return read_signed(path)
+    except FileNotFoundError:
+        return None
+    except DamagedFile as error:
+        print_error("dcrb", f"{error}; {consequence}")
+        return None
+
+
+def keep(path: Path, content: bytes) -> None:
+    """Write a content to a file with its checksum.
+
+    Raises:
+        Refusal: the file cannot be written.
+    """
+    write_whole(path, signed(path, content), otherwise=OTHER_FOLDER)
+
+
 def case_hash(case: Case) -> str:
     """Return the SHA-256 of everything on which the recording of a case depends: the run, the model and the software versions."""
     about = [case.simulation.described(), model_fingerprint(), software()]
@@ -95,7 +117,7 @@ def cached_recording(case: Case, folder: Path) -> Path:
         flaw = recording_flaw(case, path)
         if not flaw:
             return path
-        _report(f"scenario '{case.expectation.name}': {path} {flaw}; it is simulated again")
+        print_error("dcrb", f"scenario '{case.expectation.name}': {path} {flaw}; it is simulated again")
     try:
         folder.mkdir(parents=True, exist_ok=True)  # dcrb cache --clear may have removed it since the start
         with temporary(folder) as making:
@@ -151,12 +173,6 @@ def _file_hash(file: Path) -> str:
         while chunk := stream.read(1 << 20):
             digest.update(chunk)
     return digest.hexdigest()
-
-
-def _report(sentence: str) -> None:
-    from dcrb_ros.runtime.exit_status import print_error
-
-    print_error("dcrb", sentence)
 
 
 def is_recorded(case: Case, folder: Path) -> bool:

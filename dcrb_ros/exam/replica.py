@@ -71,11 +71,7 @@ class ReplicaPlan:
     """Parts that are left out, of `PARTS`."""
 
     def check(self) -> None:
-        """Refuse values out of range.
-
-        Raises:
-            Refusal: a value is out of range.
-        """
+        """Refuse values out of range."""
         if not 0 <= self.seed < SEEDS:
             raise Refusal(f"seed = {self.seed} is outside 0 .. {SEEDS - 1}: give a whole number in this range")
         if not 1 <= self.counterparts <= self.machines <= 64:

@@ -79,12 +79,8 @@ def bearing_settings(geometry: RollerGeometry, bench: Configuration, pitch_radiu
     """Return the parameters of a bearing of a geometry, scaled from that of a bench.
 
     Lengths grow with the rolling elements, their masses with the cube and inertias with the fifth power of their size. The masses of rings
-    and cage grow with the cube of the pitch radius, and the clearance of a larger bearing with the pitch radius.
-
-    Args:
-        geometry: of the bearing.
-        bench: the configuration that is scaled.
-        pitch_radius: of the bearing [m]. By default that of the bench, or larger if the rolling elements were smaller than `SMALLEST_SIZE`.
+    and cage grow with the cube of the pitch radius, and the clearance of a larger bearing with the pitch radius. That radius is by
+    default the one of the bench [m], or a larger one if the rolling elements were smaller than `SMALLEST_SIZE`.
     """
     known = bench.bearing
     own = known.own_roller_radius

@@ -5,6 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 
+import numpy as np
+
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.vehicle_speed import SPEED
 from dcrb_ros.simulation.scenario import RAMPS, ScheduledChange
@@ -13,43 +16,25 @@ Knot = tuple[float, float]
 """Time [s] and speed [rad/s]."""
 
 
-def revolutions(knots: Sequence[Knot], begin: float, end: float) -> float:
+def revolutions(knots: Sequence[Knot] | Floats, begin: float, end: float) -> float:
     """Return the revolutions from ``begin`` to ``end`` [s], counted in either direction [-].
 
     n = integral of |omega| dt / (2 pi). The speed is constant before the first and after the last knot, and 0 without knots.
     """
-    if not knots or end <= begin:
+    if not len(knots) or end <= begin:
         return 0.0
-    times = [begin, *(time for time, _ in knots if begin < time < end), end]
-    speeds = [_speed(knots, time) for time in times]
-    angles = (_angle(t1 - t0, v0, v1) for t0, t1, v0, v1 in zip(times, times[1:], speeds, speeds[1:], strict=False))
-    return math.fsum(angles) / (2.0 * math.pi)
+    known, speed = np.asarray(knots, np.float64).T
+    times = np.concatenate([[begin], known[np.searchsorted(known, begin, "right") : np.searchsorted(known, end)], [end]])
+    speeds = np.interp(times, known, speed)
+    first, last = speeds[:-1], speeds[1:]
+    both = np.abs(first) + np.abs(last)
+    # Where a speed changes its sign, the integral is that of two triangles.
+    mean = np.where(first * last >= 0.0, both, (first**2 + last**2) / np.maximum(both, np.finfo(np.float64).tiny))
+    return math.fsum(0.5 * np.diff(times) * mean) / (2.0 * math.pi)
 
 
-def _speed(knots: Sequence[Knot], time: float) -> float:
-    """Return the speed at a time [rad/s]."""
-    before = knots[0]
-    for after in knots:
-        if after[0] >= time:
-            span = after[0] - before[0]
-            return after[1] if span <= 0.0 else before[1] + (after[1] - before[1]) * (time - before[0]) / span
-        before = after
-    return before[1]
-
-
-def _angle(span: float, first: float, last: float) -> float:
-    """Return the integral of the absolute value of a linear speed over ``span`` seconds [rad]."""
-    if first * last >= 0.0:
-        return 0.5 * span * (abs(first) + abs(last))
-    return 0.5 * span * (first * first + last * last) / (abs(first) + abs(last))
-
-
-def speed_knots(configuration: Configuration, changes: Iterable[ScheduledChange]) -> tuple[Knot, ...]:
-    """Return the speed of a run as knots: every target is approached at the ramp that holds at the time."""
-    return tuple(_knots(configuration, changes))
-
-
-def _knots(configuration: Configuration, changes: Iterable[ScheduledChange]) -> Iterator[Knot]:
+def speed_knots(configuration: Configuration, changes: Iterable[ScheduledChange]) -> Iterator[Knot]:
+    """Yield the speed of a run as knots: every target is approached at the ramp that holds at the time."""
     time, speed = 0.0, configuration.operating.speed
     target, ramp = speed, configuration.operating.speed_ramp
     yield time, speed

@@ -186,11 +186,7 @@ def checked_statuses(output: Any, description: VehicleDescription) -> dict[str, 
 
 
 def _check_boxes(names: Iterable[str], description: VehicleDescription) -> None:
-    """Refuse a status on a part of a box that the vehicle does not have; it would count for no box.
-
-    Raises:
-        Refusal: there is one.
-    """
+    """Refuse a status on a part of a box that the vehicle does not have; it would count for no box."""
     boxes = [box.name for box in description.boxes]
     for name in names:
         box, _, part = name.rpartition("/")

@@ -127,20 +127,21 @@ def score_scenario(
     scores = [d.score for d in ordered if d.score is not None and (d.time >= onset or not expectation.faulty)]
     broken = failure or _silence(expectation, ordered, criteria)
     flaw = broken or _flaw(expectation, answer, delay, limit, alarms)
+    healthy_from, healthy_until = expectation.healthy_span
     return ScenarioResult(
         expectation,
         answer,
         delay,
         _delay(ordered, frozenset(BEARING_FAULTS) | {"sensor"}, onset, expectation.duration) if expectation.faulty else None,
         alarms,
-        _healthy_time(expectation),
+        healthy_until - healthy_from,
         max(scores, default=None),
         len(ordered),
         flaw,
         bool(broken) or not _answered(expectation, answer),
         credit(expectation, ordered, criteria),
         None if delay is None else expectation.revolutions(onset, onset + delay),
-        expectation.revolutions(*expectation.healthy_span),
+        expectation.revolutions(healthy_from, healthy_until),
         tuple(ordered),
         failure,
     )
@@ -173,12 +174,6 @@ def _false_alarms(expectation: Expectation, diagnoses: Sequence[ReceivedDiagnosi
             yield FalseAlarm(diagnosis.time, diagnosis.verdict, diagnosis.reason)
         if diagnosis.verdict != WAITING:
             current = diagnosis.verdict if diagnosis.alarm else ""
-
-
-def _healthy_time(expectation: Expectation) -> float:
-    """Return the time during which a bearing alarm is false, without the part that the twin contains [s]."""
-    begin, end = expectation.healthy_span
-    return end - begin
 
 
 def _delay(diagnoses: Sequence[ReceivedDiagnosis], wanted: frozenset[str], onset: float, limit: float) -> float | None:

@@ -10,7 +10,6 @@ import hashlib
 import math
 import secrets
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -46,15 +45,6 @@ class SealedExam(Group):
     template: dict[str, Any]
 
 
-@dataclass(frozen=True)
-class OpenedExam:
-    """A sealed exam whose secret has been revealed."""
-
-    exam: Exam
-    tree: Mapping[str, Any]
-    """The exam file."""
-
-
 def new_secret() -> str:
     """Return a secret seed of 256 bits as hexadecimal digits."""
     return secrets.token_hex(SECRET_DIGITS // 2)
@@ -85,8 +75,8 @@ def commitment(template: Any, secret: str) -> str:
     return hashlib.sha256(about.encode()).hexdigest()
 
 
-def open_exam(sealed: SealedExam, secret: str, source: str) -> OpenedExam:
-    """Return the exam that was sealed.
+def open_exam(sealed: SealedExam, secret: str, source: str) -> tuple[Exam, dict[str, Any]]:
+    """Return the exam that was sealed, and its file as a tree.
 
     Raises:
         Refusal: the secret is not the one with which it was sealed.
@@ -94,7 +84,7 @@ def open_exam(sealed: SealedExam, secret: str, source: str) -> OpenedExam:
     if commitment(sealed.template, secret) != sealed.sealed:
         raise Refusal(f"{source} was not sealed with this secret, or its template has been changed: its SHA-256 is {sealed.sealed}")
     tree = {**drawn_exam(sealed.template, secret, source), "seal": sealed.sealed}
-    return OpenedExam(exam_of(tree, source), tree)
+    return exam_of(tree, source), tree
 
 
 def read_sealed(path: Path) -> SealedExam:

@@ -8,6 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.stats import binomtest, chi2
 
+from dcrb_ros.schema.arrays import Floats
+
 CONFIDENCE = 0.95
 """Confidence level of every interval [-]."""
 
@@ -42,6 +44,20 @@ def share(count: int, of: int) -> Interval:
     return Interval(count / of, float(limits.low), float(limits.high))
 
 
+def class_mean(marks: Floats, truths: Sequence[str], weights: Floats) -> Floats:
+    """Return the mean over the classes of the weighted mean over their scenarios, shape (detectors, samples) [-].
+
+    ``marks`` has shape (detectors, scenarios), ``weights`` (scenarios, samples). A class without weight in a sample is left out of it.
+    """
+    total, present = np.zeros((len(marks), weights.shape[1])), np.zeros(weights.shape[1])
+    for truth in sorted(set(truths)):
+        members = np.array([other == truth for other in truths])
+        whole = weights[members].sum(axis=0)
+        total += np.where(whole > 0.0, marks[:, members] @ weights[members] / np.where(whole > 0.0, whole, 1.0), 0.0)
+        present += whole > 0.0
+    return np.asarray(total / np.maximum(present, 1.0), np.float64)
+
+
 def partial_area(faulty: Sequence[float], healthy: Sequence[float], share: float) -> float | None:
     """Return the area under the receiver operating characteristic up to a false positive rate, divided by that rate [-].
 
@@ -51,13 +67,6 @@ def partial_area(faulty: Sequence[float], healthy: Sequence[float], share: float
     highest = sorted(healthy, reverse=True)[: int(share * len(healthy) + 1e-9)]
     curve = characteristic(faulty, highest)
     return None if curve is None else curve.area
-
-
-def harmonic_mean(values: Sequence[float]) -> float:
-    """Return the harmonic mean of values that are not negative [-]; 0 if one of them is 0, NaN if there are none."""
-    if not values:
-        return float("nan")
-    return 0.0 if min(values) <= 0.0 else len(values) / sum(1.0 / value for value in values)
 
 
 def percentile(values: Sequence[float], percent: float) -> float:

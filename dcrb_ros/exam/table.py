@@ -183,14 +183,8 @@ def _count(count: int, *, correct: bool) -> Text:
 
 def _failures(report: Report) -> Iterator[RenderableType]:
     wrong = [result for result in report.results if not result.passed]
-    rows = [
-        (
-            result.expectation.name + (" (not required)" if result.excused else ""),
-            result.expectation.verdict,
-            result.flaw,
-        )
-        for result in wrong[:MOST_FAILURES]
-    ]
+    shown = ((result, result.expectation) for result in wrong[:MOST_FAILURES])
+    rows = [(e.name + (" (not required)" if result.excused else ""), e.verdict, result.flaw) for result, e in shown]
     yield from _filled(f"{len(wrong)} of {len(report.results)} scenarios failed", ("scenario", "correct verdict", "reason"), rows)
     if len(wrong) > MOST_FAILURES:
         yield f"and {len(wrong) - MOST_FAILURES} more: --json and --junit list all of them"

@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
-from itertools import islice
+from itertools import groupby, islice
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -140,7 +140,6 @@ def detection_report(diagnosed: Sequence[DiagnosedRecording]) -> str:
     return environment.get_template("detection_report.html").render(
         sections=sections,
         trend=_trend(diagnosed) if len(diagnosed) > 1 else "",
-        trend_rows=[_trend_row(entry) for entry in diagnosed],
         fault_lines=list(FAULT_LINES),
         limits=LIMITS,
         versions=[("dcrb_ros", __version__), *((name, version(name)) for name in LIBRARIES)],
@@ -164,6 +163,7 @@ def _section(number: int, entry: DiagnosedRecording) -> dict[str, Any]:
         # The page has another spectrum, in the band of the evidence.
         "remarks": [printable(remark) for remark in last.remarks if remark != last.spectrum_remark],
         "lines": [_line_row(component, last) for component in COMPONENTS],
+        "sizes": [f"{last.lines[component].size:.3g}" if component in last.lines else "–" for component in COMPONENTS],
         "judged": str(entry.judged),
         "figures": _figures(entry, content),
         "changes": _changes_of_verdict(entry.result.history, recording.sampling_rate),
@@ -208,18 +208,14 @@ def _figures(entry: DiagnosedRecording, content: Content) -> list[tuple[str, str
         return [(f"No waveform: there are no samples {judged}.", "")]
     span = judged.first / rate, (judged.last + 1) / rate
     waveform = joined_waveform(content.judged, rate, recording.orders, recording.path, *span)
-    figures.append((f"Waveform, samples {judged}.", _waveform_picture(waveform, content.axes)))
+    figure = Figure(figsize=(9.0, 2.6), dpi=RESOLUTION, layout="constrained")
+    plot_waveform(waveform, ax=figure.subplots(), axis=content.axes)
+    figures.append((f"Waveform, samples {judged}.", _picture(figure)))
     figures.append(_spectrum_figure(entry, waveform))
     if len(entry.result.history) > 1:
         first, last = entry.result.history[0].index, entry.result.history[-1].index
         figures.append((f"Level of the lines over background, one value for each hop, samples up to {first} .. {last}.", _history(entry)))
     return figures
-
-
-def _waveform_picture(waveform: Waveform, axes: Literal["both", "y"]) -> str:
-    figure = Figure(figsize=(9.0, 2.6), dpi=RESOLUTION, layout="constrained")
-    plot_waveform(waveform, ax=figure.subplots(), axis=axes)
-    return _picture(figure)
 
 
 def _spectrum_figure(entry: DiagnosedRecording, waveform: Waveform) -> tuple[str, str]:
@@ -252,21 +248,16 @@ def _history(entry: DiagnosedRecording) -> str:
 
 def _changes_of_verdict(history: Iterable[Diagnosis], rate: int) -> list[dict[str, str]]:
     """Return the diagnoses at which the verdict changed."""
-    rows: list[dict[str, str]] = []
-    previous = ""
-    for diagnosis in history:
-        if diagnosis.verdict != previous:
-            rows.append(
-                {
-                    "time": f"{diagnosis.time:.2f}",
-                    "sample": str(diagnosis.index),
-                    "verdict": TITLES.get(diagnosis.verdict, diagnosis.verdict),
-                    "confidence": f"{diagnosis.confidence:.2f}",
-                    "reason": printable(diagnosis.reason),
-                }
-            )
-        previous = diagnosis.verdict
-    return rows
+    return [
+        {
+            "time": f"{diagnosis.time:.2f}",
+            "sample": str(diagnosis.index),
+            "verdict": TITLES.get(diagnosis.verdict, diagnosis.verdict),
+            "confidence": f"{diagnosis.confidence:.2f}",
+            "reason": printable(diagnosis.reason),
+        }
+        for diagnosis in (next(same) for _, same in groupby(history, key=lambda diagnosis: diagnosis.verdict))
+    ]
 
 
 def _conditions(entry: DiagnosedRecording, content: Content) -> list[tuple[str, str]]:
@@ -304,20 +295,6 @@ def _conditions(entry: DiagnosedRecording, content: Content) -> list[tuple[str, 
     if not recording.complete:
         conditions += [("damage", printable(description)) for description in recording.damage]
     return conditions
-
-
-def _trend_row(entry: DiagnosedRecording) -> dict[str, Any]:
-    """Return one row of the table over recordings."""
-    last = entry.result.last
-    sizes = [f"{last.lines[component].size:.3g}" if component in last.lines else "–" for component in COMPONENTS]
-    return {
-        "name": printable(entry.name),
-        "verdict": title_of(last.verdict, last.scores),
-        "state": "alarm" if is_alarm(last.verdict) else last.verdict,
-        "confidence": f"{last.confidence:.2f}",
-        "sizes": sizes,
-        "judged": str(entry.judged),
-    }
 
 
 def _trend(diagnosed: Sequence[DiagnosedRecording]) -> str:

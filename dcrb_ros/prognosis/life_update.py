@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.prognosis.remaining_life import RemainingLife, operating_hours, representable
-from dcrb_ros.schema.arguments import checked_arguments, number, numbers
+from dcrb_ros.prognosis.remaining_life import RemainingLife, operating_hours, probability, representable
+from dcrb_ros.schema.arguments import checked_arguments, numbers
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
 
@@ -42,7 +42,8 @@ def _histories(name: str, value: Any) -> None:
         numbers(name, severity)
 
 
-@checked_arguments(hours=operating_hours, severity=numbers, failed=_histories, coverage=number)
+@checked_arguments(hours=operating_hours, severity=numbers, failed=_histories, coverage=probability)
+@representable()
 def update_remaining_life(
     hours: npt.ArrayLike,
     severity: npt.ArrayLike,
@@ -89,18 +90,8 @@ def update_remaining_life(
     >>> life.low < life.median < life.high
     True
     """
-    if not 0.0 < coverage < 1.0:
-        raise Refusal(f"coverage = {coverage:g} is outside 0 .. 1, both excluded: give a probability such as 0.9")
     if len(failed) < FEWEST_LIVES:
         raise Refusal(f"{len(failed)} failed bearings give no distribution of lives: give at least {FEWEST_LIVES}")
-    with representable():
-        return _updated(hours, severity, failed, coverage)
-
-
-def _updated(
-    hours: npt.ArrayLike, severity: npt.ArrayLike, failed: Sequence[tuple[npt.ArrayLike, npt.ArrayLike]], coverage: float
-) -> RemainingLife:
-    """Return the remaining life of `update_remaining_life`."""
     known = [_history(times, levels, 2, f"failed bearing {number}") for number, (times, levels) in enumerate(failed, 1)]
     time, level = _history(hours, severity, 1, "the bearing")
     lives = np.array([times[-1] for times, _ in known])

@@ -21,14 +21,17 @@ Growth = Literal["exponential", "linear", "hyperbolic"]
 
 
 def operating_hours(name: str, value: Any) -> None:
-    """Refuse what is not an array of numbers; dates of numpy would count as nanoseconds.
-
-    Raises:
-        Refusal: see above.
-    """
+    """Refuse what is not an array of numbers; dates of numpy would count as nanoseconds."""
     numbers(name, value)
     if np.asarray(value).dtype.kind in "mM":
         raise Refusal(f"{name} is an array of dates or times: give hours as numbers, such as (dates - dates[0]) / np.timedelta64(1, 'h')")
+
+
+def probability(name: str, value: Any) -> None:
+    """Refuse what is not a probability between 0 and 1."""
+    number(name, value)
+    if not 0.0 < value < 1.0:
+        raise Refusal(f"{name} = {value:g} is outside 0 .. 1, both excluded: give a probability such as 0.9")
 
 
 @dataclass(frozen=True)
@@ -45,7 +48,7 @@ class RemainingLife:
     """Probability with which the interval contains the remaining life [-]."""
 
 
-@checked_arguments(hours=operating_hours, severity=numbers, limit=number, growth=of_type(str), coverage=number, limit_deviation=number)
+@checked_arguments(hours=operating_hours, severity=numbers, limit=number, growth=of_type(str), coverage=probability, limit_deviation=number)
 def estimate_remaining_life(
     hours: npt.ArrayLike,
     severity: npt.ArrayLike,
@@ -102,7 +105,7 @@ def estimate_remaining_life(
     '98 h, 79 to 120 h'
     """
     with representable():
-        time, level, target = _checked(hours, severity, limit, growth, coverage, limit_deviation)
+        time, level, target = _checked(hours, severity, limit, growth, limit_deviation)
         life = _crossing(time, level, target, coverage, limit_deviation)
         if math.isnan(life.low + life.median + life.high):
             raise FloatingPointError  # Python's own numbers overflow without an exception
@@ -111,11 +114,7 @@ def estimate_remaining_life(
 
 @contextmanager
 def representable() -> Iterator[None]:
-    """Refuse numbers so large or so close together that floating-point numbers cannot represent a result.
-
-    Raises:
-        Refusal: the calculation in the context overflows or divides by zero.
-    """
+    """Refuse numbers so large or so close together that the calculation in the context overflows or divides by zero."""
     try:
         with np.errstate(over="raise", divide="raise", invalid="raise"):
             yield
@@ -157,15 +156,11 @@ def _crossing(time: Floats, level: Floats, target: float, coverage: float, devia
     return RemainingLife(median, min(low, median), max(high, median), coverage)
 
 
-def _checked(
-    hours: npt.ArrayLike, severity: npt.ArrayLike, limit: float, growth: str, coverage: float, deviation: float
-) -> tuple[Floats, Floats, float]:
+def _checked(hours: npt.ArrayLike, severity: npt.ArrayLike, limit: float, growth: str, deviation: float) -> tuple[Floats, Floats, float]:
     """Return hours, level and limit as they are fitted."""
     growths = get_args(Growth)
     if growth not in growths:
         raise Refusal(f"growth = {growth!r} is not one of {', '.join(growths)}{nearest(str(growth), growths)}")
-    if not 0.0 < coverage < 1.0:
-        raise Refusal(f"coverage = {coverage:g} is outside 0 .. 1, both excluded: give a probability such as 0.9")
     if not (deviation >= 0.0 and math.isfinite(deviation)):
         raise Refusal(f"limit_deviation = {deviation:g} is not a finite number from 0 on: give a standard deviation, 0 for a known limit")
     time, level = np.asarray(hours, np.float64), np.asarray(severity, np.float64)

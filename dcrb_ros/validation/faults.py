@@ -6,12 +6,13 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
+from scipy.stats import kurtosis
 
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.validation.healthy import ROLLING_FORCE, energy_row
-from dcrb_ros.validation.measures import Spectrum, decibels, envelope_spectrum, kurtosis, load_zone, profile
-from dcrb_ros.validation.report_row import PAPER, PaperRuns, ReportRow, between, within
-from dcrb_ros.validation.runs import BROKEN_BAR, JOINTS, WIDTHS, PaperRun
+from dcrb_ros.validation.measures import Spectrum, decibels, envelope_spectrum, load_zone, profile
+from dcrb_ros.validation.report_row import PAPER, ReportRow, between, within
+from dcrb_ros.validation.runs import BROKEN_BAR, JOINTS, WIDTHS, PaperRun, PaperRuns
 
 SINK_POWER = {"revolute": (43.0, 47.0), "pocket": (36.0, 41.0)}
 """Accepted power that the law `sink` adds at a width of 2 mm [W]: this model's own; the work is not in the paper."""
@@ -47,9 +48,8 @@ def _outer_line(run: PaperRun) -> ReportRow:
     expected = run.rollers_per_row * run.cage_frequency
     line = spectrum(run).line(expected, 10.0)
     strongest = spectrum(run).largest(20.0, 1000.0) / line.frequency
-    return ReportRow(
+    return run.row(
         "Envelope line of an outer ring defect",
-        run.spec.joint,
         "133 Hz (Fig. 11c)",
         f"{line.frequency:.1f} Hz, {line.level:.0f} dB above its floor; strongest line: harmonic {strongest:.2f}",
         f"16 f_C = {expected:.1f} Hz, 1 %; strongest line at a harmonic",
@@ -60,9 +60,8 @@ def _outer_line(run: PaperRun) -> ReportRow:
 def _inner_line(run: PaperRun) -> ReportRow:
     expected = run.rollers_per_row * (run.shaft_frequency - run.cage_frequency)
     line = spectrum(run).line(expected, 5.0)
-    return ReportRow(
+    return run.row(
         "Envelope line of an inner ring defect",
-        run.spec.joint,
         "184 Hz (Fig. 11b)",
         f"{line.frequency:.1f} Hz, {line.level:.0f} dB above its floor",
         f"16 (f_r - f_C) = {expected:.1f} Hz, 1 %",
@@ -77,9 +76,8 @@ def _inner_sidebands(run: PaperRun) -> ReportRow:
     heights = [sum(line.amplitude for line in pair) for pair in pairs]
     levels = [min(line.level for line in pair) for pair in pairs]
     clear = sum(level > 10.0 for level in levels)
-    return ReportRow(
+    return run.row(
         "Sidebands of that line at f_r: pairs more than 10 dB above their floor",
-        run.spec.joint,
         "spaced by f_r, decreasing progressively (section 3.2)",
         f"{clear} of 4 pairs, " + ", ".join(f"{height:.0f}" for height in heights) + " m/s^2",
         "at least 2 pairs, non-increasing",
@@ -96,10 +94,12 @@ ZONE = 35.0
 def _inner_bursts(run: PaperRun, outer: PaperRun) -> ReportRow:
     size = np.abs(run.acceleration)
     azimuth = np.degrees(np.angle(np.exp(1j * run.shaft_angle[size > LARGE * size.max()])))
-    share, kurtoses = float(np.mean(np.abs(azimuth) <= ZONE)), [kurtosis(result.steady_acceleration) for result in (run, outer)]
-    return ReportRow(
+    share, kurtoses = (
+        float(np.mean(np.abs(azimuth) <= ZONE)),
+        [kurtosis(result.steady_acceleration, fisher=False) for result in (run, outer)],
+    )
+    return run.row(
         "Bursts of an inner ring defect while the defect is in the load zone",
-        run.spec.joint,
         "only there (Fig. 10c)",
         f"{100.0 * share:.1f} %; kurtosis {kurtoses[0]:.0f}, {kurtoses[1]:.0f} with an outer ring defect",
         "at least 90 % within 35 deg",
@@ -113,9 +113,8 @@ def _cage_comb(run: PaperRun, healthy: PaperRun) -> ReportRow:
     # The healthy bearing with pinned rollers has hardly any lines: a line must also exceed its floor.
     clear = sum(min(decibels(ours.amplitude / theirs.amplitude), ours.level) > 10.0 for ours, theirs in lines)
     strongest = broken.largest(2.0, 130.0)
-    return ReportRow(
+    return run.row(
         "Cage fracture: lines k f_C, k = 1..13, more than 10 dB above the healthy run and above their floor",
-        run.spec.joint,
         "7.9 Hz, theory 8.4 Hz (Fig. 11a)",
         f"{clear} of 13; strongest at {strongest:.2f} Hz = {strongest / run.cage_frequency:.2f} f_C",
         "at least 6, within 0.4 Hz",
@@ -133,9 +132,8 @@ def _freed_rollers(run: PaperRun) -> ReportRow:
     intact = load_zone(run.azimuth[settled][:, columns], run.inner_force[settled][:, columns])
     ends = ", ".join(f"{zone.entry:.1f}..{zone.exit:.1f}" for zone in freed)
     least = min(zone.asymmetry for zone in freed)
-    return ReportRow(
+    return run.row(
         "Load zone of the two freed rollers of a row, and of an intact roller opposite",
-        run.spec.joint,
         "larger and asymmetric (Fig. 10b)",
         f"{ends}, {intact.entry:.1f}..{intact.exit:.1f} deg; asymmetry {least:.1f}, {intact.asymmetry:.1f} deg",
         "asymmetry at least 2 deg, intact below 1 deg",
@@ -150,9 +148,8 @@ def _roller_line(run: PaperRun) -> ReportRow:
     line = envelope.line(expected, 3.0)
     pairs = [[envelope.line(line.frequency + side * run.cage_frequency, 1.0).level for side in (-pair, pair)] for pair in (1, 2, 3, 4)]
     clear = sum(min(levels) > 10.0 for levels in pairs)
-    return ReportRow(
+    return run.row(
         "Envelope line of a roller defect; pairs of sidebands at f_C more than 10 dB above their floor",
-        run.spec.joint,
         "-",
         f"{line.frequency:.1f} Hz, {line.level:.0f} dB above its floor; {clear} of 4 pairs",
         f"2 BSF = {expected:.1f} Hz, 1 %; at least 2 pairs",
@@ -188,9 +185,8 @@ def _tracked_roller(outer: PaperRun, healthy: PaperRun) -> ReportRow:
     pitch = 360.0 / outer.rollers_per_row
     usual = float(np.nanmedian(size[np.abs(azimuth) < 30.0]))
     peaks = [float(np.nanmax(size[np.abs(azimuth - middle) <= 1.5])) for middle in (-pitch, 0.0, pitch)]
-    return ReportRow(
+    return outer.row(
         "Outer ring defect, one roller: RMS deviation of its force at -22.5, 0, 22.5 deg",
-        outer.spec.joint,
         "large at 0, smaller when its neighbours pass the defect (Fig. 10d)",
         ", ".join(f"{peak / 1e3:.1f}" for peak in peaks) + f" kN; median {usual / 1e3:.2f} kN",
         "each more than 5 times the median, largest at 0",
@@ -200,9 +196,8 @@ def _tracked_roller(outer: PaperRun, healthy: PaperRun) -> ReportRow:
 
 def _force_scatter(outer: PaperRun, healthy: PaperRun) -> ReportRow:
     faulty, normal = (float(run.inner_ring_force[run.settled].std()) for run in (outer, healthy))
-    return ReportRow(
+    return outer.row(
         "Standard deviation of the total force: outer ring defect, healthy",
-        outer.spec.joint,
         "sudden changes (Fig. 10d)",
         f"{faulty / 1e3:.2f} kN, {normal / 1e3:.2f} kN",
         "more than 10 times the healthy one",
@@ -213,9 +208,8 @@ def _force_scatter(outer: PaperRun, healthy: PaperRun) -> ReportRow:
 def _severity(runs: list[PaperRun]) -> ReportRow:
     rms = [float(run.steady_acceleration.std()) for run in runs]
     peak = [float(np.abs(run.steady_acceleration).max()) for run in runs]
-    return ReportRow(
+    return runs[0].row(
         "Outer ring defect: RMS and peak at widths of " + ", ".join(f"{width:g}" for width in WIDTHS) + " mm",
-        runs[0].spec.joint,
         "-",
         ", ".join(f"{value:.0f}" for value in rms) + "; " + ", ".join(f"{value:.0f}" for value in peak) + " m/s^2",
         "increasing",
@@ -226,9 +220,8 @@ def _severity(runs: list[PaperRun]) -> ReportRow:
 def _healthy_line(healthy: PaperRun, outer: PaperRun) -> ReportRow:
     line = spectrum(healthy).line(healthy.rollers_per_row * healthy.cage_frequency, 3.0)
     below = decibels(spectrum(outer).line(outer.rollers_per_row * outer.cage_frequency, 3.0).amplitude / line.amplitude)
-    return ReportRow(
+    return healthy.row(
         "Line at f_O of the healthy bearing (variable compliance)",
-        healthy.spec.joint,
         "-",
         f"{line.amplitude:.1f} m/s^2, {line.level:.0f} dB above its floor, {below:.0f} dB below that of a 2 mm defect",
         "more than 10 dB above its floor, at least 25 dB below the defect",

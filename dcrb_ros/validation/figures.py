@@ -13,8 +13,7 @@ from matplotlib.figure import Figure
 from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.validation.faults import spectrum
 from dcrb_ros.validation.measures import passes
-from dcrb_ros.validation.report_row import PaperRuns
-from dcrb_ros.validation.runs import BROKEN_BAR, JOINTS, SETTLED, PaperRun
+from dcrb_ros.validation.runs import BROKEN_BAR, JOINTS, SETTLED, PaperRun, PaperRuns
 
 BLUE, ORANGE, GREY = "#1f6fb4", "#e07b00", "#8a8a8a"
 COLUMNS = {

@@ -36,8 +36,7 @@ def palmgren_moment(bore: float, outside: float, load: float, speed: float, visc
     """
     mean, rpm = 1e3 * 0.5 * (bore + outside), abs(speed) * 30.0 / math.pi
     viscous = 1e-7 * PALMGREN_VISCOUS[lubricant] * max(viscosity * rpm, LEAST_FLOW) ** (2.0 / 3.0) * mean**3
-    moment: float = 1e-3 * (viscous + PALMGREN_LOAD * load * mean)
-    return moment
+    return float(1e-3 * (viscous + PALMGREN_LOAD * load * mean))
 
 
 def friction_moment(bore: float, outside: float, load: float, speed: float, viscosity: float) -> float:
@@ -62,5 +61,4 @@ def friction_moment(bore: float, outside: float, load: float, speed: float, visc
     rolling = shear * starved * ROLLING * mean**2.41 * load**0.31 * flow**0.6
     boundary = math.exp(-2.6e-8 * flow**1.4 * mean)
     sliding = SLIDING * mean * load * (boundary * BOUNDARY_FRICTION + (1.0 - boundary) * SLIDING_FRICTION)
-    moment: float = 1e-3 * (rolling + sliding)
-    return moment
+    return float(1e-3 * (rolling + sliding))

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from dcrb_ros.validation.measures import load_zone, settling_time
-from dcrb_ros.validation.report_row import PAPER, PaperRuns, ReportRow, between, within
-from dcrb_ros.validation.runs import JOINTS, PaperRun
+from dcrb_ros.validation.report_row import PAPER, ReportRow, between, within
+from dcrb_ros.validation.runs import JOINTS, PaperRun, PaperRuns
 
 ROLLING_FORCE = 5e3
 """Normal force above which a roller is assumed to roll without sliding [N]."""
@@ -36,9 +36,8 @@ def healthy_rows(runs: PaperRuns) -> Iterator[ReportRow]:
 def _cage(run: PaperRun) -> ReportRow:
     most = 5e-4 if run.spec.joint == "revolute" else 1e-2
     orbit = "2 r_M" if run.spec.joint == "revolute" else "2 (r_I + r_R)"
-    return ReportRow(
+    return run.row(
         "Cage speed, steady",
-        run.spec.joint,
         "52.4 rad/s (section 2.3.2)",
         f"{run.mean_cage_speed:.3f} rad/s",
         f"omega_I r_I / {orbit} = {run.rolling_cage_speed:.3f} rad/s, {100.0 * most:g} %",
@@ -49,9 +48,8 @@ def _cage(run: PaperRun) -> ReportRow:
 def _spin(run: PaperRun) -> ReportRow:
     loaded = run.inner_force[run.settled] > ROLLING_FORCE
     absolute, relative = (float(spin[run.settled][loaded].mean()) for spin in (run.spin, run.relative_spin))
-    return ReportRow(
+    return run.row(
         "Roller spin in the load zone, relative to the cage and absolute",
-        run.spec.joint,
         "-380.5 rad/s, - (section 2.3.2)",
         f"{relative:.1f}, {absolute:.1f} rad/s",
         f"{RELATIVE_SPIN}, {ABSOLUTE_SPIN} rad/s, 1.5 %",
@@ -69,9 +67,8 @@ def _total_force(run: PaperRun) -> ReportRow:
     force = run.inner_ring_force[run.settled]
     operating = run.configuration.operating
     expected = operating.load + run.configuration.bearing.inner_ring_mass * operating.gravity
-    return ReportRow(
+    return run.row(
         "Total force on the inner ring, healthy",
-        run.spec.joint,
         "about 100 kN (Fig. 9a)",
         f"{force.mean() / 1e3:.2f} +- {force.std() / 1e3:.2f} kN",
         f"{expected / 1e3:.2f} kN, 0.1 %; sd below 1 %",
@@ -82,9 +79,8 @@ def _total_force(run: PaperRun) -> ReportRow:
 def _largest_force(run: PaperRun) -> ReportRow:
     force, azimuth = run.inner_force[run.settled], run.azimuth[run.settled]
     largest, where = float(force.max()), float(round(np.degrees(azimuth.ravel()[force.argmax()]), 1))
-    return ReportRow(
+    return run.row(
         "Largest roller force and its azimuth",
-        run.spec.joint,
         "about 30 kN near 0 deg (Fig. 9a)",
         f"{largest / 1e3:.2f} kN at {where + 0.0:.1f} deg",
         "28.5-31.5 kN within 5 deg",
@@ -94,9 +90,8 @@ def _largest_force(run: PaperRun) -> ReportRow:
 
 def _zone(run: PaperRun) -> ReportRow:
     zone = load_zone(run.azimuth[run.settled], run.inner_force[run.settled])
-    return ReportRow(
+    return run.row(
         "Load zone (normal force above 50 N)",
-        run.spec.joint,
         "-30..30 deg (Fig. 9a)",
         f"{zone.first:.1f}..{zone.last:.1f} deg",
         "26-34 deg on either side",
@@ -113,9 +108,8 @@ def _cone_excess(run: PaperRun) -> float:
 
 def _cold_friction(run: PaperRun) -> ReportRow:
     largest = float(np.abs(run.friction).max())
-    return ReportRow(
+    return run.row(
         "Friction during the cold start",
-        run.spec.joint,
         "up to about 1.5 kN (Fig. 9b)",
         f"{largest / 1e3:.2f} kN, {_cone_excess(run):.3f} mu_s F_n",
         "1.4-1.9 kN, at most 1.02 mu_s F_n",
@@ -126,9 +120,8 @@ def _cold_friction(run: PaperRun) -> ReportRow:
 def _steady_friction(run: PaperRun) -> ReportRow:
     in_zone = np.abs(run.azimuth[run.settled]) < np.radians(20.0)
     friction = np.abs(run.friction[run.settled][in_zone])
-    return ReportRow(
+    return run.row(
         "Friction in the load zone, steady",
-        run.spec.joint,
         "up to about 1.5 kN (Fig. 9b); see below",
         f"median {np.median(friction):.0f} N, largest {friction.max():.0f} N",
         "at most 1.02 mu_s F_n; largest below 500 N",
@@ -139,9 +132,8 @@ def _steady_friction(run: PaperRun) -> ReportRow:
 def _slip(run: PaperRun) -> ReportRow:
     azimuth, slip = np.abs(run.azimuth[run.settled]), np.abs(run.slip[run.settled])
     inside, outside = float(slip[azimuth < np.radians(20.0)].mean()), float(slip[azimuth > np.radians(40.0)].mean())
-    return ReportRow(
+    return run.row(
         "Mean slip inside and outside the load zone",
-        run.spec.joint,
         "about 0, larger outside (Fig. 9c)",
         f"{inside:.1e}, {outside:.1e} m/s",
         "below 1e-3 m/s inside, more than 10 times that outside",

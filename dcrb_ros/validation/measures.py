@@ -72,12 +72,6 @@ def envelope_spectrum(acceleration: Floats, rate: int) -> Spectrum:
     return Spectrum(np.asarray(np.fft.rfftfreq(len(envelope), 1.0 / rate), np.float64), amplitude)
 
 
-def kurtosis(acceleration: Floats) -> float:
-    """Return the kurtosis of a signal [-]; 3 for Gaussian noise."""
-    deviation = acceleration - acceleration.mean()
-    return float((deviation**4).mean() / (deviation**2).mean() ** 2)
-
-
 def settling_time(time: Floats, speed: Array, tolerance: float) -> float:
     """Return the last time at which a speed deviates from its final value by more than ``tolerance`` (relative) [s].
 

@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.validation.runs import PaperRun
-
 PAPER = "The paper"
 """Chapter of the comparisons with Fan et al. 2025."""
-
-PaperRuns = Mapping[tuple[str, str], PaperRun]
-"""Runs by name and joint."""
 
 
 @dataclass(frozen=True)

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterable
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.bearing.payload import cage_speed
 from dcrb_ros.schema.arrays import Floats, Samples
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.stream.states import Account
+from dcrb_ros.validation.report_row import ReportRow
 
 JOINTS = ("revolute", "pocket")
 BENCH = {"revolute": "paper", "pocket": "dry"}
@@ -202,14 +202,17 @@ class PaperRun:
         """Rollers in a row [-]."""
         return self.configuration.bearing.rollers_per_row
 
-    @property
-    def bpfo(self) -> float:
-        """Kinematic BPFO [Hz]."""
-        return characteristic_orders(self.configuration.bearing).frequencies(self.shaft_frequency)["BPFO"]
-
     def columns(self, roller: int) -> list[int]:
         """Return the columns of the rollers with a number, one per row."""
         return [row * self.rollers_per_row + roller - 1 for row in range(self.configuration.bearing.rows)]
+
+    def row(self, quantity: str, paper: str, found: str, accepted: str, holds: bool) -> ReportRow:
+        """Return the comparison of a quantity of this run; see `ReportRow`."""
+        return ReportRow(quantity, self.spec.joint, paper, found, accepted, holds)
+
+
+PaperRuns = Mapping[tuple[str, str], PaperRun]
+"""Runs by name and joint."""
 
 
 def simulate(spec: PaperRunSpec) -> PaperRun:
@@ -220,25 +223,18 @@ def simulate(spec: PaperRunSpec) -> PaperRun:
     blocks = list(simulation.blocks(spec.duration))
     states = [states for block in blocks for states in block.states]
 
-    def series(field: str) -> Samples:
-        return np.array([getattr(state, field) for state in states], np.float32)
-
-    speed = np.array([state.speed for state in states])
+    fields = ("azimuth", "relative_speed", "inner_force", "outer_force", "slip", "friction", "torque", "bar_force")
+    series = {field: np.array([getattr(state, field) for state in states], np.float32)[:, :count] for field in fields}
+    relative_spin, speed = series.pop("relative_speed"), np.array([state.speed for state in states])
     return PaperRun(
         spec=spec,
         configuration=configuration,
         acceleration=np.concatenate([block.clean[:, 1] for block in blocks]).astype(np.float64),
         shaft_angle=np.concatenate([block.shaft_angle for block in blocks]),
         time=np.array([state.time_ns for state in states]) * 1e-9,
-        azimuth=series("azimuth")[:, :count],
         spin=speed[:, :count].astype(np.float32),
-        relative_spin=series("relative_speed")[:, :count],
-        inner_force=series("inner_force")[:, :count],
-        outer_force=series("outer_force")[:, :count],
-        slip=series("slip")[:, :count],
-        friction=series("friction")[:, :count],
-        torque=series("torque")[:, :count],
-        bar_force=series("bar_force")[:, :count],
+        relative_spin=relative_spin,
+        **series,
         cage_offset=np.array([np.hypot(*state.cage_offset.T) for state in states]),
         cage_speed=speed[:, count : count + rows],
         inner_ring_force=np.array([state.inner_ring_force[1] for state in states]),

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
+from scipy.stats import kurtosis
 
 from dcrb_ros.bearing.payload import build_payload, initial_state
 from dcrb_ros.core.layout.workspace import workspace
@@ -15,10 +16,10 @@ from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.validation.formulation import deviation
-from dcrb_ros.validation.measures import envelope_spectrum, kurtosis
+from dcrb_ros.validation.measures import envelope_spectrum
 from dcrb_ros.validation.oiled_runs import EVEN, HEALTHY
-from dcrb_ros.validation.report_row import PaperRuns, ReportRow, within
-from dcrb_ros.validation.runs import JOINTS, QUARTER_STEP, PaperRun
+from dcrb_ros.validation.report_row import ReportRow, within
+from dcrb_ros.validation.runs import JOINTS, QUARTER_STEP, PaperRun, PaperRuns
 from dcrb_ros.validation.time_integration import CHAPTER, STEP
 
 SHORT = 0.012
@@ -59,7 +60,8 @@ def waveform_row(joint: str) -> ReportRow:
     """
     configuration = load_configuration("dry", [f"cage.joint={joint}", "faults.outer_1.width=0.002"])
     run, exact = traced(configuration, 1), traced(configuration, RATIO)
-    passing = 2.0 * math.pi / (configuration.bearing.rollers_per_row * initial_cage_speed(configuration))
+    cage_speed = float(initial_state(configuration, build_payload(configuration)).cage_velocity[0, 2])
+    passing = 2.0 * math.pi / (configuration.bearing.rollers_per_row * cage_speed)
     bursts = [slice(*(max(0, round((k * passing + offset) / STEP)) for offset in BURST)) for k in (0, 1)]
     spans = [slice(None)] if joint == "revolute" else bursts
     force, waveform = (
@@ -76,11 +78,6 @@ def waveform_row(joint: str) -> ReportRow:
     )
 
 
-def initial_cage_speed(configuration: Configuration) -> float:
-    """Return the rotation speed of the cages at the start [rad/s]."""
-    return float(initial_state(configuration, build_payload(configuration)).cage_velocity[0, 2])
-
-
 MOST_LEVEL, MOST_SPEED = 0.02, 5e-4
 """Accepted relative deviations of RMS, kurtosis and envelope line, and of the cage speed [-]."""
 LINE_WIDTH = 2.0
@@ -91,7 +88,7 @@ def statistics_of(run: PaperRun) -> tuple[float, float, float, float]:
     """Return RMS [m/s^2], kurtosis [-], amplitude of the line near 16 f_c [m/s^2] and cage speed [rad/s] of a run."""
     y = run.steady_acceleration
     line = envelope_spectrum(y, run.rate).line(run.rollers_per_row * run.cage_frequency, LINE_WIDTH)
-    return float(y.std()), kurtosis(y), line.amplitude, run.mean_cage_speed
+    return float(y.std()), float(kurtosis(y, fisher=False)), line.amplitude, run.mean_cage_speed
 
 
 def statistics_row(run: PaperRun, exact: PaperRun) -> ReportRow:

@@ -19,11 +19,11 @@ from dcrb_ros.validation.formulation import WINDOWS, Agreement, compare_solvers,
 from dcrb_ros.validation.healthy import healthy_rows
 from dcrb_ros.validation.kinematics import freedom_rows, frequency_row
 from dcrb_ros.validation.oiled_bench import oiled_bench_rows
-from dcrb_ros.validation.oiled_runs import OiledRun, OiledRuns, oiled_specs, simulate_oiled
+from dcrb_ros.validation.oiled_runs import OiledRuns, oiled_specs, simulate_oiled
 from dcrb_ros.validation.realism_rows import realism_rows
 from dcrb_ros.validation.report import markdown
-from dcrb_ros.validation.report_row import PaperRuns, ReportRow
-from dcrb_ros.validation.runs import PaperRun, run_specs, simulate
+from dcrb_ros.validation.report_row import ReportRow
+from dcrb_ros.validation.runs import PaperRuns, run_specs, simulate
 from dcrb_ros.validation.shorter_steps import shorter_step_rows
 from dcrb_ros.validation.surface_rows import surface_rows
 from dcrb_ros.validation.time_integration import energy_rows, order_row
@@ -52,18 +52,15 @@ def run_all(workers: int, progress: Progress) -> Results:
     calls: dict[tuple[str, str], Callable[[], Any]] = {(name, ""): partial(compare_solvers, name) for name in WINDOWS}
     calls |= {spec.key: partial(simulate, spec) for spec in run_specs()}
     calls |= {(spec.name, OILED): partial(simulate_oiled, spec) for spec in oiled_specs()}
-    runs: dict[tuple[str, str], PaperRun] = {}
-    agreements: dict[str, Agreement] = {}
-    oiled: dict[str, OiledRun] = {}
-    for done, ((name, joint), result) in enumerate(in_processes(calls, workers), start=1):
-        if joint == OILED:
-            oiled[name] = result
-        elif joint:
-            runs[name, joint] = result
-        else:
-            agreements[name] = result
-        progress(done, len(calls), f"{name} {joint}".strip())
-    return Results(runs, agreements, oiled)
+    done: dict[tuple[str, str], Any] = {}
+    for (name, joint), result in in_processes(calls, workers):
+        done[name, joint] = result
+        progress(len(done), len(calls), f"{name} {joint}".strip())
+    return Results(
+        {spec.key: done[spec.key] for spec in run_specs()},
+        {name: done[name, ""] for name in WINDOWS},
+        {spec.name: done[spec.name, OILED] for spec in oiled_specs()},
+    )
 
 
 def all_rows(results: Results) -> list[ReportRow]:

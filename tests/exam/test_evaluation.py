@@ -21,7 +21,7 @@ from made_up_blocks import BODIES, blocks, recorded
 from dcrb_ros.exam import evaluation, exam_scenarios, in_process, recording_cache
 from dcrb_ros.exam.case import Case
 from dcrb_ros.exam.criteria import Criteria
-from dcrb_ros.exam.detector_run import PythonDetector, run_detector
+from dcrb_ros.exam.detector_run import PythonDetector
 from dcrb_ros.exam.evaluation import NoDiagnosis, Outcome, ScenarioSet, bearing_scenario, evaluate, named
 from dcrb_ros.exam.exam_file import Exam, exam_of
 from dcrb_ros.exam.exam_scenarios import simulated_scenarios
@@ -61,7 +61,7 @@ class Echo:
 
 def test_a_verdict_is_dated_by_the_last_sample_of_its_block(tmp_path: Path) -> None:
     bag, detector = recorded(tmp_path / "bag", 4), Echo()
-    found = run_detector(lambda orders, rate: detector, Recording(bag)).received
+    found = PythonDetector("plain", lambda orders, rate: detector).diagnose(Recording(bag)).received
     assert [index for index, _ in detector.seen] == [0, 1024, 2048, 3072]
     assert found == [ReceivedDiagnosis(1023 / 51200, "cage"), ReceivedDiagnosis(3071 / 51200, "cage")]
 
@@ -69,17 +69,17 @@ def test_a_verdict_is_dated_by_the_last_sample_of_its_block(tmp_path: Path) -> N
 def test_a_detector_that_asks_for_it_is_given_the_range_of_the_sensor(tmp_path: Path) -> None:
     detector = Echo()
     detector.sensor_range = -1.0  # type: ignore[attr-defined]
-    run_detector(lambda orders, rate: detector, Recording(recorded(tmp_path / "bag", 2)))
+    PythonDetector("plain", lambda orders, rate: detector).diagnose(Recording(recorded(tmp_path / "bag", 2)))
     assert detector.sensor_range == 5000.0  # type: ignore[attr-defined]
     plain = Echo()
-    run_detector(lambda orders, rate: plain, Recording(tmp_path / "bag"))
+    PythonDetector("plain", lambda orders, rate: plain).diagnose(Recording(tmp_path / "bag"))
     assert not hasattr(plain, "sensor_range")
 
 
 def test_an_unknown_verdict_of_a_detector_is_refused(tmp_path: Path) -> None:
     detector = SimpleNamespace(update=lambda *_: "cgae")
     with pytest.raises(Refusal, match=r"update returned 'cgae', which is not a verdict: .*did you mean 'cage'"):
-        run_detector(lambda orders, rate: detector, Recording(recorded(tmp_path / "bag", 1)))
+        PythonDetector("plain", lambda orders, rate: detector).diagnose(Recording(recorded(tmp_path / "bag", 1)))
 
 
 def test_the_path_of_a_recording_has_a_readable_name(tmp_path: Path) -> None:

@@ -148,6 +148,14 @@ def test_names_have_the_parts_that_vary() -> None:
     assert names == ["v/speed=60.0/load=10000.0", "v/speed=60.0/load=20000.0", "v/speed=70.0/load=10000.0", "v/speed=70.0/load=20000.0"]
 
 
+def test_the_twin_of_a_point_with_a_number_at_its_end_is_no_twin_of_another_point() -> None:
+    points = {"a": {"operating.speed": 100.0}, "a-2": {"operating.speed": 120.0}}
+    cases = exam(SPALL, points=points, seeds=[1, 2]).cases
+    assert len({case.name for case in cases}) == len(cases) == 8
+    speed = {case.name: case.simulation.configuration.operating.speed for case in cases}
+    assert all(speed[case.expectation.twin] == speed[case.name] for case in cases if case.expectation.twin)
+
+
 def test_twins_of_different_configurations_have_different_names() -> None:
     found = exam({**SPALL, "set": {"operating.speed": [60.0, 70.0, 80.0]}}).cases
     assert [case.expectation.name for case in found[3:]] == ["twin", "twin-2", "twin-3"]

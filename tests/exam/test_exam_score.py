@@ -18,7 +18,7 @@ from dcrb_ros.exam.exam_score import RESAMPLES, Contribution, clean_factor, draw
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.profile import PROFILES
 from dcrb_ros.exam.scoring import score_scenario
-from dcrb_ros.exam.statistics import characteristic, harmonic_mean, partial_area
+from dcrb_ros.exam.statistics import characteristic, partial_area
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.schema.verdicts import FAULT_CLASSES, VERDICTS
 
@@ -295,10 +295,8 @@ def test_a_partial_area_takes_ten_healthy_scores() -> None:
     assert partial_area([1.0], [0.0] * 10, 0.1) == 1.0
 
 
-def test_the_harmonic_mean_is_led_by_its_smallest_value() -> None:
-    assert harmonic_mean([1.0, 0.5]) == pytest.approx(2.0 / 3.0)
-    assert harmonic_mean([1.0, 0.0]) == 0.0
-    assert math.isnan(harmonic_mean([]))
+def test_without_areas_there_is_no_overall_area() -> None:
+    assert math.isnan(overall_area([]))
 
 
 def test_areas_are_given_for_each_family_and_a_missing_score_is_the_least_convincing() -> None:

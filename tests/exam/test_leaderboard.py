@@ -229,7 +229,7 @@ def test_detectors_on_different_scenarios_are_not_compared() -> None:
 
 def test_the_leaderboard_is_sorted_by_the_score() -> None:
     (board,) = boards([detector(1, 0.3), detector(2, 0.9), detector(3, 0.6)])
-    assert [ranked.entry.detector for ranked in board.ranking] == ["detector 2", "detector 3", "detector 1"]
+    assert [entry.detector for entry in board.entries] == ["detector 2", "detector 3", "detector 1"]
     found = list(rows(board))
     assert [row[0] for row in found] == ["1", "2", "3"]
     assert found[0][-1].startswith("yes, ")
@@ -238,7 +238,7 @@ def test_the_leaderboard_is_sorted_by_the_score() -> None:
 
 def test_exams_with_different_scenarios_have_boards_of_their_own() -> None:
     other = detector(2, 0.5).model_copy(update={"scenarios_sha256": "1" * 64})
-    assert [len(board.ranking) for board in boards([detector(1, 0.5), other])] == [1, 1]
+    assert [len(board.entries) for board in boards([detector(1, 0.5), other])] == [1, 1]
 
 
 def test_entries_of_the_same_name_are_refused() -> None:

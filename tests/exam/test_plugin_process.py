@@ -13,7 +13,7 @@ from separate_process import dcrb
 from waiting import PATIENCE, runs, wait_for
 
 from dcrb_ros.exam import plugin_process
-from dcrb_ros.exam.detector_run import PythonDetector, run_detector
+from dcrb_ros.exam.detector_run import PythonDetector
 from dcrb_ros.exam.limits import Limits
 from dcrb_ros.exam.plugin import load_plugin
 from dcrb_ros.exam.plugin_process import MIB, MOST_OUTPUT, DetectorProcess, ProcessDetector
@@ -293,7 +293,7 @@ def test_a_detector_that_ends_before_any_diagnosis_still_gives_a_report(tmp_path
 
 def test_a_detector_in_this_process_that_exits_is_an_error_with_its_sample(source: Path, bag: Path) -> None:
     with pytest.raises(RuntimeError, match="update failed at sample 2048: SystemExit: 0"):
-        run_detector(load_plugin(f"{source}:Exit"), Recording(bag))
+        PythonDetector("exit", load_plugin(f"{source}:Exit")).diagnose(Recording(bag))
 
 
 def test_the_children_of_a_detector_end_with_it(source: Path, bag: Path, tmp_path: Path) -> None:

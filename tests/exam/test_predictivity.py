@@ -24,10 +24,11 @@ from dcrb_ros.exam.limits import Limits
 from dcrb_ros.exam.marking import VerdictMarking
 from dcrb_ros.exam.measured import led_scenarios, read_measured, whole_scenarios
 from dcrb_ros.exam.plugin import load_plugin
-from dcrb_ros.exam.predictivity import Compared, Marks, class_mean, drawn_bearings, drawn_families, halves, predictivities, scopes
+from dcrb_ros.exam.predictivity import Compared, Marks, drawn_bearings, drawn_families, halves, predictivities, scopes
 from dcrb_ros.exam.predictivity_marks import answers_of, run_member
 from dcrb_ros.exam.predictivity_report import Comparison, as_json, compare_entries, markdown
 from dcrb_ros.exam.predictivity_task import measured_tasks
+from dcrb_ros.exam.statistics import class_mean
 from dcrb_ros.exam.verification import differences
 from dcrb_ros.schema.refusal import Refusal
 

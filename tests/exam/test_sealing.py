@@ -108,9 +108,9 @@ def test_secrets_are_long_and_never_the_same() -> None:
 
 def test_an_exam_opens_with_its_secret_only() -> None:
     sealed = seal(TEMPLATE, SECRET, "t")
-    opened = open_exam(sealed, SECRET, "t")
-    assert opened.exam.seal == sealed.sealed == commitment(TEMPLATE, SECRET)
-    assert scenarios_hash(opened.exam.cases) == sealed.scenarios_sha256
+    opened, _ = open_exam(sealed, SECRET, "t")
+    assert opened.seal == sealed.sealed == commitment(TEMPLATE, SECRET)
+    assert scenarios_hash(opened.cases) == sealed.scenarios_sha256
     changed = sealed.model_copy(update={"template": {**TEMPLATE, "onset": 3.0}})
     for exam, secret in ((sealed, "f" * 64), (changed, SECRET)):
         with pytest.raises(Refusal, match="not sealed with this secret, or its template has been changed"):
@@ -184,7 +184,7 @@ class Sealed:
         self.sealed, self.secret, self.file = folder / "a.sealed.yaml", folder / "a.secret", folder / "entry.json"
         self.sealed.write_text(yaml.safe_dump(sealed.model_dump()), encoding="utf-8")
         self.secret.write_text(secret, encoding="utf-8")
-        exam = open_exam(sealed, secret, "t").exam
+        exam, _ = open_exam(sealed, secret, "t")
         results = tuple(score_scenario(case.expectation, self.diagnoses(case.expectation), exam.criteria) for case in exam.cases)
         report = Report(exam.name, "mine", exam.criteria, scenarios_hash(exam.cases), results, exam.seal, simulation_seeds(exam.cases))
         self.tree: dict[str, Any] = entry_of(report).model_dump()

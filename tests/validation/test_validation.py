@@ -15,7 +15,7 @@ from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.validation.dry_bench import dry_bench_rows
 from dcrb_ros.validation.faults import power_of_sink
 from dcrb_ros.validation.healthy import healthy_rows
-from dcrb_ros.validation.measures import envelope_spectrum, kurtosis, load_zone, passes, profile, settling_time
+from dcrb_ros.validation.measures import envelope_spectrum, load_zone, passes, profile, settling_time
 from dcrb_ros.validation.oiled_runs import oiled_specs
 from dcrb_ros.validation.report import markdown, summary
 from dcrb_ros.validation.report_row import ReportRow
@@ -30,11 +30,6 @@ def test_envelope_line_of_a_modulated_tone() -> None:
     assert line.frequency == pytest.approx(133.0, abs=1e-6)
     assert line.amplitude == pytest.approx(0.4, rel=1e-2)
     assert line.level > 60.0
-
-
-def test_kurtosis_of_a_sine_and_of_noise() -> None:
-    assert kurtosis(np.sin(np.linspace(0.0, 200.0 * np.pi, 100000, endpoint=False))) == pytest.approx(1.5)
-    assert kurtosis(np.random.default_rng(1).normal(size=200000)) == pytest.approx(3.0, abs=0.1)
 
 
 def test_settling_of_a_first_order_lag() -> None:

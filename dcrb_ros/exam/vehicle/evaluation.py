@@ -101,15 +101,11 @@ class ProcessVehicleDetector:
         """Return its diagnoses; a failure is part of the outcome."""
         outcome, description = VehicleOutcome(), signal.description
         try:
-            with running_process(self.given, self.limits) as process:
-
-                def exchange() -> None:
-                    begin = BeginVehicle(description.to_json())
-                    for kind, content, end in process.answers(begin, pieces(signal), description.sampling_rate):
-                        if kind == STATUSES:
-                            outcome.add(description, (end - 1) / description.sampling_rate, _statuses(content))
-
-                outcome.failure = process.guarded(exchange)
+            with running_process(self.given, self.limits) as process, process.guarded(outcome):
+                begin = BeginVehicle(description.to_json())
+                for kind, content, end in process.answers(begin, pieces(signal), description.sampling_rate):
+                    if kind == STATUSES:
+                        outcome.add(description, (end - 1) / description.sampling_rate, _statuses(content))
         except CandidateRefusal as refusal:
             outcome.failure = str(refusal)
         return outcome

@@ -16,9 +16,8 @@ from typing import Any
 
 from pydantic import Field, ValidationError
 
-from dcrb_ros.exam.case import canonical
+from dcrb_ros.exam.case import canonical, refuse_ineffective
 from dcrb_ros.exam.criteria import Criteria
-from dcrb_ros.exam.exam_parameters import refuse_ineffective
 from dcrb_ros.faults.ground_truth import class_of
 from dcrb_ros.schema.fields import Group, choice, quantity
 from dcrb_ros.schema.parameter_field import first_problem

@@ -9,28 +9,24 @@ from __future__ import annotations
 import functools
 import hashlib
 import io
-from collections import OrderedDict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from dcrb_ros.core.signed_file import DamagedFile, read_signed, signed
 from dcrb_ros.diagnosis.vehicle.detector import BoxBlock
 from dcrb_ros.exam.case import canonical
-from dcrb_ros.exam.recording_cache import OTHER_FOLDER
+from dcrb_ros.exam.recording_cache import keep, kept_content
 from dcrb_ros.measurement.sensor import Measurement, Sensor
 from dcrb_ros.recordings.manifest import model_fingerprint, software, vehicle_fingerprint
-from dcrb_ros.runtime.exit_status import print_error
 from dcrb_ros.schema.arrays import Floats, Samples
 from dcrb_ros.simulation.block_queue import wrapped
 from dcrb_ros.simulation.failure import ModelFailure
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.stream.block import Block
 from dcrb_ros.stream.vehicle_description import VehicleDescription
-from dcrb_ros.text.writing import write_whole
 from dcrb_ros.vehicle.description import Box, Vehicle, described
 from dcrb_ros.vehicle.file import vehicle_of
 from dcrb_ros.vehicle.frame import FRAME
@@ -81,16 +77,11 @@ class MotionMemory:
     """Motion of the outer rings of bearings that were stepped, the latest ones."""
 
     def __init__(self) -> None:
-        self._motions: OrderedDict[str, Motion] = OrderedDict()
+        self._motion: Callable[[str], Motion] = functools.lru_cache(MOST_REMEMBERED)(lambda key: [])
 
     def motion(self, vehicle: Vehicle, box: Box) -> Motion:
         """Return what is remembered of a bearing, to which more can be added."""
-        key = hashlib.sha256(canonical(_on_which_motion_depends(vehicle, box)).encode()).hexdigest()
-        motion = self._motions.setdefault(key, [])
-        self._motions.move_to_end(key)
-        while len(self._motions) > MOST_REMEMBERED:
-            self._motions.popitem(last=False)
-        return motion
+        return self._motion(hashlib.sha256(canonical(_on_which_motion_depends(vehicle, box)).encode()).hexdigest())
 
 
 @functools.lru_cache(maxsize=1)
@@ -186,9 +177,8 @@ def keep_signal(signal: VehicleSignal, path: Path) -> bytes:
     arrays: dict[str, Any] = {f"{kind}.{name}": values for kind in KINDS for name, values in getattr(signal, kind).items()}
     stream = io.BytesIO()
     np.savez(stream, description=np.array(signal.description.to_json()), **arrays)
-    content = stream.getvalue()
-    write_whole(path, signed(path, content), otherwise=OTHER_FOLDER)
-    return content
+    keep(path, stream.getvalue())
+    return stream.getvalue()
 
 
 def kept_signal(parameters: Mapping[str, Any], duration: float, folder: Path, *, threads: int | None = None) -> VehicleSignal:
@@ -197,7 +187,7 @@ def kept_signal(parameters: Mapping[str, Any], duration: float, folder: Path, *,
     The simulation has ``threads``, by default one for each core.
     """
     path = signal_path(parameters, duration, folder)
-    content = _kept(path)
+    content = kept_content(path, "the vehicle is simulated again")
     if content is None:
         signal = simulated_signal(vehicle_of(parameters, "the exam"), duration, _memory(duration), threads)
         content = keep_signal(signal, path)
@@ -208,17 +198,6 @@ def kept_signal(parameters: Mapping[str, Any], duration: float, folder: Path, *,
             if dot:
                 arrays[kind][box] = kept[name]
         return VehicleSignal(VehicleDescription.from_json(str(kept["description"])), **arrays)
-
-
-def _kept(path: Path) -> bytes | None:
-    """Return what a file of a signal contains after its digest; None if there is none, or it is damaged, which is reported."""
-    try:
-        return read_signed(path)
-    except FileNotFoundError:
-        return None
-    except DamagedFile as error:
-        print_error("dcrb", f"{error}; the vehicle is simulated again")
-        return None
 
 
 def signal_path(parameters: Mapping[str, Any], duration: float, folder: Path) -> Path:

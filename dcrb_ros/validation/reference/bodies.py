@@ -64,7 +64,7 @@ class Bodies:
 
     @property
     def degrees_of_freedom(self) -> int:
-        """Number of coordinates minus number of constraints [-]."""
+        """Coordinates minus constraints [-]: 10 + nr healthy, 14 + nr with a broken bar, 18 + nr with one in each row."""
         return 3 * self.count - RING_CONSTRAINTS - 2 * int(self.pinned.sum())
 
     @cached_property
@@ -78,8 +78,7 @@ class Bodies:
     @cached_property
     def pinned(self) -> npt.NDArray[np.bool_]:
         """Whether each roller is pinned to its pocket: both bars beside it are intact, shape (rows, rollers)."""
-        pinned: npt.NDArray[np.bool_] = self.bar_intact & np.roll(self.bar_intact, 1, axis=1)
-        return pinned
+        return np.asarray(self.bar_intact & np.roll(self.bar_intact, 1, axis=1))
 
     @cached_property
     def roller_bodies(self) -> Indices:

@@ -30,11 +30,8 @@ class RollerPairs:
         rows, bars = np.array(bodies.broken_bars, np.int64).reshape(-1, 2).T
         self._behind: Indices = bodies.roller_bodies[rows, bars]
         self._ahead: Indices = bodies.roller_bodies[rows, (bars + 1) % bodies.rollers_per_row]
-
-    @property
-    def count(self) -> int:
+        self.count = len(self._ahead)
         """Number of pairs [-]."""
-        return len(self._ahead)
 
     def kinematics(self, position: Floats, velocity: Floats) -> ContactKinematics:
         """Return the position and motion of the roller ahead relative to the one behind."""
@@ -89,11 +86,8 @@ class IntactBars:
         self._azimuth = pocket_azimuths(configuration.bearing)[rows, rollers]
         self.impact_speed: Floats = np.zeros(len(sides))
         """Rate of penetration when each contact closed [m/s]; zero while it is open."""
-
-    @property
-    def count(self) -> int:
+        self.count = len(sides)
         """Number of bars that a freed roller can touch [-]."""
-        return len(self.side)
 
     def kinematics(self, position: Floats, velocity: Floats) -> BarKinematics:
         """Return the position and motion of the rollers relative to their bars.

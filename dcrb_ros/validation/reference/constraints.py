@@ -48,8 +48,7 @@ class Constraints:
         """Return Phi, shape (constraints,) [m or rad]."""
         pins = position[self._roller, :ANGLE] - position[self._cage, :ANGLE] - self._arms(position)[0]
         turn = position[OUTER_RING, ANGLE], position[INNER_RING, ANGLE] - self.speed * time
-        values: Floats = np.concatenate([position[HOUSING], turn, pins.ravel()])
-        return values
+        return np.asarray(np.concatenate([position[HOUSING], turn, pins.ravel()]))
 
     def jacobian(self, position: Floats) -> Floats:
         """Return Phi_q, shape (constraints, coordinates)."""
@@ -57,8 +56,7 @@ class Constraints:
         lever = self._arms(position)[1]
         for axis in range(2):
             jacobian[self._x + axis, self._cage, ANGLE] = -lever[:, axis]
-        flat: Floats = jacobian.reshape(len(jacobian), -1)
-        return flat
+        return np.asarray(jacobian.reshape(len(jacobian), -1))
 
     def rates(self, jacobian: Floats, velocity: Floats) -> Floats:
         """Return dPhi/dt = Phi_q q' + Phi_t, shape (constraints,) [m/s or rad/s]."""

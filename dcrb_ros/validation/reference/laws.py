@@ -33,15 +33,13 @@ def johnson(penetration: Floats, modulus: float, radius_difference: float) -> tu
 
 def with_loss(force: Floats, stiffness: Floats, loss_time: float, rate: Floats) -> Floats:
     """Return the contact force F + k beta d(delta)/dt with damping, at least zero [N]; the paper has no damping."""
-    lossy: Floats = np.maximum(force + stiffness * loss_time * rate, 0.0)
-    return lossy
+    return np.asarray(np.maximum(force + stiffness * loss_time * rate, 0.0))
 
 
 def stribeck(slip: Floats, friction: Friction) -> Floats:
     """Return the friction coefficient in steady sliding [-], g(s) = mu_k + (mu_s - mu_k) exp(-(s / v_s)^2), Eq. 7."""
     span = friction.static_coefficient - friction.kinetic_coefficient
-    steady: Floats = friction.kinetic_coefficient + span * np.exp(-((slip / friction.stribeck_speed) ** 2))
-    return steady
+    return np.asarray(friction.kinetic_coefficient + span * np.exp(-((slip / friction.stribeck_speed) ** 2)))
 
 
 def lugre(bristle: Floats, slip: Floats, steady: Floats, friction: Friction) -> tuple[Floats, Floats]:
@@ -57,8 +55,7 @@ def lugre(bristle: Floats, slip: Floats, steady: Floats, friction: Friction) -> 
 
 def relaxation_rate(slip: Floats, steady: Floats, friction: Friction) -> Floats:
     """Return the rate at which a bristle approaches its steady deflection [1/s], sigma_0 |s| / g, as in `lugre`."""
-    rate: Floats = friction.bristle_stiffness * np.abs(slip) / steady
-    return rate
+    return np.asarray(friction.bristle_stiffness * np.abs(slip) / steady)
 
 
 def pereira_exponent(clearance: float) -> float:
@@ -84,8 +81,7 @@ def pereira(penetration: Floats, clearance: float, length: float, modulus: float
     """
     gap, depth = clearance * 1e3, np.maximum(penetration, 0.0) * 1e3
     stiffness = (0.965 * gap + 0.0965) * (length * 1e3) * (modulus * 1e-6) / gap
-    force: Floats = stiffness * depth ** pereira_exponent(clearance)
-    return force
+    return np.asarray(stiffness * depth ** pereira_exponent(clearance))
 
 
 def impact_loss(rate: Floats, impact_speed: Floats, restitution: float) -> Floats:
@@ -94,5 +90,4 @@ def impact_loss(rate: Floats, impact_speed: Floats, restitution: float) -> Float
     ``impact_speed`` d(delta_minus)/dt is the rate of penetration when the contact closed, at least `FLOOR_SPEED` [m/s].
     """
     share = rate / np.maximum(impact_speed, FLOOR_SPEED)
-    bracket: Floats = np.clip(1.0 + 0.75 * (1.0 - restitution**2) * share, 0.0, 2.0)
-    return bracket
+    return np.asarray(np.clip(1.0 + 0.75 * (1.0 - restitution**2) * share, 0.0, 2.0))

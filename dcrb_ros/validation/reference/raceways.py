@@ -60,8 +60,7 @@ def with_friction(
 
 def dot(a: Floats, b: Floats) -> Floats:
     """Return the scalar products of plane vectors of shape (..., 2)."""
-    product: Floats = (a * b).sum(axis=-1)
-    return product
+    return np.asarray((a * b).sum(axis=-1))
 
 
 def perpendicular(vector: Floats) -> Floats:

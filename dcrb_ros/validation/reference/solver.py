@@ -127,11 +127,6 @@ class ReferenceSolver:
         rollers = self.constraints.jacobian(self.state.position)[:, self._frame :]
         self._roller_share: Floats = (rollers * self._inverse_mass.ravel()[self._frame :]) @ rollers.T
 
-    @property
-    def degrees_of_freedom(self) -> int:
-        """Degrees of freedom [-]: 10 + nr healthy, 14 + nr with one broken bar, 18 + nr with one in each row."""
-        return self.bodies.degrees_of_freedom
-
     def acceleration(self, time: float, state: State, force: Floats) -> Floats:
         """Return q'' of Eq. 34 with the right-hand side of Eq. 35, shape (bodies, 3) [m/s^2, m/s^2, rad/s^2].
 

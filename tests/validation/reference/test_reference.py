@@ -38,14 +38,14 @@ def test_degrees_of_freedom(broken_bars: str, free: int) -> None:
     reference = ReferenceSolver(configuration)
     assert degrees_of_freedom(configuration) == free
     assert reference.state.position.size == 111
-    assert reference.degrees_of_freedom == free  # Fan et al. 2025, section 2.2.2; four freed rollers make 18 + nr
+    assert reference.bodies.degrees_of_freedom == free  # Fan et al. 2025, section 2.2.2; four freed rollers make 18 + nr
     jacobian = reference.constraints.jacobian(reference.state.position)
     assert np.linalg.matrix_rank(jacobian) == 111 - free  # the constraints are independent
 
 
 def test_degrees_of_freedom_of_another_bearing() -> None:
     configuration = configured(bearing={"rows": 1, "rollers_per_row": 12})
-    assert ReferenceSolver(configuration).degrees_of_freedom == degrees_of_freedom(configuration) == 7 + 12
+    assert ReferenceSolver(configuration).bodies.degrees_of_freedom == degrees_of_freedom(configuration) == 7 + 12
 
 
 @pytest.mark.parametrize(
