@@ -92,7 +92,7 @@ class DataSetWriter:
         for task, outcome in workers.dispatched(common, tasks):
             if isinstance(outcome, Exception):
                 for run in task:
-                    if not self.store.exists(label_name(run.name)):
+                    if self.store.size(label_name(run.name)) is None:
                         write_label(self.store, error_label(self.plan.sweep.base, run, str(outcome) or type(outcome).__name__))
                 progress(Counter({ERROR: len(task)}))
             else:

@@ -18,9 +18,7 @@ from dcrb_ros.sweep.sweep_file import EXTENDED, Extent
 def extended_plan(plan: Plan, known: Mapping[str, Any]) -> Plan:
     """Return a plan that continues a data set with more points, lives or values, or the plan itself if it does not.
 
-    Args:
-        plan: the plan of the command.
-        known: the inputs of the data set, empty for a new one.
+    ``known`` are the inputs of the data set, empty for a new one.
 
     Raises:
         Refusal: the data set has these extents already in another order, or the sweep file cannot be extended.

@@ -27,6 +27,8 @@ class VehiclePlan(Plan):
     """The runs of a sweep over vehicles; a vehicle is in one split with all its boxes."""
 
     unit, remedy = "vehicle", "vary vehicle.seed"
+    truth = TRUTH
+    split_text = "All boxes of a vehicle, on all its rides, are in one split."
 
     def __init__(self, sweep: VehicleSweep) -> None:
         super().__init__(sweep)
@@ -45,28 +47,17 @@ class VehiclePlan(Plan):
             )
         self.conditions, self.shared = len(self._splits), {}
 
-    @property
-    def split_text(self) -> str:
-        """How the data are divided, for the data card."""
-        return "All boxes of a vehicle, on all its rides, are in one split."
-
-    @property
-    def truth(self) -> Mapping[str, tuple[type, str]]:
-        """Columns of the labels beside those of every sweep."""
-        return TRUTH
-
     def groups(self) -> Iterator[Task]:
         """Yield the boxes of each vehicle with each case as a group."""
         known: set[str] = set()
-        position = 0
         for point, cases in zip(self._points(), self._cases(), strict=False):
             for case, values in cases:
                 changes = {**point, **placed(values)}
                 together = digest([self._common, self._difference(changes)])
                 if together not in known:
+                    first = len(known) * len(self._boxes)
                     known.add(together)
-                    yield tuple(self._box(position + k, box, together, case, point, changes) for k, box in enumerate(self._boxes))
-                    position += len(self._boxes)
+                    yield tuple(self._box(first + k, box, together, case, point, changes) for k, box in enumerate(self._boxes))
 
     def _box(self, position: int, box: str, together: str, case: str, point: Point, changes: Point) -> PlannedRun:
         vehicle = self._vehicle(point)
