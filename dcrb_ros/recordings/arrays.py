@@ -60,18 +60,10 @@ class RecordedVerdict:
 
 
 def joined_waveform(blocks: Iterable[Piece], rate: int, orders: Orders, path: Path, start: float | None, stop: float | None) -> Waveform:
-    """Return the samples of some blocks with ``start <= time < stop`` [s], all without these.
-
-    Args:
-        blocks: the waveform in the order in which it was recorded.
-        rate: sampling rate [Hz].
-        orders: characteristic orders of the bearing [-].
-        path: the recording, for error messages.
-        start: time of the first sample [s].
-        stop: time after the last sample [s].
+    """Return the samples of some blocks, in the order of the recording, with ``start <= time < stop`` [s], all without these.
 
     Raises:
-        Refusal: there is no sample in that time.
+        Refusal: there is no sample in that time; the sentence names the ``path``.
     """
     first, last = stretch(rate, start, stop)
     pieces, spans = [], []

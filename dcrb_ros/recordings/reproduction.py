@@ -64,11 +64,7 @@ def recorded_samples(recording: Recording) -> RecordedSamples:
 
 
 def _check_stated(stated: RecordedSamples, recording: Recording) -> None:
-    """Refuse an outcome record that states a longer run than the messages show; a chunk that cannot be read may hold some of them.
-
-    Raises:
-        Refusal: the run would not end where the recording does.
-    """
+    """Refuse an outcome record that states a longer run than the messages show; a chunk that cannot be read may hold some of them."""
     rate = recording.sampling_rate
     last = index_at(max((message.time_ns for message in recording.messages(SIMULATED)), default=0), rate)
     unread = len(recording.damage) * MAX_RECORD // SAMPLE.itemsize
@@ -116,11 +112,7 @@ class RunReproduction(ABC, Generic[Simulated, Made]):
     """Simulates a recorded run again, with its commands, and compares the samples of every bearing."""
 
     def __init__(self, path: Path, bearings: Mapping[str, Recording]) -> None:
-        """Read the samples of a recording.
-
-        Args:
-            path: the recording.
-            bearings: the recording of each bearing by name; that of a bench has the name "".
+        """Read the samples of the recording of each bearing by name; that of a bench has the name "".
 
         Raises:
             Refusal: it contains imported data or no samples.
