@@ -6,7 +6,6 @@ import dataclasses
 import json
 import math
 from collections.abc import Iterable, Mapping
-from typing import Any
 
 import numpy as np
 
@@ -116,7 +115,8 @@ def encode_vehicle_truth(truth: VehicleTruth) -> bytes:
         statuses.append(Status(box_path(name), ERROR if silent else OK, "its model failed: silent" if silent else "", words))
     for number, event in enumerate(truth.events):
         about = {key: value for key, value in dataclasses.asdict(event).items() if key != "cause"}
-        statuses.append(Status(f"events/{number}", OK, event.cause, {key: _said(value) for key, value in about.items()}))
+        words = {key: box_path(value) if isinstance(value, str) else repr(value) for key, value in about.items()}
+        statuses.append(Status(f"events/{number}", OK, event.cause, words))
     return encode_diagnostics(truth.time_ns, statuses, BASE)
 
 
@@ -135,10 +135,6 @@ def decode_vehicle_commands(data: bytes) -> list[tuple[str, float | str]]:
         return [(str(name), value if isinstance(value, str) else float(value)) for name, value in listed]
     except (TypeError, ValueError):
         raise Refusal(f"the commands {said} in the ground truth of the vehicle are not names with values") from None
-
-
-def _said(value: Any) -> str:
-    return box_path(value) if isinstance(value, str) else repr(value)
 
 
 def encode_vehicle_diagnosis(diagnosis: VehicleDiagnosis, frame: str = BASE) -> bytes:

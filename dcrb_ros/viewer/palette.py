@@ -66,3 +66,8 @@ def wheel(count: int) -> list[Colour]:
     angle = 2.0 * np.pi * np.arange(count) / count
     channels = [np.clip(165.0 + 80.0 * np.cos(angle - shift), 0, 255).astype(int) for shift in (0.0, 2.1, 4.2)]
     return [(int(red), int(green), int(blue), 255) for red, green, blue in zip(*channels, strict=True)]
+
+
+def with_opacity(colour: Colour, opacity: float) -> Colour:
+    """Return ``colour`` with an opacity of 0 to 1."""
+    return (*colour[:3], round(255 * opacity))

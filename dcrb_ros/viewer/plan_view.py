@@ -16,8 +16,8 @@ from dcrb_ros.viewer.content import Series, Times
 from dcrb_ros.viewer.vehicle_content import TrackEvent, Verdicts
 
 ROOT = "plan"
-BOX, RAIL = 1.0, 0.75
-"""Half the distance of the boxes and of the rails [m]."""
+BOX, RAIL, WHEEL = 1.0, 0.75, 0.46
+"""Half the distance of the boxes and of the rails, and the radius of a wheel if it is not known [m]."""
 LENGTH, HEIGHT = 0.62, 0.34
 """Size of a box in the picture [m]."""
 STRIPS = 16

@@ -28,8 +28,6 @@ NAMES, VALUES = -72.0, -56.0
 LEVEL_TICK = 20.0
 """Spacing of the level ticks [dB]."""
 MOST_ORDER_TICKS = 8
-FADED = 82
-"""Opacity of the fault lines, of 255."""
 LABEL_DROP = 20.0
 """Distance of a label below its point in a window of typical size [picture units]."""
 SEARCH = 0.006
@@ -157,7 +155,7 @@ def log_comb(highest_order: float, comb: Comb, y: float, *, root: str = ROOT) ->
     track = [[[0.0, y], [WIDTH, y]]]
     thin = rr.Radius.ui_points(0.6)
     rr.log(f"{path}/track", rr.LineStrips2D(track, radii=thin, colors=[palette.FAINT], draw_order=1.0), static=True)
-    rr.log(f"{path}/lines", rr.LineStrips2D(lines, radii=thin, colors=[(*colour[:3], FADED)], draw_order=1.0), static=True)
+    rr.log(f"{path}/lines", rr.LineStrips2D(lines, radii=thin, colors=[palette.with_opacity(colour, 0.32)], draw_order=1.0), static=True)
     rr.log(f"{path}/harmonics", rr.Points2D(dots, radii=rr.Radius.ui_points(3.0), colors=[colour], draw_order=2.0), static=True)
     log_texts(f"{path}/name", np.array([[NAMES, y]]), [comb.name], colour)
 

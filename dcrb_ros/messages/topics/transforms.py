@@ -18,11 +18,6 @@ SENSOR_AZIMUTH = math.pi
 """Azimuth of the sensor from the load line (-Y), counter-clockwise [rad]: the top. The rigid ring moves alike everywhere."""
 
 
-def centre_frame(frame: str) -> str:
-    """Return the frame of a bearing's centre from that of its sensor, so that two bearings differ in both or in none."""
-    return f"{frame}_centre"
-
-
 def stamped(time_ns: int, parent: str, child: str, place: Sequence[float], rotation: Sequence[float] = NO_TURN) -> Any:
     """Return a TransformStamped from one frame to another, whose origin has a place [m] and whose axes have a rotation (x, y, z, w)."""
     vector, quaternion = ros_type("geometry_msgs/msg/Vector3"), ros_type("geometry_msgs/msg/Quaternion")
@@ -34,7 +29,8 @@ def encode_transforms(configuration: Configuration) -> bytes:
     """Return the transform as a TFMessage: axes of the bearing (X right, Y up, Z along the shaft), radius of the outer raceway."""
     frame, radius = configuration.publishing.frame, configuration.bearing.outer_raceway_radius
     place = radius * math.sin(SENSOR_AZIMUTH), -radius * math.cos(SENSOR_AZIMUTH), 0.0
-    return encoded(TF, ros_type(TF)([stamped(0, centre_frame(frame), frame, place)]))
+    # The frame of the centre follows from that of the sensor, so that two bearings differ in both or in none.
+    return encoded(TF, ros_type(TF)([stamped(0, f"{frame}_centre", frame, place)]))
 
 
 TRANSFORMS = Topic(
