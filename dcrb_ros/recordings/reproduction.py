@@ -156,7 +156,9 @@ class RunReproduction(ABC, Generic[Simulated, Made]):
 
     def difference(self) -> str:
         """Return how model, software or processor differ from those that made the recording; the empty string if they do not."""
-        return origin_difference(self._first)
+        manifest = self._first.manifest
+        processors = processor_difference(manifest.get("processor"), processor())
+        return "; ".join(filter(None, (_model_difference(manifest), _software_difference(manifest), processors)))
 
 
 class Reproduction(RunReproduction[Simulation, Block]):
@@ -184,14 +186,6 @@ class Reproduction(RunReproduction[Simulation, Block]):
             self.compared[""].add(block)
             yield block
             schedule.apply_due(simulation)
-
-
-def origin_difference(recording: Recording) -> str:
-    """Return how model, software or processor differ from those that made a recording; the empty string if they do not."""
-    manifest = recording.manifest
-    reasons = [_model_difference(manifest), _software_difference(manifest)]
-    reasons.append(processor_difference(manifest.get("processor"), processor()))
-    return "; ".join(reason for reason in reasons if reason)
 
 
 def _model_difference(manifest: Mapping[str, Any]) -> str:
