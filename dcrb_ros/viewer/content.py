@@ -18,11 +18,12 @@ from dcrb_ros.stream.block import Truth
 from dcrb_ros.stream.states import BodyNames
 
 if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
     from dcrb_ros.diagnosis.detector import Diagnosis
-    from dcrb_ros.viewer.spectrum import Spectra
 
 Times = npt.NDArray[np.int64]
-OverTime = TypeVar("OverTime", "Motion", "TimedWaveform", "Spectra")
+OverTime = TypeVar("OverTime", bound="DataclassInstance")
 
 
 def joined(before: OverTime | None, after: OverTime, *names: str, last: int = 0) -> OverTime:

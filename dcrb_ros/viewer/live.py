@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 
 import rerun as rr
 
@@ -56,7 +56,9 @@ class LiveView(ReceivedMessages):
             if self._bench is None:
                 self._received = received
                 return
-            content = content_of(received, self._bench, lambda _: completed(detector_output_in(received)))
+            indicators, verdicts = series_of(received[FAULT_INDICATORS]), verdicts_in(received[DIAGNOSIS])
+            output = DetectorOutput(indicators, verdicts, spectra_in(received[ENVELOPE_SPECTRUM]))
+            content = content_of(received, self._bench, lambda _: completed(output))
             self._run = self._run or LiveRun(self._next_stream(), self._bench)
             self._run.log(content)
         except Refusal as refusal:
@@ -93,12 +95,3 @@ def bench_info(data: bytes, title: str) -> BenchInfo:
     except (ValueError, TypeError) as error:
         raise Refusal(f"the bearing in the sensor's description is invalid ({type(error).__name__})") from None
     return BenchInfo(title, bearing, orders, rate, imported=not whole, pulses_per_turn=decode_pulses_per_turn(data))
-
-
-def detector_output_in(received: Mapping[Topic, Sequence[bytes]]) -> DetectorOutput:
-    """Return the output of the bench's fault detector from its messages."""
-    return DetectorOutput(
-        indicators=series_of(received.get(FAULT_INDICATORS, ())),
-        verdicts=verdicts_in(received.get(DIAGNOSIS, ())),
-        diagnoses=spectra_in(received.get(ENVELOPE_SPECTRUM, ())),
-    )

@@ -46,12 +46,9 @@ class VehicleLiveView(ReceivedMessages):
 
     def take(self, topic: Topic, data: bytes) -> None:
         """Keep a message until the next `flush`."""
-        if topic == VEHICLE_DESCRIPTION:
-            self._describe(data)
-        else:
+        if topic != VEHICLE_DESCRIPTION:
             self._keep(topic, data)
-
-    def _describe(self, data: bytes) -> None:
+            return
         try:
             description = decode_description(data)
         except Refusal as refusal:
