@@ -69,7 +69,9 @@ def info(
         tables.append(_table(f"commands: {len(commands)}", ("simulated time [s]", "command"), first))
     if recording.configured:
         tables.append(_table("configuration, where it differs from the default", ("parameter", "value"), _changed(recording)))
-    _print([*_lines(recording), _digest_line(digests) if digests else "", unsigned(recording)], tables, damage)
+    agreed = {True: "as stated", False: "NOT as stated", None: "no digest of the same samples is stated"}
+    read = f"read: {digests.read.count} samples, sha256 {digests.read.sha256}, {agreed[digests.match]}" if digests else ""
+    _print([*_lines(recording), read, unsigned(recording)], tables, damage)
 
 
 def vehicle_info(bag: Path, *, as_json: bool) -> None:
@@ -175,12 +177,6 @@ def _digests(recording: Recording) -> tuple[SampleDigests | None, str]:
     except Refusal as refusal:
         return None, str(refusal)
     return digests, digests.mismatch
-
-
-def _digest_line(digests: SampleDigests) -> str:
-    """Return a line on the digest of the samples read, and whether it is the stated one."""
-    verdicts = {True: "as stated", False: "NOT as stated", None: "no digest of the same samples is stated"}
-    return f"read: {digests.read.count} samples, sha256 {digests.read.sha256}, {verdicts[digests.match]}"
 
 
 def _streams(recording: Recording) -> list[str]:
