@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from dcrb_ros.cli import completion
-from dcrb_ros.cli.options import DetectorFile, Duration, Force, OptionalConfig, Scenario, Settings, detector_parameters
+from dcrb_ros.cli.options import DetectorFile, Duration, Force, OptionalConfig, Scenario, Settings, detector_parameters, scenario_tree
 from dcrb_ros.cli.output_file import check_force, replacing
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.files import expanded_path
@@ -43,14 +43,13 @@ def bench(
     """
     from dcrb_ros.schema.simulated_time import checked_duration
     from dcrb_ros.settings.files import load_configuration
-    from dcrb_ros.simulation.scenario import read_scenario_file, scheduled_changes, starting_configuration
-    from dcrb_ros.stream.late_scenario import refuse_late
+    from dcrb_ros.simulation.scenario import scheduled_changes, starting_configuration
 
     seconds = checked_duration(duration)
     _check_settings(settings or (), {"time_scale": ("--time-scale", time_scale), "recording.path": ("--record", record)})
     extra = [f"time_scale={time_scale!r}"] if time_scale is not None else []
     extra += [f"recording.path={str(record)!r}"] if record else []
-    tree = read_scenario_file(scenario) if scenario else None
+    tree = scenario_tree(scenario, seconds)
     if vehicle is not None:
         if config:
             raise Refusal("--vehicle names a file with all boxes: leave out CONFIG")
@@ -68,8 +67,6 @@ def bench(
             scheduled_changes(tree, starting_configuration(tree, configuration, str(scenario)), str(scenario))
     else:
         raise Refusal("Missing argument 'CONFIG': give a YAML file or a shipped name, such as healthy, or --vehicle NAME")
-    if scenario:
-        refuse_late(tree, seconds, f"the scenario {scenario}", "increase --duration or leave out --scenario")
     parameters = detector_parameters(detector)
     recorded = configuration.recording.path
     check_force("--record", recorded, force=force)
@@ -86,11 +83,7 @@ def bench(
 
 
 def _check_settings(settings: Sequence[str], options: Mapping[str, tuple[str, object]]) -> None:
-    """Refuse a setting of a parameter that an option sets, too; ``options`` has name and value of the option by the key.
-
-    Raises:
-        Refusal: one is given twice.
-    """
+    """Refuse a setting of a parameter that an option sets, too; ``options`` has name and value of the option by the key."""
     for key in options.keys() & {setting.partition("=")[0].strip() for setting in settings}:
         option, value = options[key]
         if value is not None:

@@ -31,7 +31,17 @@ def _literal(part: Part) -> Part:
     return shown  # type: ignore[no-any-return]
 
 
-class LiteralCommand(TyperCommand):
+class _LiteralHelp:
+    """Prints help texts literally."""
+
+    def format_help(self, ctx: Any, formatter: Any) -> None:
+        super(_LiteralHelp, _literal(self)).format_help(ctx, formatter)  # type: ignore[misc]
+
+    def shell_complete(self, ctx: Any, incomplete: str) -> Any:
+        return super(_LiteralHelp, _literal(self)).shell_complete(ctx, incomplete)  # type: ignore[misc]
+
+
+class LiteralCommand(_LiteralHelp, TyperCommand):
     """A command whose help text is printed literally, and which refuses an option of one value that is given twice, and an empty path."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
@@ -60,12 +70,6 @@ class LiteralCommand(TyperCommand):
                 raise Refusal(f"{_longest_name(parameter)} is empty: give a path, such as . for this folder, or leave it out")
         return rest
 
-    def format_help(self, ctx: Any, formatter: Any) -> None:
-        TyperCommand.format_help(_literal(self), ctx, formatter)
-
-    def shell_complete(self, ctx: Any, incomplete: str) -> Any:
-        return TyperCommand.shell_complete(_literal(self), ctx, incomplete)
-
 
 def _has_one_value(parameter: Any) -> bool:
     """Return whether a parameter is an option whose later value replaces an earlier one; a flag that cannot be unset has no value."""
@@ -86,14 +90,8 @@ def _name_value(error: Any, given: Mapping[str, Any]) -> None:
         error.message = f"{value!r}; {message[:1].lower()}{message[1:]}"
 
 
-class LiteralGroup(TyperGroup):
+class LiteralGroup(_LiteralHelp, TyperGroup):
     """A group of commands whose help texts are printed literally."""
-
-    def format_help(self, ctx: Any, formatter: Any) -> None:
-        TyperGroup.format_help(_literal(self), ctx, formatter)
-
-    def shell_complete(self, ctx: Any, incomplete: str) -> Any:
-        return TyperGroup.shell_complete(_literal(self), ctx, incomplete)
 
 
 class Commands(typer.Typer):

@@ -172,11 +172,7 @@ def docs(group: Group = "") -> None:
 
 
 def _below(group: str) -> list[ParameterField]:
-    """Return the parameters of a group, or the one with this key.
-
-    Raises:
-        Refusal: there is no such group.
-    """
+    """Return the parameters of a group, or the one with this key; refuse a group that does not exist."""
     from dcrb_ros.cli.vehicle_parameters import vehicle_parameters
     from dcrb_ros.diagnosis.parameters import DetectorParameters
     from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters

@@ -103,11 +103,7 @@ def detect(
 def _check_vehicles(
     bags: list[Path], vehicles: list[Path], *, healthy: Path | None, baseline: Path | None, save: Path | None, report: Path | None
 ) -> None:
-    """Refuse what does not apply to the recording of a vehicle.
-
-    Raises:
-        Refusal: recordings of benches beside it, or an option for a single bearing.
-    """
+    """Refuse recordings of benches beside that of a vehicle, and options for a single bearing."""
     given = {"--healthy": healthy, "--baseline": baseline, "--save-baseline": save, "--report": report}
     option = next((name for name, value in given.items() if value is not None), None)
     if option is not None:
@@ -147,22 +143,19 @@ def _as_object(recording: Recording, result: DetectionResult) -> dict[str, Any]:
 
 def _print_table(bag: Path, recording: Recording, result: DetectionResult, parameters: DetectorParameters, *, learned: bool) -> None:
     """Print the last diagnosis as a table and sentences; a ``learned`` baseline lowers thresholds of depth."""
-    from rich.table import Table
-
-    from dcrb_ros.runtime.terminal import console
+    from dcrb_ros.runtime.terminal import console, table
     from dcrb_ros.schema.printable import decimal
     from dcrb_ros.schema.verdicts import title_of
 
     last = result.last
-    title = title_of(last.verdict, last.scores)
-    table = Table(*COLUMNS, title=f"{bag}: {title}", caption=CAPTION)
+    title, rows = f"{bag}: {title_of(last.verdict, last.scores)}", []
     for (fault, score), (name, level) in zip(last.scores.items(), last.levels.items(), strict=False):
         line = "2 BSF" if name == "BSF" else name  # a roller defect strikes at twice BSF
         depth = decimal(last.lines[fault].depth, 3) if fault in last.lines else "-"
         threshold = f"{'up to ' if learned else ''}{getattr(parameters, DEPTHS[fault]):g}"
-        table.add_row(fault, line, decimal(level, 1), depth, threshold, decimal(score, 1))
+        rows.append((fault, line, decimal(level, 1), depth, threshold, decimal(score, 1)))
     shown = console()
-    shown.print(table if last.scores else f"{bag}: {title}")
+    shown.print(table(title, COLUMNS, rows, CAPTION) if last.scores else title)
     when = f"first at {result.since:.2f} s, in {result.duration:.2f} s of signal"
     for sentence in (f"{last.verdict}, confidence {last.confidence:.2f}, {when}: {last.reason}", *last.remarks):
         shown.print(sentence, soft_wrap=True)

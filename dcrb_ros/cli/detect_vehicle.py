@@ -50,15 +50,12 @@ def vehicle_as_object(recording: VehicleRecording, result: VehicleDetectionResul
 
 def print_vehicle(bag: Path, recording: VehicleRecording, result: VehicleDetectionResult) -> None:
     """Print the diagnosis of a vehicle as a table, and what each box names by itself."""
-    from rich.table import Table
+    from dcrb_ros.runtime.terminal import console, table
 
-    from dcrb_ros.runtime.terminal import console
-
-    table = Table(*COLUMNS, title=f"{bag}: {result.summary}", caption=CAPTION)
-    for name, status in result.statuses.items():
-        table.add_row(name, status.verdict, f"{status.confidence:.2f}" if status.confidence else "-", status.reason)
+    each = result.statuses.items()
+    rows = [(name, status.verdict, f"{status.confidence:.2f}" if status.confidence else "-", status.reason) for name, status in each]
     shown = console()
-    shown.print(table)
+    shown.print(table(f"{bag}: {result.summary}", COLUMNS, rows, CAPTION))
     alone = ", ".join(f"{name} {diagnosis.verdict}" for name, diagnosis in result.last.boxes.items())
     shown.print(f"alone: {alone}", soft_wrap=True)
     if recording.damage:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import typer
 
@@ -115,20 +115,17 @@ def evaluate_exam(exam: AnyExam, options: DetectorOptions, recordings: Path | No
     from dcrb_ros.exam.recording_cache import checked_folder, default_folder
     from dcrb_ros.exam.vehicle.evaluation import vehicle_scenarios
 
-    progress = partial(progress_of, quiet=quiet)
-    if isinstance(exam, Exam):
-        with checked_folder(recordings or default_folder()) as folder:
-            if exam.replica is not None:
-                in_python, led = options.candidate_in_python(), replica_scenarios(exam, folder)
-                announce_compilation(quiet=quiet)
-                return evaluate(in_python, led, workers=workers, progress=progress)
-            scenarios, candidate = simulated_scenarios(exam, folder), options.candidate()
-            announce_compilation(quiet=quiet)
-            return evaluate(candidate, scenarios, workers=workers, progress=progress)
-    with checked_folder(recordings or default_folder() / "vehicles") as folder:
-        of_vehicle = options.vehicle_candidate()
+    with checked_folder(recordings or (default_folder() if isinstance(exam, Exam) else default_folder() / "vehicles")) as folder:
+        candidate: Candidate[Any]
+        scenarios: Any
+        if not isinstance(exam, Exam):
+            candidate, scenarios = options.vehicle_candidate(), vehicle_scenarios(exam, folder, workers)
+        elif exam.replica is not None:
+            candidate, scenarios = options.candidate_in_python(), replica_scenarios(exam, folder)
+        else:
+            candidate, scenarios = options.candidate(), simulated_scenarios(exam, folder)
         announce_compilation(quiet=quiet)
-        return evaluate(of_vehicle, vehicle_scenarios(exam, folder, workers), workers=workers, progress=progress)
+        return evaluate(candidate, scenarios, workers=workers, progress=partial(progress_of, quiet=quiet))
 
 
 def evaluate_bags(bags: Sequence[Path], options: DetectorOptions, *, run_detector: bool, workers: int, quiet: bool) -> Report:

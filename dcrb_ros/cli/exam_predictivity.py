@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import shlex
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -15,9 +16,6 @@ from dcrb_ros.cli.output_file import PICTURES, check_file, check_outputs
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.counts import counted
 from dcrb_ros.text.writing import write_whole
-
-if TYPE_CHECKING:
-    from dcrb_ros.exam.predictivity_report import Comparison
 
 Table = Annotated[Path, typer.Argument(help="Table of measured recordings (recordings.csv); the files are in recordings/ beside it.")]
 
@@ -89,6 +87,7 @@ def predictivity(
     from dcrb_ros.exam.exam_file import exam_of, read_exam
     from dcrb_ros.exam.leaderboard import read_entries
     from dcrb_ros.exam.limits import Limits
+    from dcrb_ros.exam.predictivity_report import as_json as comparison_tree
     from dcrb_ros.exam.predictivity_report import compare_entries, compare_with_field, markdown, origin_of
     from dcrb_ros.exam.recording_cache import checked_folder, default_folder
     from dcrb_ros.exam.replica import ReplicaPlan, replica_tree
@@ -116,7 +115,8 @@ def predictivity(
                 count,
                 partial(progress_of, quiet=quiet),
             )
-    _print(comparison, as_json)  # first, so that no result is lost if a file cannot be written
+    # First, so that no result is lost if a file cannot be written.
+    print(json.dumps(comparison_tree(comparison), indent=2) if as_json else markdown(comparison))
     if output is not None:
         write_whole(output, markdown(comparison))
     if figure is not None:
@@ -127,15 +127,6 @@ def predictivity(
         typer.echo(f"dcrb: {one.name} is left out: {one.reason}", err=True)
     if comparison.broken:
         raise typer.Exit(1)
-
-
-def _print(comparison: Comparison, as_json: bool) -> None:
-    import json
-
-    from dcrb_ros.exam.predictivity_report import as_json as tree
-    from dcrb_ros.exam.predictivity_report import markdown
-
-    print(json.dumps(tree(comparison), indent=2) if as_json else markdown(comparison))
 
 
 def _checked(table: Path) -> Path:

@@ -14,7 +14,6 @@ from dcrb_ros.cli.options import Bag
 from dcrb_ros.text.counts import counted
 
 if TYPE_CHECKING:
-    from rich.console import Console
     from rich.table import Table
 
     from dcrb_ros.recordings.digest import SampleDigests
@@ -64,18 +63,15 @@ def info(
         }
         print(json.dumps(about, indent=2))
         return
-    from dcrb_ros.runtime.terminal import console
-
-    shown = console()
-    for line in filter(None, [*_lines(recording), _digest_line(digests) if digests else "", unsigned(recording)]):
-        shown.print(line, soft_wrap=True)
-    shown.print(_table(str(bag), ("topic", "messages"), counts.items()))
+    tables = [_table(str(bag), ("topic", "messages"), counts.items())]
     if commands:
         first = [(f"{command['time_ns'] * 1e-9:.6f}", command["command"]) for command in commands[:SHOWN_COMMANDS]]
-        shown.print(_table(f"commands: {len(commands)}", ("simulated time [s]", "command"), first))
+        tables.append(_table(f"commands: {len(commands)}", ("simulated time [s]", "command"), first))
     if recording.configured:
-        shown.print(_table("configuration, where it differs from the default", ("parameter", "value"), _changed(recording)))
-    _print_damage(shown, damage)
+        tables.append(_table("configuration, where it differs from the default", ("parameter", "value"), _changed(recording)))
+    agreed = {True: "as stated", False: "NOT as stated", None: "no digest of the same samples is stated"}
+    read = f"read: {digests.read.count} samples, sha256 {digests.read.sha256}, {agreed[digests.match]}" if digests else ""
+    _print([*_lines(recording), read, unsigned(recording)], tables, damage)
 
 
 def vehicle_info(bag: Path, *, as_json: bool) -> None:
@@ -109,35 +105,37 @@ def vehicle_info(bag: Path, *, as_json: bool) -> None:
         }
         print(json.dumps(about, indent=2))
         return
-    from dcrb_ros.runtime.terminal import console
-
-    shown = console()
-    shown.print(
+    lines = [
         f"the recording of a vehicle with {counted(len(boxes), 'box', 'boxes')}, sampling rate: {recording.sampling_rate} Hz",
-        soft_wrap=True,
-    )
-    shown.print(f"a box by itself: dcrb info {shlex.quote(str(bag / next(iter(boxes))))}", soft_wrap=True)
-    if recording.scenario is not None:
-        shown.print(f"scenario: {json.dumps(recording.scenario)}", soft_wrap=True)
+        f"a box by itself: dcrb info {shlex.quote(str(bag / next(iter(boxes))))}",
+        "" if recording.scenario is None else f"scenario: {json.dumps(recording.scenario)}",
+    ]
     agreed = {True: "as stated", False: "NOT as stated", None: "none stated"}
     rows = [
         (name, box["samples"], str(box["sha256"])[:16], agreed[box["match"]], ", ".join(box["faults"]) or "none")
         for name, box in boxes.items()
     ]
-    shown.print(_table(str(bag), ("box", "samples", "sha256", "digest", "faults at the start"), rows))
-    shown.print(_table("messages", ("topic", "messages"), counts.items()))
+    tables = [_table(str(bag), ("box", "samples", "sha256", "digest", "faults at the start"), rows)]
+    tables.append(_table("messages", ("topic", "messages"), counts.items()))
     if commands:
         first = [(f"{time:.6f}", name, value) for time, name, value in commands[:SHOWN_COMMANDS]]
-        shown.print(_table(f"commands to the vehicle: {len(commands)}", ("simulated time [s]", "command", "value"), first))
-    shown.print(_table("vehicle", ("parameter", "value"), recording.parameters.items()))
-    _print_damage(shown, damage)
+        tables.append(_table(f"commands to the vehicle: {len(commands)}", ("simulated time [s]", "command", "value"), first))
+    tables.append(_table("vehicle", ("parameter", "value"), recording.parameters.items()))
+    _print(lines, tables, damage)
 
 
-def _print_damage(shown: Console, damage: Sequence[str]) -> None:
-    for description in damage:
-        shown.print(f"damaged: {description}", soft_wrap=True)
-    if damage:
-        shown.print("the counts above are of the readable part; dcrb recover writes it to a complete recording", soft_wrap=True)
+def _print(lines: Sequence[str], tables: Sequence[Table], damage: Sequence[str]) -> None:
+    """Print lines that are not empty, tables, and a line for each unreadable part."""
+    from dcrb_ros.runtime.terminal import console
+
+    shown = console()
+    for line in filter(None, lines):
+        shown.print(line, soft_wrap=True)
+    for table in tables:
+        shown.print(table)
+    readable = "the counts above are of the readable part; dcrb recover writes it to a complete recording"
+    for line in [*(f"damaged: {description}" for description in damage), readable] if damage else ():
+        shown.print(line, soft_wrap=True)
 
 
 def _lines(recording: Recording) -> list[str]:
@@ -179,12 +177,6 @@ def _digests(recording: Recording) -> tuple[SampleDigests | None, str]:
     except Refusal as refusal:
         return None, str(refusal)
     return digests, digests.mismatch
-
-
-def _digest_line(digests: SampleDigests) -> str:
-    """Return a line on the digest of the samples read, and whether it is the stated one."""
-    verdicts = {True: "as stated", False: "NOT as stated", None: "no digest of the same samples is stated"}
-    return f"read: {digests.read.count} samples, sha256 {digests.read.sha256}, {verdicts[digests.match]}"
 
 
 def _streams(recording: Recording) -> list[str]:

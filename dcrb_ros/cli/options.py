@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -105,6 +105,18 @@ def detector_parameters(file: Path | None) -> DetectorParameters:
     return validated(read_parameters(file, "fault_detector"), DetectorParameters, str(file))
 
 
+def scenario_tree(scenario: Path | None, seconds: float) -> Any:
+    """Return the scenario of a run of ``seconds`` as parsed from YAML, None without one; refuse one that changes nothing in the run."""
+    from dcrb_ros.simulation.scenario import read_scenario_file
+    from dcrb_ros.stream.late_scenario import refuse_late
+
+    if scenario is None:
+        return None
+    tree = read_scenario_file(scenario)
+    refuse_late(tree, seconds, f"the scenario {scenario}", "increase --duration or leave out --scenario")
+    return tree
+
+
 def check_speed(speed: str) -> None:
     """Refuse a --speed that is no column of speeds in a table of measured recordings."""
     from dcrb_ros.exam.measured import SPEEDS
@@ -120,9 +132,6 @@ def refuse_given(context: typer.Context, reason: str, *names: str) -> None:
         context: the command line.
         reason: the rest of the sentence, such as ``applies to --node only``.
         names: parameters of the command, by their names in Python.
-
-    Raises:
-        Refusal: one of them is given.
     """
     for parameter in context.command.params:
         source = context.get_parameter_source(str(parameter.name))
@@ -131,11 +140,7 @@ def refuse_given(context: typer.Context, reason: str, *names: str) -> None:
 
 
 def refuse_node_settings(settings: Sequence[str] | None) -> None:
-    """Refuse settings that only the nodes use, in a command without nodes.
-
-    Raises:
-        Refusal: one of them is given.
-    """
+    """Refuse settings that only the nodes use, in a command without nodes."""
     keys = [setting.partition("=")[0].strip() for setting in settings or ()]
     for key in keys:
         if key in OF_NODES:

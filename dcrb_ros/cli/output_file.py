@@ -53,11 +53,7 @@ def check_outputs(*outputs: tuple[str, Path | None, Sequence[str]], force: bool)
 
 
 def check_free(option: str, path: Path, *, force: bool) -> None:
-    """Refuse an existing file or recording unless ``force`` is given.
-
-    Raises:
-        Refusal: ``path`` exists and ``force`` is not given.
-    """
+    """Refuse an existing file or recording unless ``force`` is given."""
     if not force and os.path.lexists(checked_path(path)):
         raise Refusal(f"{option} {path} exists: give another name, or --force to replace it")
 
@@ -66,9 +62,6 @@ def check_file(option: str, file: Path, suffixes: Sequence[str] = (), *, force: 
     """Refuse a file that could not be written, or that exists unless ``force`` is given; `whole_file` then replaces it in one step.
 
     A device or a pipe, such as ``/dev/stdout``, is not replaced but written.
-
-    Raises:
-        Refusal: see `check_output` and `check_free`.
     """
     check_output(option, file, suffixes)
     if not special_kind(file):
@@ -76,11 +69,7 @@ def check_file(option: str, file: Path, suffixes: Sequence[str] = (), *, force: 
 
 
 def check_force(outputs: str, *given: object, force: bool) -> None:
-    """Refuse ``force`` if none of the options for an output, which ``outputs`` names, is given.
-
-    Raises:
-        Refusal: ``force`` would have no effect.
-    """
+    """Refuse ``force`` if none of the options for an output, which ``outputs`` names, is given."""
     if force and not any(given):
         raise Refusal(f"--force has no effect without {outputs}: leave it out, or name what is to be replaced")
 

@@ -21,11 +21,7 @@ LONGEST = 60.0
 
 
 def check_gaps(waveform: Waveform) -> None:
-    """Refuse a waveform that lacks samples, which has no spectrum.
-
-    Raises:
-        Refusal: samples are missing; the longest stretch without a gap is proposed.
-    """
+    """Refuse a waveform that lacks samples, which has no spectrum; the longest stretch without a gap is proposed."""
     from itertools import pairwise
 
     import numpy as np

@@ -15,7 +15,10 @@ def output_report(report: Report, as_json: bool, junit: Path | None, figure: Pat
     if as_json:
         print(json.dumps(report.described(), indent=2, allow_nan=False), flush=True)
     else:
-        _print(report)
+        from dcrb_ros.exam.table import tables
+        from dcrb_ros.runtime.terminal import console
+
+        console().print(tables(report))
     if junit is not None:
         from dcrb_ros.exam.junit import write_junit
 
@@ -28,10 +31,3 @@ def output_report(report: Report, as_json: bool, junit: Path | None, figure: Pat
         from dcrb_ros.exam.leaderboard_entry import entry_of, write_entry
 
         write_entry(entry_of(report), entry)
-
-
-def _print(report: Report) -> None:
-    from dcrb_ros.exam.table import tables
-    from dcrb_ros.runtime.terminal import console
-
-    console().print(tables(report))

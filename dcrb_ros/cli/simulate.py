@@ -9,13 +9,24 @@ import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, Protocol, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeVar
 
 import typer
 
 from dcrb_ros.cli import completion
 from dcrb_ros.cli.first_start import compilation_shown
-from dcrb_ros.cli.options import Duration, Force, JsonOutput, OptionalConfig, Quiet, Scenario, Settings, refuse_given, refuse_node_settings
+from dcrb_ros.cli.options import (
+    Duration,
+    Force,
+    JsonOutput,
+    OptionalConfig,
+    Quiet,
+    Scenario,
+    Settings,
+    refuse_given,
+    refuse_node_settings,
+    scenario_tree,
+)
 from dcrb_ros.cli.output_file import check_force, replacing
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.simulated_time import checked_duration
@@ -26,17 +37,10 @@ if TYPE_CHECKING:
     from dcrb_ros.recordings.manifest import Outcome
     from dcrb_ros.recordings.reproduction import RunReproduction
     from dcrb_ros.settings.configuration import Configuration
+    from dcrb_ros.stream.block import Block
+    from dcrb_ros.vehicle.block import VehicleBlock
 
-
-class Timed(Protocol):
-    """A block of a bearing or of a vehicle."""
-
-    @property
-    def end_ns(self) -> int:
-        """Simulated time of its end [ns]."""
-
-
-Written = TypeVar("Written", bound=Timed)
+Made = TypeVar("Made", "Block", "VehicleBlock")
 
 
 class Progress(NamedTuple):
@@ -97,10 +101,9 @@ def simulate(
         raise Refusal("Missing argument 'CONFIG': give a YAML file or a shipped name, such as healthy, or --from BAG")
     seconds = checked_duration(duration)
     from dcrb_ros.settings.files import load_configuration
-    from dcrb_ros.simulation.scenario import read_scenario_file, scheduled_changes, starting_configuration
-    from dcrb_ros.stream.late_scenario import refuse_late
+    from dcrb_ros.simulation.scenario import scheduled_changes, starting_configuration
 
-    tree = read_scenario_file(scenario) if scenario else None
+    tree = scenario_tree(scenario, seconds)
     configuration = starting_configuration(tree, load_configuration(config, settings or ()), str(scenario))
     _refuse_without_sample(seconds, configuration)
     path = output or Path(Path(config).stem)
@@ -109,8 +112,6 @@ def simulate(
         from dcrb_ros.simulation.loop import Simulation
 
         changes = scheduled_changes(tree, configuration, str(scenario)) if tree is not None else ()
-        if scenario:
-            refuse_late(tree, seconds, f"the scenario {scenario}", "increase --duration or leave out --scenario")
         simulation = Simulation(configuration, changes)
         with Recorder(path, configuration, simulation.bodies, scenario=tree) as recorder:
             progress = _run(path.name, simulation.blocks(seconds), seconds, recorder.write, quiet=quiet, partial=True)
@@ -175,18 +176,14 @@ def simulate_vehicle(
 ) -> None:
     """Simulate a vehicle and write a recording with the topics of all its boxes."""
     from dcrb_ros.recordings.vehicle_recorder import VehicleRecorder
-    from dcrb_ros.simulation.scenario import read_scenario_file
-    from dcrb_ros.stream.late_scenario import refuse_late
     from dcrb_ros.vehicle.file import read_parameters
     from dcrb_ros.vehicle.scenario import starting_parameters
     from dcrb_ros.vehicle.simulation import simulation_of
 
-    tree, path = read_scenario_file(scenario) if scenario else None, output or Path(Path(source).stem)
+    tree, path = scenario_tree(scenario, seconds), output or Path(Path(source).stem)
     parameters = starting_parameters(tree, read_parameters(source, settings), str(scenario))
     simulation = simulation_of(parameters, source, tree, str(scenario))
     _refuse_without_sample(seconds, simulation.vehicle.boxes[0].configuration)
-    if scenario:
-        refuse_late(tree, seconds, f"the scenario {scenario}", "increase --duration or leave out --scenario")
     with replacing("-o", path, force=force), VehicleRecorder(path, parameters, simulation) as recorder:
         progress = _run(path.name, simulation.blocks(seconds), seconds, recorder.write, quiet=quiet, partial=True)
     for failure in simulation.silent.values():
@@ -214,7 +211,7 @@ def _print_object(path: Path | None, progress: Progress, samples: Mapping[str, R
 
 
 def _run(
-    name: str, blocks: Iterable[Written], seconds: float, write: Callable[[Written], None] | None, *, quiet: bool, partial: bool = False
+    name: str, blocks: Iterable[Made], seconds: float, write: Callable[[Made], None] | None, *, quiet: bool, partial: bool = False
 ) -> Progress:
     """Write blocks and show the progress; with ``partial``, Ctrl-C after the first block ends the recording early."""
     from rich.progress import TextColumn, TimeRemainingColumn

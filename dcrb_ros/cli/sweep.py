@@ -232,8 +232,8 @@ def _estimate(plan: Plan, workers: int, *, as_json: bool) -> None:
     print(table(heads, cases))
     idle, cores_used = cost.seconds(workers), counted(min(workers, cores()), "idle core")
     print(
-        f"about {_span(idle)} on {counted(workers, 'worker')} of this machine with {cores_used}, after their start of some seconds "
-        f"({cost.factor:.1f} x real time each, plus {cost.start:.2f} s per run) and {size_text(cost.size)} of disk space"
+        f"about {_span(idle)} on {counted(workers, 'worker')} of this machine with {cores_used} ({cost.factor:.1f} x real time each, plus "
+        f"{cost.worker_start:.1f} s per worker and {cost.start:.2f} s per run) and {size_text(cost.size)} of disk space"
     )
     if cost.delay > SHOWN_DELAY:
         print(

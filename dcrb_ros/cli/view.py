@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from dcrb_ros.cli.options import Bag, Force, warn_of_digests
-from dcrb_ros.cli.output_file import check_file, check_force
+from dcrb_ros.cli.output_file import check_outputs
 from dcrb_ros.schema.refusal import Refusal
 
 
@@ -25,13 +25,10 @@ def view(
     """
     if web and (save is not None or screenshot is not None):
         raise Refusal("--web opens a viewer, and --save and --screenshot write files instead: give one or the other")
-    check_force("--save or --screenshot", save, screenshot, force=force)
-    for option, path, suffix in (("--save", save, ".rrd"), ("--screenshot", screenshot, ".png")):
-        if path is not None:
-            check_file(option, path, (suffix,), force=force)
+    check_outputs(("--save", save, (".rrd",)), ("--screenshot", screenshot, (".png",)), force=force)
     from dcrb_ros.viewer.show import view_recording
 
-    content, complete, status = view_recording(bag, save=save, screenshot=screenshot, web=web, force=force)
+    content, complete, status = view_recording(bag, save=save, screenshot=screenshot, web=web)
     warn_of_digests(bag)  # it reads all samples
     if not complete:
         seconds = (content.end_ns - content.start_ns) / 1e9

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
-from dcrb_ros.messages.definitions import DEFINITIONS, FIRST
+from dcrb_ros.messages.definitions import DEFINITIONS
 from dcrb_ros.schema.refusal import Refusal
 
 POINT_CLOUD = "sensor_msgs/msg/PointCloud2"
@@ -36,7 +36,10 @@ def typestore(type_name: str) -> Typestore:
 @cache
 def _own_types() -> Typestore:
     store = get_typestore(Stores.EMPTY)
-    store.register(get_types_from_msg(DEFINITIONS, FIRST))
+    types: dict[str, Any] = {}
+    for name, fields in DEFINITIONS.items():
+        types |= get_types_from_msg(fields.replace("; ", "\n"), name)
+    store.register(types)
     return store
 
 

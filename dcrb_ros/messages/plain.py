@@ -1,4 +1,4 @@
-"""Messages of one value: text, number, force, clock, a sample of the preview."""
+"""Messages of one value: text, number, force, clock, a sample of the preview. Bytes that are no such message are refused."""
 
 from __future__ import annotations
 
@@ -49,11 +49,7 @@ def decode_clock(data: bytes) -> int:
 
 
 def decode_float(data: bytes) -> float:
-    """Return the number of a Float64.
-
-    Raises:
-        Refusal: no such message.
-    """
+    """Return the number of a Float64."""
     return float(decoded(data, "std_msgs/msg/Float64").data)
 
 
@@ -63,11 +59,7 @@ def encode_temperature(time_ns: int, temperature: float, deviation: float, frame
 
 
 def decode_temperature(data: bytes) -> float:
-    """Return the temperature of a Temperature [deg C].
-
-    Raises:
-        Refusal: no such message.
-    """
+    """Return the temperature of a Temperature [deg C]."""
     return float(decoded(data, TEMPERATURE).temperature)
 
 
@@ -75,7 +67,7 @@ def decode_wrench(data: bytes) -> tuple[float, float]:
     """Return the force of a Wrench in X and Y [N].
 
     Raises:
-        Refusal: no such message, or it has a force in Z or a torque, for which the bearing has no degree of freedom.
+        Refusal: it has a force in Z or a torque, for which the bearing has no degree of freedom.
     """
     wrench = decoded(data, "geometry_msgs/msg/Wrench")
     others = {"force.z": (wrench.force.z, "N"), **{f"torque.{axis}": (getattr(wrench.torque, axis), "N m") for axis in "xyz"}}

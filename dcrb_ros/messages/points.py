@@ -33,6 +33,12 @@ UINT32, FLOAT32 = 6, 7  # sensor_msgs/msg/PointField
 POINT_KINDS = {"<u4": UINT32, "<f4": FLOAT32}
 MOST_SAMPLES = 1 << 20
 """Most samples accepted in a message."""
+WAVEFORM = (
+    f"is not a waveform: it must have t, ax, ay and shaft_angle, {SAMPLE.itemsize} bytes a sample, or {UNTRACKED_SAMPLE.itemsize} without "
+    "shaft_angle, with az after ay four more"
+)
+LINES = f"is not a squared envelope spectrum: it must have frequency, order and amplitude as float32, {SPECTRUM.itemsize} bytes a line"
+"""Fields of the two kinds of messages, in the words of a refusal."""
 
 
 def index_at(time_ns: int, rate: int) -> int:
@@ -98,14 +104,25 @@ def encode_waveform(index: int, rate: int, acceleration: Samples, shaft_angle: n
     return encode_points(points, stamp_ns, frame)
 
 
-def decode_cloud(data: bytes) -> tuple[Any, list[tuple[str, int, int, int]]]:
-    """Return a PointCloud2 and its fields in the form of `fields_of`.
+def decode_cloud(
+    data: bytes, layouts: Sequence[np.dtype[Any]], wanted: str, block: str, points: str, least: int = 0
+) -> tuple[int, npt.NDArray[Any]]:
+    """Return stamp [ns] and points, shape (points,), of a PointCloud2 that has the fields of one of ``layouts``.
 
     Raises:
-        Refusal: no such message.
+        Refusal: no such message, one with other fields than ``wanted``, or a ``block`` without ``least`` to `MOST_SAMPLES` ``points``.
     """
     cloud = decoded(data, POINT_CLOUD)
-    return cloud, [(field.name, field.offset, field.datatype, field.count) for field in cloud.fields]
+    fields = [(field.name, field.offset, field.datatype, field.count) for field in cloud.fields]
+    layout = next((kind for kind in layouts if fields == fields_of(kind) and cloud.point_step == kind.itemsize), None)
+    if layout is None or cloud.is_bigendian or cloud.height != 1:
+        raise Refusal(f"a PointCloud2 with the fields {[name for name, *_ in fields]} {wanted}; little endian, height 1")
+    if not least <= cloud.width <= MOST_SAMPLES or len(cloud.data) != cloud.width * layout.itemsize:
+        raise Refusal(
+            f"{block} declares {cloud.width} {points} in {len(cloud.data)} bytes: it must have {layout.itemsize} bytes per "
+            f"{points.removesuffix('s')} and {least} to {MOST_SAMPLES} {points}"
+        )
+    return stamp_of(cloud.header), np.frombuffer(cloud.data.tobytes(), layout)
 
 
 def decode_vibration(data: bytes) -> Vibration:
@@ -114,24 +131,10 @@ def decode_vibration(data: bytes) -> Vibration:
     Raises:
         Refusal: the fields are not those of `sample_type`, or the length does not fit them.
     """
-    cloud, fields = decode_cloud(data)
-    layout = next((kind for kind in LAYOUTS if fields == fields_of(kind) and cloud.point_step == kind.itemsize), None)
-    if layout is None or cloud.is_bigendian or cloud.height != 1:
-        raise Refusal(
-            f"a PointCloud2 with the fields {[name for name, *_ in fields]} is not a waveform: it must have t, ax, ay and shaft_angle, "
-            f"{SAMPLE.itemsize} bytes a sample, or {UNTRACKED_SAMPLE.itemsize} without shaft_angle, with az after ay four more; little "
-            "endian, height 1"
-        )
-    if not 0 < cloud.width <= MOST_SAMPLES or len(cloud.data) != cloud.width * layout.itemsize:
-        raise Refusal(
-            f"a waveform block declares {cloud.width} samples in {len(cloud.data)} bytes: it must have {layout.itemsize} bytes per sample "
-            f"and 1 to {MOST_SAMPLES} samples"
-        )
-    points = np.frombuffer(cloud.data.tobytes(), layout)
-    acceleration = _axes(points)
-    tracked = "shaft_angle" in (layout.names or ())
+    stamp_ns, points = decode_cloud(data, LAYOUTS, WAVEFORM, "a waveform block", "samples", 1)
+    tracked = "shaft_angle" in (points.dtype.names or ())
     angle = points["shaft_angle"].copy() if tracked else np.full(len(points), np.nan, np.float32)
-    return Vibration(stamp_of(cloud.header), points["t"].copy(), acceleration, angle)
+    return Vibration(stamp_ns, points["t"].copy(), _axes(points), angle)
 
 
 def _axes(points: npt.NDArray[Any]) -> Samples:
@@ -199,16 +202,9 @@ def decode_spectrum(data: bytes) -> tuple[int, Floats, Floats, float]:
     Raises:
         Refusal: the fields are not those of `SPECTRUM`, the length does not fit them, or the orders are not finite and increasing.
     """
-    cloud, fields = decode_cloud(data)
-    fitting = fields == fields_of(SPECTRUM) and cloud.point_step == SPECTRUM.itemsize and not cloud.is_bigendian
-    if not fitting or len(cloud.data) != cloud.width * SPECTRUM.itemsize:
-        raise Refusal(
-            f"a PointCloud2 with the fields {[name for name, *_ in fields]} is not a squared envelope spectrum: it must have frequency, "
-            f"order and amplitude as float32, {SPECTRUM.itemsize} bytes a line, little endian"
-        )
-    points = np.frombuffer(cloud.data.tobytes(), SPECTRUM)
+    stamp_ns, points = decode_cloud(data, [SPECTRUM], LINES, "a squared envelope spectrum", "lines")
     orders, frequency = points["order"].astype(np.float64), points["frequency"].astype(np.float64)
     if not (np.isfinite(orders).all() and (np.diff(orders) >= 0.0).all()):
         raise Refusal("the orders of a squared envelope spectrum are not finite and increasing: publish its lines sorted by order")
     shaft_frequency = float(frequency[-1] / orders[-1]) if len(orders) and orders[-1] > 0.0 else 0.0
-    return stamp_of(cloud.header), orders, points["amplitude"].astype(np.float64), shaft_frequency
+    return stamp_ns, orders, points["amplitude"].astype(np.float64), shaft_frequency

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dcrb_ros.messages.cdr import FRAME, stamp_of
-from dcrb_ros.messages.points import MOST_SAMPLES, decode_cloud, encode_points, fields_of
+from dcrb_ros.messages.cdr import FRAME
+from dcrb_ros.messages.points import decode_cloud, encode_points
 from dcrb_ros.schema.arrays import Integers
-from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.block import Block
 
 PULSE = np.dtype([("t", "<u4"), ("pulse", "<u4")])
@@ -42,16 +41,6 @@ def decode_pulses(data: bytes) -> PulseBlock:
     Raises:
         Refusal: the fields are not those of `PULSE`, or the length does not fit them.
     """
-    cloud, fields = decode_cloud(data)
-    if fields != fields_of(PULSE) or cloud.point_step != PULSE.itemsize or cloud.is_bigendian or cloud.height != 1:
-        raise Refusal(
-            f"a PointCloud2 with the fields {[name for name, *_ in fields]} has no pulses of a tacho: it must have t and pulse, "
-            f"{PULSE.itemsize} bytes a pulse, little endian, height 1"
-        )
-    if cloud.width > MOST_SAMPLES or len(cloud.data) != cloud.width * PULSE.itemsize:
-        raise Refusal(
-            f"a block of a tacho declares {cloud.width} pulses in {len(cloud.data)} bytes: it must have {PULSE.itemsize} bytes per pulse "
-            f"and at most {MOST_SAMPLES} pulses"
-        )
-    points, stamp_ns = np.frombuffer(cloud.data.tobytes(), PULSE), stamp_of(cloud.header)
+    wanted = f"has no pulses of a tacho: it must have t and pulse, {PULSE.itemsize} bytes a pulse"
+    stamp_ns, points = decode_cloud(data, [PULSE], wanted, "a block of a tacho", "pulses")
     return PulseBlock(stamp_ns, stamp_ns + points["t"].astype(np.int64), points["pulse"].astype(np.int64))

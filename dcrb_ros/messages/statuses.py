@@ -88,11 +88,7 @@ def decode_truth(data: bytes) -> Truth:
 
 
 def _numbers(values: Mapping[str, str]) -> dict[str, float]:
-    """Return values as numbers.
-
-    Raises:
-        Refusal: one is not a number.
-    """
+    """Return values as numbers, and refuse anything else."""
     try:
         return {key: float(value) for key, value in values.items()}
     except ValueError as error:

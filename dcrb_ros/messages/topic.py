@@ -127,6 +127,11 @@ Encoded = Iterable[tuple[int, bytes]]
 """Encoded messages, each with its simulated time [ns]."""
 
 
+def per_block(encode: Callable[[Block, str], bytes]) -> Callable[[Block, EncodedBench], Encoded]:
+    """Return the encoder of a topic with a message per block that is not lost, from one of a block and a frame id."""
+    return lambda block, source: () if block.lost else ((block.stamp_ns, encode(block, source.frame)),)
+
+
 @dataclass(frozen=True)
 class SimulatedTopic(Topic):
     """A topic of the simulator, encoded from the blocks of a simulation."""

@@ -6,7 +6,6 @@ import dataclasses
 import json
 import math
 from collections.abc import Iterable, Mapping
-from typing import Any
 
 import numpy as np
 
@@ -14,7 +13,7 @@ from dcrb_ros.messages.cdr import FRAME, encoded, header, ros_type
 from dcrb_ros.messages.joints import encode_joints
 from dcrb_ros.messages.plain import decode_text
 from dcrb_ros.messages.statuses import ERROR, OK, WARN, Status, decode_diagnostics, encode_diagnostics
-from dcrb_ros.messages.topics.transforms import TF
+from dcrb_ros.messages.topics.transforms import TF, stamped
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.vehicle_description import VehicleDescription
 from dcrb_ros.stream.vehicle_diagnosis import UNDECIDED, VehicleDiagnosis, kind_of
@@ -27,7 +26,6 @@ ODOM, BASE, BOGIE = "odom", "base_link", "bogie"
 """Frames of the track, of the vehicle at rail level, and of the bogie at the height of its axles."""
 FROM_LEFT = 0.0, 0.5**0.5, 0.5**0.5, 0.0
 """Quaternion (x, y, z, w) of a bearing seen from the left in the frame of its box: X backwards, Y up, Z to the left."""
-NO_TURN = 0.0, 0.0, 0.0, 1.0
 GIVEN = "command "
 """Begin of the message of the status `vehicle` where commands were given."""
 CONTEXT = ("gear", "track")
@@ -37,11 +35,7 @@ Quaternion = tuple[float, float, float, float]
 
 
 def decode_description(data: bytes) -> VehicleDescription:
-    """Return the description of a vehicle.
-
-    Raises:
-        Refusal: the message is no such description.
-    """
+    """Return the description of a vehicle."""
     return VehicleDescription.from_json(decode_text(data))
 
 
@@ -91,26 +85,19 @@ def encode_state(time_ns: int, pose: Pose, speed: float, yaw_rate: float) -> byt
 
 def encode_pose(time_ns: int, pose: Pose) -> bytes:
     """Return the transform from the track to the vehicle as a TFMessage."""
-    return encoded(TF, ros_type(TF)([_transform(time_ns, ODOM, BASE, (pose.x, pose.y, 0.0), pose.rotation)]))
+    return encoded(TF, ros_type(TF)([stamped(time_ns, ODOM, BASE, (pose.x, pose.y, 0.0), pose.rotation)]))
 
 
 def encode_frames(vehicle: Vehicle) -> bytes:
     """Return the frames of bogie, wheelsets, boxes and bearings as a TFMessage: ``base_link > bogie > axle_1 > axle_1/left > ...``."""
     height = float(np.mean([axle.radius for axle in vehicle.axles]))
-    transforms = [_transform(0, BASE, BOGIE, (0.0, 0.0, height))]
-    transforms += [_transform(0, BOGIE, axle.name, (axle.x, 0.0, axle.radius - height)) for axle in vehicle.axles]
+    transforms = [stamped(0, BASE, BOGIE, (0.0, 0.0, height))]
+    transforms += [stamped(0, BOGIE, axle.name, (axle.x, 0.0, axle.radius - height)) for axle in vehicle.axles]
     for box in vehicle.boxes:
         frame = box_path(box.name)
-        transforms.append(_transform(0, vehicle.axles[box.axle].name, frame, (0.0, 0.5 * JOURNAL_DISTANCE * box.side, 0.0)))
-        transforms.append(_transform(0, frame, box.configuration.publishing.frame, (0.0, 0.0, 0.0), FROM_LEFT))
+        transforms.append(stamped(0, vehicle.axles[box.axle].name, frame, (0.0, 0.5 * JOURNAL_DISTANCE * box.side, 0.0)))
+        transforms.append(stamped(0, frame, box.configuration.publishing.frame, (0.0, 0.0, 0.0), FROM_LEFT))
     return encoded(TF, ros_type(TF)(transforms))
-
-
-def _transform(time_ns: int, parent: str, child: str, place: tuple[float, float, float], rotation: Quaternion = NO_TURN) -> Any:
-    pose = ros_type("geometry_msgs/msg/Transform")(
-        ros_type("geometry_msgs/msg/Vector3")(*place), ros_type("geometry_msgs/msg/Quaternion")(*rotation)
-    )
-    return ros_type("geometry_msgs/msg/TransformStamped")(header(time_ns, parent), child, pose)
 
 
 def encode_vehicle_truth(truth: VehicleTruth) -> bytes:
@@ -128,7 +115,8 @@ def encode_vehicle_truth(truth: VehicleTruth) -> bytes:
         statuses.append(Status(box_path(name), ERROR if silent else OK, "its model failed: silent" if silent else "", words))
     for number, event in enumerate(truth.events):
         about = {key: value for key, value in dataclasses.asdict(event).items() if key != "cause"}
-        statuses.append(Status(f"events/{number}", OK, event.cause, {key: _said(value) for key, value in about.items()}))
+        words = {key: box_path(value) if isinstance(value, str) else repr(value) for key, value in about.items()}
+        statuses.append(Status(f"events/{number}", OK, event.cause, words))
     return encode_diagnostics(truth.time_ns, statuses, BASE)
 
 
@@ -149,26 +137,13 @@ def decode_vehicle_commands(data: bytes) -> list[tuple[str, float | str]]:
         raise Refusal(f"the commands {said} in the ground truth of the vehicle are not names with values") from None
 
 
-def _said(value: Any) -> str:
-    return box_path(value) if isinstance(value, str) else repr(value)
-
-
 def encode_vehicle_diagnosis(diagnosis: VehicleDiagnosis, frame: str = BASE) -> bytes:
     """Return the verdicts on a vehicle: a status for each part, with verdict, confidence, score and reason."""
-    statuses = [
-        Status(
-            name,
-            _level(name, status.verdict),
-            status.verdict,
-            {
-                "verdict": status.verdict,
-                "confidence": f"{status.confidence:.3f}",
-                "score [dB]": f"{status.score:.2f}",
-                "reason": status.reason,
-            },
-        )
-        for name, status in diagnosis.statuses.items()
-    ]
+    statuses = []
+    for name, status in diagnosis.statuses.items():
+        values = {"verdict": status.verdict, "confidence": f"{status.confidence:.3f}", "score [dB]": f"{status.score:.2f}"}
+        values["reason"] = status.reason
+        statuses.append(Status(name, _level(name, status.verdict), status.verdict, values))
     return encode_diagnostics(diagnosis.time_ns, statuses, frame)
 
 

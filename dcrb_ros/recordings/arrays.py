@@ -60,18 +60,10 @@ class RecordedVerdict:
 
 
 def joined_waveform(blocks: Iterable[Piece], rate: int, orders: Orders, path: Path, start: float | None, stop: float | None) -> Waveform:
-    """Return the samples of some blocks with ``start <= time < stop`` [s], all without these.
-
-    Args:
-        blocks: the waveform in the order in which it was recorded.
-        rate: sampling rate [Hz].
-        orders: characteristic orders of the bearing [-].
-        path: the recording, for error messages.
-        start: time of the first sample [s].
-        stop: time after the last sample [s].
+    """Return the samples of some blocks, in the order of the recording, with ``start <= time < stop`` [s], all without these.
 
     Raises:
-        Refusal: there is no sample in that time.
+        Refusal: there is no sample in that time; the sentence names the ``path``.
     """
     first, last = stretch(rate, start, stop)
     pieces, spans = [], []
@@ -125,16 +117,13 @@ def _joints(messages: Messages, topic: Topic) -> tuple[Floats, Joints | None]:
         return np.zeros(0), None
     alike = decode_alike(encoded)
     times = np.asarray(stamps(encoded) * 1e-9, np.float64)
-    return times, _stacked([decode_joints(data) for data in encoded], topic) if alike is None else alike
-
-
-def _stacked(joints: Sequence[Joints], topic: Topic) -> Joints:
-    """Return joint states of the same bodies as one with a row for each."""
-    first = joints[0]
-    if any(joint.names != first.names for joint in joints):
-        raise Refusal(f"the messages on {topic.name} name different bodies: give a recording of one bench")
-    fields = (np.array([getattr(joint, name) for joint in joints]) for name in ("position", "velocity", "effort"))
-    return Joints(first.stamp_ns, first.names, *fields)
+    if alike is None:
+        joints = [decode_joints(data) for data in encoded]
+        if any(joint.names != joints[0].names for joint in joints):
+            raise Refusal(f"the messages on {topic.name} name different bodies: give a recording of one bench")
+        fields = (np.array([getattr(joint, name) for joint in joints]) for name in ("position", "velocity", "effort"))
+        alike = Joints(joints[0].stamp_ns, joints[0].names, *fields)
+    return times, alike
 
 
 def truths_of(messages: Sequence[bytes]) -> tuple[Truth, ...]:

@@ -98,28 +98,22 @@ def in_order(messages: Iterable[Message]) -> Iterator[Message]:
     """Yield messages with the times of their headers, in the order of these times.
 
     They are recorded in the order of arrival, and several threads that compress them exchange neighbours. Messages that are more than
-    `WINDOW_NS` late stay late, and those of a simulation that was reset follow the ones before.
+    `WINDOW_NS` late stay late, and those of a simulation that was reset follow the ones before. The description has no header and gets the
+    time of the message before it.
     """
     waiting: list[tuple[int, int, Message]] = []
-    newest = 0
-    for number, message in enumerate(_stamped(messages)):
-        if message.time_ns < newest - RESET_NS:
+    newest = time_ns = 0
+    for number, message in enumerate(messages):
+        if message.topic != SENSOR:
+            time_ns = header_time(message)
+        if time_ns < newest - RESET_NS:
             yield from (heappop(waiting)[-1] for _ in range(len(waiting)))
             newest = 0
-        heappush(waiting, (message.time_ns, number, message))
-        newest = max(newest, message.time_ns)
+        heappush(waiting, (time_ns, number, Message(message.topic, time_ns, message.data)))
+        newest = max(newest, time_ns)
         while waiting[0][0] < newest - WINDOW_NS or len(waiting) > MAX_WAITING:
             yield heappop(waiting)[-1]
     yield from (heappop(waiting)[-1] for _ in range(len(waiting)))
-
-
-def _stamped(messages: Iterable[Message]) -> Iterator[Message]:
-    """Yield messages with the times of their headers; the description has no header and gets the time of the message before it."""
-    time_ns = 0
-    for message in messages:
-        if message.topic != SENSOR:
-            time_ns = header_time(message)
-        yield Message(message.topic, time_ns, message.data)
 
 
 def header_time(message: Message) -> int:

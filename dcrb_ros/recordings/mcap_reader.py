@@ -160,11 +160,7 @@ class McapRecords(FileRecords):
         yield from self._in_chunk(data, offset)
 
     def _check_unpacked(self, chunk: Chunk) -> None:
-        """Count the size of a chunk once it is unpacked.
-
-        Raises:
-            ValueError: the chunks of the file unpack to more than its limit.
-        """
+        """Count the size of a chunk once it is unpacked; raise `ValueError` beyond the limit of the file."""
         self._unpacked += chunk.uncompressed_size
         if self._unpacked > self._most_unpacked:
             most = self._most_unpacked
@@ -187,11 +183,7 @@ class McapRecords(FileRecords):
                 self._report(f"a record in the chunk at byte {offset} is damaged ({_reason(error)})")
 
     def _register(self, record: Any) -> None:
-        """Note whether the messages of a channel are to be read.
-
-        Raises:
-            ValueError: a schema or channel differs from that of the same number in the summary.
-        """
+        """Note whether the messages of a channel are read; raise `ValueError` for a record that differs from that in the summary."""
         if isinstance(record, Schema | Channel) and self._summarized.get((type(record), record.id), record) != record:
             raise ValueError(f"{type(record).__name__.lower()} {record.id} differs from that in the summary")
         if isinstance(record, Channel) and self._topics is not None:

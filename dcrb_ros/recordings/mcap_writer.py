@@ -103,7 +103,7 @@ class McapFile:
         self._schemas: dict[tuple[str, str], int] = {}
         self._flushed_ns = self._valid_size = 0
         self._complete = False
-        self._stream: BinaryIO = open(path, "wb")  # noqa: SIM115 - closed in close(), abandon() or _remove()
+        self._stream: BinaryIO = open(path, "wb")  # noqa: SIM115 - closed in close() or _release()
         try:
             self._writer = Writer(self._stream, chunk_size=CHUNK, compression=COMPRESSIONS[compression])
             self._writer.start(profile="ros2", library=f"dcrb_ros {__version__}")
@@ -111,7 +111,9 @@ class McapFile:
                 self._writer.add_metadata(name, dict(record))
             self.flush()
         except OSError:
-            self._remove()
+            self._release()
+            with contextlib.suppress(OSError):
+                self.path.unlink()
             raise
 
     @property
@@ -162,12 +164,6 @@ class McapFile:
         except OSError:
             # The file ends within a record, which our reader and `dcrb recover` accept.
             return
-
-    def _remove(self) -> None:
-        """Remove a file without valid records."""
-        self._release()
-        with contextlib.suppress(OSError):
-            self.path.unlink()
 
     def _release(self) -> None:
         # Closing attempts to write the rest once more; the descriptor is closed in any case.

@@ -5,12 +5,10 @@ from __future__ import annotations
 import os
 import warnings
 from collections import Counter
-from collections.abc import Container, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-
-from mcap.records import Metadata
 
 from dcrb_ros.bearing.frequencies import Orders, characteristic_orders
 from dcrb_ros.bearing.history import StateHistory
@@ -24,7 +22,6 @@ from dcrb_ros.messages.topic import chosen_topics
 from dcrb_ros.messages.topics import (
     DETECTED,
     GROUND_TRUTH,
-    MANIFEST,
     NAMESPACE,
     ROLLER_STATES,
     SENSOR,
@@ -44,20 +41,18 @@ from dcrb_ros.recordings.arrays import (
 )
 from dcrb_ros.recordings.digest import SampleDigests, samples_in, stated_samples
 from dcrb_ros.recordings.foreign_files import refuse_foreign
-from dcrb_ros.recordings.latched import described_manifest, in_order, of_one_bench
-from dcrb_ros.recordings.manifest import DAMAGE, OUTCOME, Outcome, not_understood, stated_bearing, stated_range, well_formed
-from dcrb_ros.recordings.storage import StoredMessage, valid_files
-from dcrb_ros.recordings.vehicle_folder import box_of, boxes_in, record_name
+from dcrb_ros.recordings.latched import in_order, of_one_bench
+from dcrb_ros.recordings.manifest import DAMAGE, OUTCOME, Outcome, not_understood, stated_bearing, stated_range
+from dcrb_ros.recordings.recorded_files import RecordedFiles
+from dcrb_ros.recordings.vehicle_folder import box_of, record_name
 from dcrb_ros.schema.arguments import of_type, optional
 from dcrb_ros.schema.arrays import Floats, Integers, Samples
 from dcrb_ros.schema.numbers import sampling_rate
-from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import AlteredSamples, Refusal
 from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.simulation.ground_truth import GroundTruth, commands_in
 from dcrb_ros.stream.event_text import decode_command
 from dcrb_ros.stream.events import TimedCommand
-from dcrb_ros.text.json import parsed_json
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -92,12 +87,13 @@ class Recording:
         self.path = Path(path)
         source, self.box = box_of(self.path)
         """The name of the box in the recording of a vehicle; empty for a bench."""
-        self.stored, self.damage = valid_files(source)
+        self._files = RecordedFiles(source)
+        self.stored, self.damage = self._files.stored, self._files.damage
         """The files in order; a sentence for each part that could not be read so far."""
         refuse_foreign(source, self.stored)
-        self.manifest = self._manifest()
+        self.manifest = self._files.manifest(self.path, self.box)
         if self.manifest.get("format", 1) != 1 and self.outcome is None:
-            self._report(f"{self.files[-1].name}: the end is missing, the recording was cut off")
+            self._files.report(f"{self.files[-1].name}: the end is missing, the recording was cut off")
         self._bearing = stated_bearing(self.manifest, self.path) if self.configured else None
         self._digests: SampleDigests | None = None
 
@@ -200,7 +196,7 @@ class Recording:
     def outcome(self) -> Mapping[str, Any] | None:
         """The outcome record at the end of the recording; None if it was cut off."""
         records = [record for record in self.stored[-1].metadata() if record.name == record_name(OUTCOME, self.box)]
-        return self._json(records[-1], "outcome", self.stored[-1].path.name) if records else None
+        return self._files.content(records[-1], "outcome", self.stored[-1].path.name) if records else None
 
     def commands(self) -> list[TimedCommand]:
         """Return the commands of the run, from the outcome record or from the ground truth."""
@@ -209,7 +205,7 @@ class Recording:
             try:
                 return [decode_command(entry) for entry in entries]
             except DAMAGE:
-                self._report("the commands in the manifest are damaged")
+                self._files.report("the commands in the manifest are damaged")
         return commands_in(decode_truth(message.data) for message in self.messages((GROUND_TRUTH,)))
 
     def messages(self, topics: Iterable[Topic] | None = None, *, namespace: str | None = None) -> Iterator[Message]:
@@ -225,7 +221,9 @@ class Recording:
         prefix = self.namespace if namespace is None else namespace
         chosen = frozenset((*SIMULATED, *DETECTED) if topics is None else chosen_topics(topics))
         wanted = {topic.resolved(prefix): topic for topic in (chosen | {SENSOR} if self.described else chosen)}
-        messages = (Message(wanted[entry.channel.topic], entry.message.log_time, entry.message.data) for entry in self._messages(wanted))
+        messages = (
+            Message(wanted[entry.channel.topic], entry.message.log_time, entry.message.data) for entry in self._files.messages(wanted)
+        )
         if not self.described:
             return messages
         # Without a manifest the log times are not those of the bench, nor is the order.
@@ -400,54 +398,4 @@ class Recording:
 
     def counts(self) -> dict[str, int]:
         """Return the number of messages per topic."""
-        return dict(sorted(Counter(entry.channel.topic for entry in self._messages()).items()))
-
-    def _manifest(self) -> dict[str, Any]:
-        """Return the manifest of the first file that has one, or the entries that follow from the description of the sensor."""
-        names = list[str]()
-        for file in self.stored:
-            records = list(file.metadata())
-            names += [record.name for record in records]
-            record = next((record for record in records if record.name == record_name(MANIFEST, self.box)), None)
-            manifest = self._json(record, "manifest", file.path.name) if record else None
-            if manifest is not None:
-                return manifest
-        boxes = boxes_in(names)
-        if boxes and not self.box:
-            raise Refusal(f"{self.path} is the recording of a vehicle: give one of its boxes, such as {self.path / boxes[0]}")
-        if self.box in boxes:
-            raise Refusal(f"{self.path} cannot be read: {self.damage[-1]}; simulate or record the vehicle again")
-        if self.box:
-            known = f"its boxes are {', '.join(boxes)}" if boxes else "it is not the recording of a vehicle"
-            raise Refusal(f"there is no box {self.box} in {self.path.parent}: {known}")
-        try:
-            return described_manifest(self.path, self.stored)
-        except Refusal as refusal:
-            if not self.damage:
-                raise
-            raise Refusal(f"{refusal} ({self.damage[0]})") from None
-
-    def _json(self, record: Metadata, key: str, file: str) -> dict[str, Any] | None:
-        """Return the JSON object in a metadata record; None if it is damaged."""
-        try:
-            content = parsed_json(record.metadata.get(key, ""), f"{file}: the record {record.name}")
-        except Refusal as refusal:
-            self._report(str(refusal))
-            return None
-        sound = well_formed(content)
-        if not sound:
-            self._report(f"{file}: the record {record.name} is damaged: it does not have the form and the digest that the bench writes")
-        return content if sound else None
-
-    def _messages(self, topics: Container[str] | None = None) -> Iterator[StoredMessage]:
-        """Yield the messages on some topics, by default on all."""
-        for file in self.stored:
-            flaws: list[str] = []
-            yield from file.messages(flaws, topics)
-            for sentence in flaws:
-                self._report(sentence)
-
-    def _report(self, sentence: str) -> None:
-        shown = printable(sentence)
-        if shown not in self.damage:
-            self.damage.append(shown)
+        return dict(sorted(Counter(entry.channel.topic for entry in self._files.messages()).items()))

@@ -106,16 +106,10 @@ class RunRecorder(ABC, Generic[Made]):
         opening: Mapping[str, Mapping[str, str]],
         first: Iterable[Message],
     ) -> None:
-        """Begin a recording.
+        """Begin a recording in a new folder ``path``, with the messages ``first`` before the first block.
 
-        Args:
-            path: the folder to create.
-            settings: compression and sizes of the files.
-            namespace: namespace of the topics.
-            topics: those that are recorded.
-            counted: takes every message, recorded or not, and states what came at the end of every file.
-            opening: the metadata records at the beginning of every file.
-            first: the messages that precede the first block.
+        Every file begins with the metadata records ``opening``. ``counted`` takes every message, also on other topics than the recorded
+        ``topics``, and states at the end of every file what came.
         """
         self._topics, self._namespace, self._counted = topics, namespace, counted
         self._channels: dict[Topic, Channel] = {}
@@ -183,16 +177,9 @@ class Recorder(RunRecorder[Block]):
         commands: Iterable[TimedCommand] = (),
         start_ns: int = 0,
     ) -> None:
-        """Begin a recording.
+        """Begin a recording in a new folder ``path``.
 
-        Args:
-            path: the folder to create.
-            configuration: the configuration of the run.
-            bodies: the names of the bodies in the messages.
-            namespace: namespace of the topics.
-            scenario: the scenario of the run as parsed from YAML, if it has one.
-            commands: the commands that took effect before the recording begins.
-            start_ns: simulated time at which it begins [ns].
+        The run has the ``scenario``, as parsed from YAML, if any. The recording begins at ``start_ns``, after the ``commands``.
         """
         settings = configuration.recording
         self._encoder = BlockEncoder(configuration, bodies)

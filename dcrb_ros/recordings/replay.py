@@ -12,7 +12,7 @@ from pathlib import Path
 from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.description import decode_frame, sensor_text
 from dcrb_ros.messages.plain import encode_text
-from dcrb_ros.messages.points import Vibration, decode_vibration
+from dcrb_ros.messages.points import decode_vibration
 from dcrb_ros.messages.topics import DETECTED, DIAGNOSIS, SENSOR, SIMULATED, TRANSFORMS, VIBRATION, Message, Topic
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DETECTED
 from dcrb_ros.messages.vehicle import box_path
@@ -133,9 +133,10 @@ class Replay:
             Refusal: the offset skips all messages.
         """
         begin = end = start = None
+        rate = self.recording.sampling_rate
         waiting: dict[Topic, tuple[Message, bool]] = {}
         collected = list[Message]()
-        outcomes = {topic: Outcome(self.recording.sampling_rate) for topic in self._boxes}
+        outcomes = {topic: Outcome(rate) for topic in self._boxes}
         for message in self.recording.messages({*self._descriptions, *self.topics}):
             block = decode_vibration(message.data) if message.topic in outcomes else None
             if block is not None:
@@ -148,7 +149,9 @@ class Replay:
                 continue
             if begin is None or end is None:
                 begin = end = message.time_ns
-            due = max(end, self._end_of(block) if block is not None else message.time_ns)
+            # A block is sent at its end.
+            sent = message.time_ns if block is None else nanoseconds(block.first_index(rate) + len(block.shaft_angle), rate)
+            due = max(end, sent)
             if due > end and collected:
                 yield Bundle(begin, end, tuple(collected))
                 begin, collected = end, []
@@ -169,11 +172,6 @@ class Replay:
             return []
         self._descriptions[description.topic] = description
         return [description]
-
-    def _end_of(self, block: Vibration) -> int:
-        """Return the time at which a block is sent [ns], that of its end."""
-        rate = self.recording.sampling_rate
-        return nanoseconds(block.first_index(rate) + len(block.shaft_angle), rate)
 
 
 def _refuse_beside_boxes(names: Sequence[str], recording: VehicleRecording) -> None:

@@ -64,11 +64,7 @@ def recorded_samples(recording: Recording) -> RecordedSamples:
 
 
 def _check_stated(stated: RecordedSamples, recording: Recording) -> None:
-    """Refuse an outcome record that states a longer run than the messages show; a chunk that cannot be read may hold some of them.
-
-    Raises:
-        Refusal: the run would not end where the recording does.
-    """
+    """Refuse an outcome record that states a longer run than the messages show; a chunk that cannot be read may hold some of them."""
     rate = recording.sampling_rate
     last = index_at(max((message.time_ns for message in recording.messages(SIMULATED)), default=0), rate)
     unread = len(recording.damage) * MAX_RECORD // SAMPLE.itemsize
@@ -116,11 +112,7 @@ class RunReproduction(ABC, Generic[Simulated, Made]):
     """Simulates a recorded run again, with its commands, and compares the samples of every bearing."""
 
     def __init__(self, path: Path, bearings: Mapping[str, Recording]) -> None:
-        """Read the samples of a recording.
-
-        Args:
-            path: the recording.
-            bearings: the recording of each bearing by name; that of a bench has the name "".
+        """Read the samples of the recording of each bearing by name; that of a bench has the name "".
 
         Raises:
             Refusal: it contains imported data or no samples.
@@ -164,7 +156,9 @@ class RunReproduction(ABC, Generic[Simulated, Made]):
 
     def difference(self) -> str:
         """Return how model, software or processor differ from those that made the recording; the empty string if they do not."""
-        return origin_difference(self._first)
+        manifest = self._first.manifest
+        processors = processor_difference(manifest.get("processor"), processor())
+        return "; ".join(filter(None, (_model_difference(manifest), _software_difference(manifest), processors)))
 
 
 class Reproduction(RunReproduction[Simulation, Block]):
@@ -192,14 +186,6 @@ class Reproduction(RunReproduction[Simulation, Block]):
             self.compared[""].add(block)
             yield block
             schedule.apply_due(simulation)
-
-
-def origin_difference(recording: Recording) -> str:
-    """Return how model, software or processor differ from those that made a recording; the empty string if they do not."""
-    manifest = recording.manifest
-    reasons = [_model_difference(manifest), _software_difference(manifest)]
-    reasons.append(processor_difference(manifest.get("processor"), processor()))
-    return "; ".join(reason for reason in reasons if reason)
 
 
 def _model_difference(manifest: Mapping[str, Any]) -> str:

@@ -14,10 +14,10 @@ from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DETECT
 from dcrb_ros.messages.vehicle import box_path, decode_description
 from dcrb_ros.messages.vehicle_encoder import BESIDE
 from dcrb_ros.recordings.foreign_files import refuse_foreign
-from dcrb_ros.recordings.manifest import DAMAGE, vehicle_fingerprint, well_formed
+from dcrb_ros.recordings.manifest import DAMAGE, vehicle_fingerprint
 from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.recordings.recorded_files import RecordedFiles
 from dcrb_ros.recordings.reproduction import RunReproduction, recorded_samples
-from dcrb_ros.recordings.storage import valid_files
 from dcrb_ros.recordings.vehicle_folder import VEHICLE, VEHICLE_OUTCOME, boxes_in, boxes_of
 from dcrb_ros.recordings.vehicle_recorder import FORMAT, VehicleCommand, VehicleRecorder, commands_in
 from dcrb_ros.schema.printable import printable
@@ -40,7 +40,8 @@ class VehicleRecording:
         if not isinstance(path, (str, os.PathLike)):
             raise Refusal(f"{path!r} is not the path of a recording: give a folder made by dcrb simulate or dcrb bench --vehicle")
         self.path = path = Path(path)
-        self.stored, self._flaws = valid_files(path)
+        self._files = RecordedFiles(path)
+        self.stored = self._files.stored
         """The files in order."""
         records = {record.name: record for file in self.stored for record in file.metadata()}
         names = boxes_in(records)
@@ -70,12 +71,7 @@ class VehicleRecording:
         self.boxes = {name: Recording(path / name) for name in names}
         """The recording of each box by name."""
         ending = records.get(VEHICLE_OUTCOME)
-        self._outcome = parsed_json(ending.metadata.get("outcome", ""), f"{path}: the record {VEHICLE_OUTCOME}") if ending else None
-        if self._outcome is not None and not well_formed(self._outcome):
-            self._outcome = None
-            self._flaws.append(
-                f"{path}: the record {VEHICLE_OUTCOME} is damaged or was changed: the commands are read from the ground truth"
-            )
+        self._outcome = self._files.content(ending, "outcome", str(path)) if ending else None
 
     @cached_property
     def description(self) -> VehicleDescription:
@@ -92,7 +88,8 @@ class VehicleRecording:
     @property
     def damage(self) -> list[str]:
         """A sentence for each part that could not be read so far."""
-        return list(dict.fromkeys([*map(printable, self._flaws), *(sentence for box in self.boxes.values() for sentence in box.damage)]))
+        own = map(printable, self._files.damage)
+        return list(dict.fromkeys([*own, *(sentence for box in self.boxes.values() for sentence in box.damage)]))
 
     @property
     def sampling_rate(self) -> int:
@@ -119,11 +116,9 @@ class VehicleRecording:
         Raises:
             Refusal: ``topics`` are not topics, such as names.
         """
-        wanted, flaws = {topic.resolved(self.namespace): topic for topic in chosen_topics(topics)}, list[str]()
-        for file in self.stored:
-            for entry in file.messages(flaws, wanted):
-                yield Message(wanted[entry.channel.topic], entry.message.log_time, entry.message.data)
-        self._flaws += [flaw for flaw in flaws if flaw not in self._flaws]
+        wanted = {topic.resolved(self.namespace): topic for topic in chosen_topics(topics)}
+        for entry in self._files.messages(wanted):
+            yield Message(wanted[entry.channel.topic], entry.message.log_time, entry.message.data)
 
     def commands(self) -> list[VehicleCommand]:
         """Return the commands to the vehicle, from the record at the end or from the ground truth."""

@@ -117,15 +117,9 @@ class VehicleRecorder(RunRecorder[VehicleBlock]):
         commands: Iterable[VehicleCommand | BoxCommand] = (),
         start_ns: int = 0,
     ) -> None:
-        """Begin a recording.
+        """Begin a recording in a new folder ``path``.
 
-        Args:
-            path: the folder to create.
-            parameters: those of the vehicle by dotted keys.
-            simulation: the run.
-            namespace: namespace of the topics of the vehicle.
-            commands: the commands that took effect before the recording begins.
-            start_ns: simulated time at which it begins [ns].
+        The vehicle has the ``parameters`` by dotted keys. The recording begins at ``start_ns``, after the ``commands``.
         """
         vehicle = simulation.vehicle
         settings = vehicle.boxes[0].configuration.recording

@@ -27,11 +27,11 @@ def console(*, stderr: bool = False) -> Console:
     return made
 
 
-def table(title: str, heads: Sequence[str], rows: Iterable[Sequence[RenderableType]]) -> Table:
-    """Return a table with a title above it, which may be empty."""
+def table(title: str, heads: Sequence[str], rows: Iterable[Sequence[RenderableType]], caption: str = "") -> Table:
+    """Return a table with a title above it and a caption below it, which may be empty."""
     from rich.table import Table
 
-    made = Table(*heads, title=title or None)
+    made = Table(*heads, title=title or None, caption=caption or None)
     for row in rows:
         made.add_row(*row)
     return made

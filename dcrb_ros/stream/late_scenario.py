@@ -9,16 +9,13 @@ from dcrb_ros.schema.refusal import Refusal
 
 
 def refuse_late(tree: Any, end: float, scenario: str, remedy: str) -> None:
-    """Refuse a scenario, as parsed from YAML, that changes nothing in a run of ``end`` [s]; it may be longer than the run.
+    """Refuse a scenario that changes nothing in a run of ``end`` [s]: it has no ``start``, and no entry before the end; it may be longer.
 
     Args:
-        tree: the scenario; an invalid one is left to `dcrb_ros.simulation.scenario`.
+        tree: the scenario as parsed from YAML; an invalid one is left to `dcrb_ros.simulation.scenario`.
         end: length of the run [s].
         scenario: its name, as the beginning of a sentence.
         remedy: what to change.
-
-    Raises:
-        Refusal: it has no ``start``, and no entry before the end.
     """
     timeline = tree.get("timeline") if isinstance(tree, Mapping) and not tree.get("start") else None
     entries = timeline if isinstance(timeline, list) else []

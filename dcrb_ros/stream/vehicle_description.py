@@ -162,11 +162,7 @@ class VehicleDescription:
 
 
 def _number(value: Any) -> float:
-    """Return a number from JSON.
-
-    Raises:
-        TypeError: it is not a number.
-    """
+    """Return a number from JSON; raise `TypeError` for anything else."""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise TypeError
     return float(value)

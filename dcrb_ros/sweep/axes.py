@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any, cast
 
 from dcrb_ros.schema.parameter_field import ParameterField, flaw_of
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.sweep.design import GRID, Axes, Choice, Span, Value
+from dcrb_ros.sweep.machine import flatten_axes
 
 MOST_VALUES = 10_000
 GAP_PARAMETERS = ("publishing.loss_probability", "publishing.burst_period")
@@ -71,6 +72,20 @@ def span_of(key: str, tree: Mapping[str, Any], field: ParameterField, design: st
     if type(count) is not int or (design == GRID and not 1 <= count <= MOST_VALUES):
         raise Refusal(f"{source}: {key}: a grid needs the number of values of a range: give count, 1 .. {MOST_VALUES}, not {count!r}")
     return Span(float(low), float(high), scale == "log", field.kind is int, count)
+
+
+def axes_of(
+    tree: Mapping[str, Any], design: str, source: str, field_of: Callable[[str, Any], ParameterField | None]
+) -> dict[str, Choice | Span]:
+    """Return the axes of a group; ``field_of`` returns the parameter of a key and its value, and None for that of a scenario."""
+    axes: dict[str, Choice | Span] = {}
+    for key, value in flatten_axes(tree).items():
+        field = field_of(key, value)
+        if field is not None and isinstance(value, Mapping):
+            axes[key] = span_of(key, value, field, design, source)
+        else:
+            axes[key] = choice_of(key, value, field, source)
+    return axes
 
 
 def refuse_fixed(vary: Axes, fixed: Mapping[str, Any], source: str) -> None:

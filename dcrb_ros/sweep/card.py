@@ -98,14 +98,10 @@ def _design(sweep: Sweep) -> str:
         lines.append(f"* case `{name}`: " + ("; ".join(_axes({k: a for k, a in axes.items() if _changes(k, a, sweep)})) or "no fault"))
     branches = f"the cases of a condition branch from one healthy simulation at {file.branch_at:g} s"
     start = branches if file.branch_at else "every run is simulated from its own start"
-    return "## Design\n\n" + "\n".join([*lines, f"* {_seeds(file.seeds)}; {start}"])
-
-
-def _seeds(seeds: int | list[int]) -> str:
-    """Return the seeds of each condition in words."""
-    if isinstance(seeds, list):
-        return f"seeds: {', '.join(map(str, seeds))} in every condition"
-    return "one seed per condition" if seeds == 1 else f"{seeds} seeds per condition"
+    seeds = "one seed per condition" if file.seeds == 1 else f"{file.seeds} seeds per condition"
+    if isinstance(file.seeds, list):
+        seeds = f"seeds: {', '.join(map(str, file.seeds))} in every condition"
+    return "## Design\n\n" + "\n".join([*lines, f"* {seeds}; {start}"])
 
 
 def _changes(key: str, axis: object, sweep: Sweep) -> bool:

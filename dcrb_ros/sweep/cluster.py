@@ -43,7 +43,6 @@ class ClusterWorkers:
         """Yield each task with its outcome; see `Workers.dispatched`.
 
         Raises:
-            StoreFailed: see there.
             RuntimeError: the connection to the scheduler was lost.
         """
         from distributed import as_completed

@@ -88,12 +88,15 @@ class DataSetWriter:
 
     def make(self, workers: Workers, progress: Progress) -> Tally:
         """Simulate the missing runs, then write the table and the card; ``progress`` is called with the outcomes of each task."""
-        common, tasks = common_settings(self.plan.sweep, self.store), self.plan.tasks(self.done, self._task_seconds(workers.count))
+        sweep = self.plan.sweep
+        # Short enough that all workers stay busy to the end.
+        fair: float = sweep.count * (sweep.file.duration + sweep.file.settle) / (8 * workers.count)
+        common, tasks = common_settings(sweep, self.store), self.plan.tasks(self.done, min(TASK_SECONDS, fair))
         for task, outcome in workers.dispatched(common, tasks):
             if isinstance(outcome, Exception):
                 for run in task:
-                    if not self.store.exists(label_name(run.name)):
-                        write_label(self.store, error_label(self.plan.sweep.base, run, str(outcome) or type(outcome).__name__))
+                    if self.store.size(label_name(run.name)) is None:
+                        write_label(self.store, error_label(sweep.base, run, str(outcome) or type(outcome).__name__))
                 progress(Counter({ERROR: len(task)}))
             else:
                 for name, status in outcome:
@@ -124,12 +127,6 @@ class DataSetWriter:
         for name in (LABELS_TABLE, CARD, DESCRIPTION, SUMS, *(name for name, _ in self.plan.tables())):
             if self.store.folder is not None and (self.store.folder / name).is_dir():
                 raise Refusal(f"{self.store.path(name)} is a folder, and the data set has a file of this name: rename or remove the folder")
-
-    def _task_seconds(self, workers: int) -> float:
-        """Return the simulated time of a task [s]: short enough that all workers stay busy to the end."""
-        file = self.plan.sweep.file
-        fair: float = self.plan.sweep.count * (file.duration + file.settle) / (8 * workers)
-        return min(TASK_SECONDS, fair)
 
 
 def known_inputs(store: Store) -> dict[str, Any]:

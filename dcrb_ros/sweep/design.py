@@ -71,9 +71,7 @@ def size(design: str, axes: Axes, count: int) -> int:
 def grid_parts(axes: Axes, extents: Sequence[Mapping[str, int]]) -> Iterator[Iterator[Point]]:
     """Yield the points of a grid that were added together: those of the first values of each axis, then those that more values add.
 
-    Args:
-        axes: the axes of the whole grid.
-        extents: numbers of the first values of each axis, from the smallest grid to the whole one [-].
+    ``extents`` are the numbers of the first values of each axis, from the smallest grid to the whole one [-].
     """
     values = {key: axis.grid() for key, axis in axes.items()}
     for inner, outer in itertools.pairwise([dict.fromkeys(axes, 0), *extents]):

@@ -91,7 +91,9 @@ def divided(parts: Sequence[Collection[Unit]], shares: Shares) -> Division:
             if all(abs(kept[split] - share) <= tolerance and bool(kept[split]) == bool(share) for split, share in plain.items()):
                 break
         split_of = _assigned(parts, shares, apart)
-    shared = _shared(parts, split_of)
+    units = list(itertools.chain.from_iterable(parts))
+    counts = {name: in_several((getattr(unit, name), split_of[unit.condition]) for unit in units) for name in IDENTITIES}
+    shared = {name: count for name, count in counts.items() if count}
     broken = [name for name in apart if shared.get(name)]
     if broken and shares.apart is not None:
         raise Refusal(
@@ -182,14 +184,6 @@ def _part_of_each(split_of: Mapping[str, str]) -> dict[str, float]:
     """Return the share of the conditions in each split [-]."""
     counts = Counter(split_of.values())
     return {split: counts[split] / len(split_of) for split in ("train", "validation", "test")}
-
-
-def _shared(parts: Sequence[Collection[Unit]], split_of: Mapping[str, str]) -> dict[str, int]:
-    counts = {
-        name: in_several((getattr(unit, name), split_of[unit.condition]) for unit in itertools.chain.from_iterable(parts))
-        for name in IDENTITIES
-    }
-    return {name: count for name, count in counts.items() if count}
 
 
 def _check_groups(units: Collection[Unit], shares: Shares, apart: Sequence[str]) -> None:

@@ -8,6 +8,9 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import os
+import subprocess
+import sys
 import tempfile
 import time
 from collections import Counter
@@ -33,6 +36,8 @@ class Cost:
 
     counts: Counter[tuple[str, str]]
     """Runs by split and case."""
+    worker_start: float
+    """Time in which a worker process starts [s]."""
     start: float
     """Time of a run before its first sample on an idle core, including its label and its share of a branch point [s]."""
     factor: float
@@ -54,7 +59,8 @@ class Cost:
 
     def seconds(self, workers: int) -> float:
         """Return the wall time of all runs on idle cores, which the workers share if they are more than the cores [s]."""
-        return self.runs * (self.start + self.duration / self.factor) / min(workers, cores())
+        starts = min(workers, self.runs) * self.worker_start
+        return (starts + self.runs * (self.start + self.duration / self.factor)) / min(workers, cores())
 
     @property
     def size(self) -> float:
@@ -65,7 +71,7 @@ class Cost:
 def estimate(plan: Plan) -> Cost:
     """Return the estimated cost of a sweep on workers as fast as this process."""
     counts: Counter[tuple[str, str]] = Counter()
-    tasks = _spread(_counted(plan.groups(), counts))
+    tasks = _spread(plan.groups(), counts)
     file = plan.sweep.file
     window = file.windows.length / plan.sweep.rate if file.windows else 0.0
     _trial(plan, tasks[:1], SHORT_RUN)  # compiles the kernels and loads the modules
@@ -75,6 +81,7 @@ def estimate(plan: Plan) -> Cost:
     per_second = max((long.size - short.size) / runs / difference, 0.0)
     return Cost(
         counts=counts,
+        worker_start=_worker_start(),
         start=max(short.seconds / runs - (SHORT_RUN + window) * time_per_second, 0.0),
         factor=1.0 / time_per_second,
         per_run=max(short.size / runs - (SHORT_RUN + window) * per_second, 0.0),
@@ -85,18 +92,23 @@ def estimate(plan: Plan) -> Cost:
     )
 
 
-def _counted(groups: Iterator[Task], counts: Counter[tuple[str, str]]) -> Iterator[Task]:
-    """Yield groups of runs, whose runs are counted by split and case."""
-    for group in groups:
-        counts.update((run.split, run.case) for run in group)
-        yield group
+def _worker_start() -> float:
+    """Return the processor time in which a process loads what a worker needs [s]."""
+    before = os.times()
+    subprocess.run([sys.executable, "-c", "import dcrb_ros.sweep.local_workers, dcrb_ros.core"], check=True)
+    after = os.times()
+    return after.children_user + after.children_system - before.children_user - before.children_system
 
 
-def _spread(groups: Iterator[Task]) -> list[Task]:
-    """Return tasks for the calibration from the whole plan, whose first runs may be the cheapest ones, such as those of new bearings."""
+def _spread(groups: Iterator[Task], counts: Counter[tuple[str, str]]) -> list[Task]:
+    """Return tasks for the calibration from the whole plan, whose first runs may be the cheapest ones, such as those of new bearings.
+
+    All runs are added to ``counts``, by split and case.
+    """
     kept: list[Task] = []
     stride = 1
     for number, group in enumerate(groups):
+        counts.update((run.split, run.case) for run in group)
         if number % stride == 0:
             kept.append(group)
         if len(kept) > 2 * CALIBRATION_TASKS:

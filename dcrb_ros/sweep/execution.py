@@ -135,27 +135,6 @@ class _RunningSimulation:
         return _RunningSimulation(self.simulation, self.start, (*self.truths, *(truth for block in blocks for truth in block.truths)))
 
 
-class _BranchPoint:
-    """Healthy simulations at the time at which the cases branch; the last one is kept."""
-
-    def __init__(self, common: CommonSettings) -> None:
-        self._common = common
-        self._last: tuple[str, _RunningSimulation] | None = None
-
-    def branch(self, run: PlannedRun) -> _RunningSimulation:
-        """Return a simulation of a run that was healthy until the branch point, with the run's faults scheduled now."""
-        if self._last is None or self._last[0] != run.twin:
-            start = _configured(self._common, run.healthy)
-            self._last = run.twin, _running(self._common, start).skip(self._common.file.branch_at)
-        branch_point = self._last[1]
-        simulation = branch_point.simulation.fork()
-        before, after = (flatten(c.model_dump()) for c in (simulation.configuration, _configured(self._common, run.changes)))
-        changes = {key: value for key, value in after.items() if value != before[key] and not key.startswith("publishing.")}
-        if changes:
-            simulation.change(changes)
-        return _RunningSimulation(simulation, branch_point.start, branch_point.truths)
-
-
 def _configured(common: CommonSettings, changes: Mapping[str, Value]) -> Configuration:
     configuration = validated(overlaid(common.base, changes), Configuration, "run")
     if common.file.output == "bag":
@@ -164,20 +143,34 @@ def _configured(common: CommonSettings, changes: Mapping[str, Value]) -> Configu
 
 
 class _Bearings:
-    """Runs of single bearings."""
+    """Runs of single bearings; the healthy simulation from which the cases of a condition branch is kept for the other cases."""
 
     def __init__(self, common: CommonSettings) -> None:
-        self._common, self._branch_point = common, _BranchPoint(common)
+        self._common = common
+        self._healthy: tuple[str, _RunningSimulation] | None = None
 
     def written(self, run: PlannedRun) -> dict[str, Any]:
         """Simulate a run and write its waveform; return the part of its label that follows from the simulation."""
-        common = self._common
-        running = (self._branch_point.branch(run) if common.file.branch_at else _start(common, run)).skip(common.file.settle)
+        common, bag = self._common, None
+        running = (self._branch(run) if common.file.branch_at else _start(common, run)).skip(common.file.settle)
         if common.file.output == "bag":
-            waveform, files = _record_bag(common, run, running)
-            return _outcome(common, run, waveform, running.simulation.configuration, f"runs/{run.name}", files)
-        waveform = _run_blocks(running.simulation.blocks(common.file.duration), running.truths, keep=True)
-        return _write_waveform(common, run, waveform, running.simulation.configuration)
+            waveform, bag = _record_bag(common, run, running)
+        else:
+            waveform = _run_blocks(running.simulation.blocks(common.file.duration), running.truths, keep=True)
+        return _outcome(common, run, waveform, running.simulation.configuration, bag)
+
+    def _branch(self, run: PlannedRun) -> _RunningSimulation:
+        """Return a simulation of a run that was healthy until the branch point, with the run's faults scheduled now."""
+        if self._healthy is None or self._healthy[0] != run.twin:
+            start = _configured(self._common, run.healthy)
+            self._healthy = run.twin, _running(self._common, start).skip(self._common.file.branch_at)
+        healthy = self._healthy[1]
+        simulation = healthy.simulation.fork()
+        before, after = (flatten(c.model_dump()) for c in (simulation.configuration, _configured(self._common, run.changes)))
+        changes = {key: value for key, value in after.items() if value != before[key] and not key.startswith("publishing.")}
+        if changes:
+            simulation.change(changes)
+        return _RunningSimulation(simulation, healthy.start, healthy.truths)
 
 
 class _Vehicles:
@@ -196,7 +189,7 @@ class _Vehicles:
         if isinstance(ridden, Exception):
             raise ridden
         waveform = _run_blocks(ridden.blocks[box], ridden.before[box], keep=True)
-        return {**_write_waveform(self._common, run, waveform, ridden.configurations[box]), DAMAGED: ridden.damaged}
+        return {**_outcome(self._common, run, waveform, ridden.configurations[box]), DAMAGED: ridden.damaged}
 
     def _ridden(self, run: PlannedRun) -> Ride | Exception:
         parameters = {**self._common.base, **{f"publishing.{key}": value for key, value in WAVEFORM_PUBLISHING.items()}, **run.changes}
@@ -206,23 +199,26 @@ class _Vehicles:
             return failure
 
 
-def _write_waveform(common: CommonSettings, run: PlannedRun, waveform: RunWaveform, configuration: Configuration) -> dict[str, Any]:
-    """Write the waveform of a run in a file of its own; return the part of its label that follows from the simulation."""
-    file = f"runs/{run.name}.{common.file.output}"
-    rate = configuration.sensor.sampling_rate
-    data = waveform_file(waveform.acceleration, waveform.shaft_angle, rate, waveform.first_index, common.file.output)
-    return _outcome(common, run, waveform, configuration, file, {file: common.store.write(file, data)})
-
-
 def _outcome(
-    common: CommonSettings, run: PlannedRun, waveform: RunWaveform, configuration: Configuration, file: str, files: dict[str, FileRecord]
+    common: CommonSettings,
+    run: PlannedRun,
+    waveform: RunWaveform,
+    configuration: Configuration,
+    bag: dict[str, FileRecord] | None = None,
 ) -> dict[str, Any]:
-    """Write the windows of a run; return the part of its label that follows from the simulation."""
-    rate = configuration.sensor.sampling_rate
-    about = {"file": file, "sampling_rate": rate, "first_index": waveform.first_index, "samples": waveform.samples}
-    if common.file.windows is not None:
-        files |= _write_windows(common, run, waveform, rate)
-        about["windows"] = len(window_starts(waveform.samples, common.file.windows))
+    """Write windows and waveform of a run, if no ``bag`` has it; return the part of its label that follows from the simulation."""
+    rate, first, file, files = configuration.sensor.sampling_rate, waveform.first_index, f"runs/{run.name}", bag
+    if files is None:
+        file += f".{common.file.output}"
+        data = waveform_file(waveform.acceleration, waveform.shaft_angle, rate, first, common.file.output)
+        files = {file: common.store.write(file, data)}
+    about = {"file": file, "sampling_rate": rate, "first_index": first, "samples": waveform.samples}
+    if (windows := common.file.windows) is not None:
+        starts, name = window_starts(waveform.samples, windows), f"windows/{run.split}/{run.name}.{windows.kind}"
+        labels = window_labels(starts, first, rate, windows, waveform.truths)
+        common_values = {"run": run.name, "case": run.case, "split": run.split}
+        data = windows_file(cut_windows(waveform.acceleration, windows), labels, common_values, windows.kind)
+        files[name], about["windows"] = common.store.write(name, data), len(starts)
     size = of_widest(configuration)
     return {**fault_label(waveform.truths), **size, **about, "clipped": waveform.clipped, "sha256": waveform.sha256, "files": files}
 
@@ -279,13 +275,3 @@ def _record_bag(common: CommonSettings, run: PlannedRun, running: _RunningSimula
         files = {f"runs/{run.name}/{part.name}": record_of(part) for part in sorted(path.iterdir())}
         common.store.put(path, f"runs/{run.name}")
     return waveform, files
-
-
-def _write_windows(common: CommonSettings, run: PlannedRun, waveform: RunWaveform, rate: int) -> dict[str, FileRecord]:
-    windows = common.file.windows
-    assert windows is not None
-    labels = window_labels(window_starts(waveform.samples, windows), waveform.first_index, rate, windows, waveform.truths)
-    about = {"run": run.name, "case": run.case, "split": run.split}
-    data = windows_file(cut_windows(waveform.acceleration, windows), labels, about, windows.kind)
-    name = f"windows/{run.split}/{run.name}.{windows.kind}"
-    return {name: common.store.write(name, data)}

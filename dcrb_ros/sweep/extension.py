@@ -18,16 +18,15 @@ from dcrb_ros.sweep.sweep_file import EXTENDED, Extent
 def extended_plan(plan: Plan, known: Mapping[str, Any]) -> Plan:
     """Return a plan that continues a data set with more points, lives or values, or the plan itself if it does not.
 
-    Args:
-        plan: the plan of the command.
-        known: the inputs of the data set, empty for a new one.
+    ``known`` are the inputs of the data set, empty for a new one.
 
     Raises:
         Refusal: the data set has these extents already in another order, or the sweep file cannot be extended.
     """
     earlier, later = known.get("sweep", {}), plan.sweep.inputs
     before, extent, history = _extent(earlier), _extent(later), earlier.get(EXTENDED, [])
-    valid = isinstance(history, list) and all(_is_extent(entry) for entry in history)
+    numbers = [entry.values() if isinstance(entry, dict) else [entry] for entry in history] if isinstance(history, list) else [[None]]
+    valid = all(type(number) is int for entry in numbers for number in entry)
     if before is None or extent is None or not valid or later.get(EXTENDED, history) != history:
         return plan
     extents = [*history, before] if _grows(earlier, later) else history if before == extent else []
@@ -61,12 +60,6 @@ def _axes(inputs: Mapping[str, Any]) -> dict[str, list[Any]]:
     vary = inputs.get("vary")
     axes = flatten_axes(vary) if isinstance(vary, Mapping) else {}
     return {key: value if isinstance(value, list) else [value] for key, value in axes.items()}
-
-
-def _is_extent(entry: Any) -> bool:
-    if isinstance(entry, dict):
-        return all(type(number) is int for number in entry.values())
-    return type(entry) is int
 
 
 def _grows(earlier: Mapping[str, Any], later: Mapping[str, Any]) -> bool:

@@ -48,11 +48,7 @@ def locked(folder: Path | None) -> Iterator[None]:
 
 
 def _held(path: Path) -> int:
-    """Return the descriptor of a lock file that this process has locked.
-
-    Raises:
-        Refusal: another process has locked it.
-    """
+    """Return the descriptor of a lock file that this process has locked."""
     while True:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
         try:

@@ -18,11 +18,11 @@ from dcrb_ros.settings.shipped import find_configuration, find_shipped
 from dcrb_ros.settings.vehicle_speed import SPEED, SPEED_KMH
 from dcrb_ros.simulation.scenario import read_scenario_file
 from dcrb_ros.stream.late_scenario import refuse_late
-from dcrb_ros.sweep.axes import GAP_PARAMETERS, choice_of, refuse_fixed, span_of, value_of
-from dcrb_ros.sweep.design import GRID, Axes, Axis, Choice
+from dcrb_ros.sweep.axes import GAP_PARAMETERS, axes_of, refuse_fixed, value_of
+from dcrb_ros.sweep.design import GRID, Axes, Choice, Span
 from dcrb_ros.sweep.lives.loader import common_keys, life_sweep_of
 from dcrb_ros.sweep.lives.recipe import LIFE
-from dcrb_ros.sweep.machine import BASE, MACHINE, around_machine, flatten_axes
+from dcrb_ros.sweep.machine import BASE, MACHINE, around_machine
 from dcrb_ros.sweep.sweep_file import (
     ABOUT,
     COPY,
@@ -164,15 +164,7 @@ def _known(key: str, fields: Mapping[str, ParameterField], source: str) -> Param
 
 
 def _axes(tree: Mapping[str, Any], design: str, fields: Mapping[str, ParameterField], source: str) -> Axes:
-    axes: dict[str, Axis] = {}
-    for key, value in flatten_axes(tree).items():
-        if key == SCENARIO:
-            axes[key] = choice_of(key, value, None, source)
-        elif isinstance(value, Mapping):
-            axes[key] = span_of(key, value, _known(key, fields, source), design, source)
-        else:
-            axes[key] = choice_of(key, value, _known(key, fields, source), source)
-    return axes
+    return axes_of(tree, design, source, lambda key, _: None if key == SCENARIO else _known(key, fields, source))
 
 
 def _beside(name: str, folder: Path) -> Path:
@@ -252,10 +244,13 @@ def _check_output(sweep: Sweep, source: str) -> None:
 
 def _check_windows(sweep: Sweep, source: str) -> None:
     """Refuse runs without a sample, and windows that are longer than a run."""
-    file = sweep.file
-    if "sensor.sampling_rate" not in sweep.vary and not round(file.duration * sweep.rate):
-        raise Refusal(f"{source}: duration = {file.duration:g} s has no sample at {sweep.rate} Hz: give at least {1.0 / sweep.rate:.3g} s")
-    if file.windows is not None and "sensor.sampling_rate" not in sweep.vary and file.windows.length > file.duration * sweep.rate:
+    file, key = sweep.file, "sensor.sampling_rate"
+    axes = [case.get(key) or sweep.vary.get(key) for case in sweep.cases.values()]
+    rates = [[sweep.rate] if axis is None else [axis.low] if isinstance(axis, Span) else axis.values for axis in axes]
+    lowest = min(float(rate) for values in rates for rate in values)
+    if not round(file.duration * lowest):
+        raise Refusal(f"{source}: duration = {file.duration:g} s has no sample at {lowest:g} Hz: give at least {1.0 / lowest:.3g} s")
+    if file.windows is not None and key not in sweep.vary and file.windows.length > file.duration * sweep.rate:
         raise Refusal(
             f"{source}: windows.length = {file.windows.length} samples is longer than a run of {file.duration:g} s, "
             f"{round(file.duration * sweep.rate)} samples at {sweep.rate} Hz: shorten the windows or lengthen the runs"

@@ -91,14 +91,7 @@ class RunNames:
 def write_measured_set(
     runs: Iterable[MeasuredRun], store: Store, *, title: str, licence: str, windows: Windows
 ) -> Counter[tuple[str, str]]:
-    """Write a data set; return the number of its runs by split and fault.
-
-    Args:
-        runs: the recordings, read one after the other.
-        store: an empty folder or address.
-        title: name of the data set.
-        licence: licence under which its publisher gives the data.
-        windows: length and overlap of the windows; they are written as Parquet.
+    """Write a data set to an empty store; return the number of its runs by split and fault. The windows are written as Parquet.
 
     Raises:
         Refusal: the store is not empty, there is no run, or `RunNames` refuses one.
@@ -175,7 +168,7 @@ def _written(run: MeasuredRun, bearing: str, position: int, store: Store, window
         "scenario": "",
         "fault": run.fault,
         **{
-            name: _known(value)
+            name: value if math.isfinite(value) else None  # unknown
             for name, value in {"width": run.width, "depth": run.depth, "load": run.load, "speed": speed, **orders}.items()
         },
         "sampling_rate": rate,
@@ -199,10 +192,6 @@ def _shaft_frequency(angle: Samples, index: Integers, rate: int) -> float:
     turns, gaps = unwrapped_turns(angle), np.flatnonzero(np.diff(index) != 1)
     steps = len(turns) - 1 - len(gaps)
     return float(turns[-1] - turns[0] - np.diff(turns)[gaps].sum()) * rate / steps if steps else math.nan
-
-
-def _known(value: float) -> float | None:
-    return value if math.isfinite(value) else None
 
 
 def _card(

@@ -62,6 +62,8 @@ class Plan:
 
     unit, remedy = "condition", "vary speed or load"
     """Name of one of the units that are divided into splits, and how to get more of them."""
+    truth: Mapping[str, tuple[type, str]] = TRUTH
+    """Type and meaning of the columns that the labels have beside those of every sweep."""
 
     def __init__(self, sweep: Sweep) -> None:
         self.sweep = sweep
@@ -88,11 +90,6 @@ class Plan:
             "the runs\nof one condition and seed that differ in the fault only.\n\n" + "\n".join(separation(self.shared))
         )
 
-    @property
-    def truth(self) -> Mapping[str, tuple[type, str]]:
-        """Type and meaning of the columns that the labels have beside those of every sweep."""
-        return TRUTH
-
     def design_text(self) -> str:
         """Return the design for the data card; empty for the one that follows from the sweep file."""
         return ""
@@ -108,19 +105,17 @@ class Plan:
     def groups(self) -> Iterator[Task]:
         """Yield the runs of each condition and seed as a group."""
         known: set[bytes] = set()
-        position = 0
         cases_of_groups = self._cases()
         for point in self._points():
             condition = self._condition(point)
             for seed in self._seeds(condition):
                 group = []
                 for case, values in next(cases_of_groups):
-                    run = self._run(position, condition, seed, point, case, values)
+                    run = self._run(len(known), condition, seed, point, case, values)
                     brief = bytes.fromhex(run.name)
                     if brief not in known:
                         known.add(brief)
                         group.append(run)
-                        position += 1
                 if group:
                     yield tuple(group)
 

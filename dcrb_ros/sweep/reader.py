@@ -111,7 +111,8 @@ class DataSet:
         Refusal
             pandas is not installed, or the data set has no such split.
         """
-        table = pandas().read_parquet(io.BytesIO(self._table(LABELS)))
+        pandas()  # refuses where it is not installed
+        table = self._table(LABELS).to_pandas()
         chosen = table["status"] == DONE
         if split is not None:
             chosen &= table["split"] == self._split(split)
@@ -128,12 +129,8 @@ class DataSet:
         name = "lives.parquet"
         if not (self.folder / name).is_file():
             raise Refusal(f"{self.folder} has no {name}: only a sweep of kind life has one")
-        import pyarrow
-
-        try:
-            return pandas().read_parquet(io.BytesIO(self._table(name)))
-        except (pyarrow.ArrowException, OSError) as error:
-            raise Refusal(f"{self.folder / name} is damaged ({str(error).splitlines()[0]}): {REMEDY}") from None
+        pandas()  # refuses where it is not installed
+        return self._table(name).to_pandas()
 
     def waveform(self, run: str) -> Waveform:
         """Return the waveform of a run: acceleration [m/s^2], shaft angle [rad], and the orders of its bearing.
@@ -148,9 +145,10 @@ class DataSet:
         row = self._rows[run]
         name = str(row["file"])
         if not name.endswith((".npz", ".parquet")):
-            for part in self.files(row):
-                if part.startswith(f"{name}/"):
-                    self._check(row, part)
+            for part, record in self.files(row).items():
+                path = self._inside(part)
+                if part.startswith(f"{name}/") and (not path.is_file() or record_of(path) != record):
+                    raise Refusal(f"{path} is missing or has been changed: {REMEDY}")
             return Recording(self.folder / name).waveform()
         columns = _arrays(self.content(row, name), name)
         values = [np.asarray(columns[key], np.float32) for key in ("ax", "ay", "shaft_angle")]
@@ -214,11 +212,6 @@ class DataSet:
         except (ValueError, TypeError, AttributeError):
             raise Refusal(f"{self.folder / LABELS} is damaged: the files of the run {row['run']} are no records; {REMEDY}") from None
 
-    def _check(self, row: Mapping[str, Any], name: str) -> None:
-        path = self._inside(name)
-        if not path.is_file() or record_of(path) != self.files(row)[name]:
-            raise Refusal(f"{path} is missing or has been changed: {REMEDY}")
-
     def _inside(self, name: str) -> Path:
         """Return the path of a file of the data set; refuse one outside the folder."""
         parts = name.split("/")
@@ -227,23 +220,23 @@ class DataSet:
             raise Refusal(f"{self.folder / LABELS} names the file {name!r} outside the data set: {REMEDY}")
         return path
 
-    def _table(self, name: str) -> bytes:
-        """Return the contents of a table that `SUMS` lists."""
-        data = read_bytes(self.folder / name, (self.folder / name).stat().st_size)
-        if self._sums is not None and hashlib.sha256(data).hexdigest() != self._sums.get(name):
-            raise Refusal(f"{self.folder / name} has been changed: its SHA-256 is not the one in {SUMS}; {REMEDY}")
-        return data
-
-    def _read_rows(self) -> dict[str, dict[str, Any]]:
-        """Return the rows of the runs that succeeded, by name, with the columns that are used."""
+    def _table(self, name: str) -> Any:
+        """Return a table that `SUMS` lists."""
         import pyarrow
         from pyarrow import parquet
 
-        path = self.folder / LABELS
+        path = self.folder / name
+        data = read_bytes(path, path.stat().st_size)
+        if self._sums is not None and hashlib.sha256(data).hexdigest() != self._sums.get(name):
+            raise Refusal(f"{path} has been changed: its SHA-256 is not the one in {SUMS}; {REMEDY}")
         try:
-            table = parquet.read_table(io.BytesIO(self._table(LABELS)))
+            return parquet.read_table(io.BytesIO(data))
         except (pyarrow.ArrowException, OSError) as error:
             raise Refusal(f"{path} is damaged ({str(error).splitlines()[0]}): {REMEDY}") from None
+
+    def _read_rows(self) -> dict[str, dict[str, Any]]:
+        """Return the rows of the runs that succeeded, by name, with the columns that are used."""
+        path, table = self.folder / LABELS, self._table(LABELS)
         missing = next((name for name in NEEDED if name not in table.schema.names), None)
         if missing:
             raise Refusal(f"{path} has no column {missing}: it is not the table of a data set; {REMEDY}")

@@ -22,26 +22,22 @@ WAVEFORMS = {
 }
 
 
-def _configs(splits: Sequence[str], windows: bool) -> list[dict[str, Any]]:
-    """Return the configurations of a data set: its windows by split if they are Parquet, and the table of labels.
-
-    A split without runs has no files, which a loader would refuse.
-    """
-    windowed: list[dict[str, Any]] = []
-    if windows and splits:
-        files = [{"split": split, "path": f"windows/{split}/*.parquet"} for split in SPLITS if split in splits]
-        windowed.append({"config_name": "windows", "data_files": files, "default": True})
-    table: dict[str, Any] = {"config_name": "labels", "data_files": [{"split": "runs", "path": LABELS}]}
-    return [*windowed, table if windowed else table | {"default": True}]
-
-
 def _head(title: str, licence: str, splits: Sequence[str], *, windows: bool) -> str:
-    """Return the YAML at the head of a card, between lines of three dashes."""
+    """Return the YAML at the head of a card, between lines of three dashes.
+
+    Its configurations are the windows by split, if they are Parquet, and the table of labels. A split without runs has no files, which a
+    loader would refuse.
+    """
     identifier = licence.lower()
     known = identifier.startswith(("cc-by", "cc0", "apache-2.0", "mit", "bsd"))
     tree: dict[str, Any] = {"license": identifier} if known else {"license": "other", "license_name": licence}
     tree |= {"pretty_name": title, "tags": ["vibration", "bearing", "condition-monitoring"]}
-    tree["configs"] = _configs(splits, windows)
+    table: dict[str, Any] = {"config_name": "labels", "data_files": [{"split": "runs", "path": LABELS}]}
+    if windows and splits:
+        files = [{"split": split, "path": f"windows/{split}/*.parquet"} for split in SPLITS if split in splits]
+        tree["configs"] = [{"config_name": "windows", "data_files": files, "default": True}, table]
+    else:
+        tree["configs"] = [table | {"default": True}]
     return f"---\n{yaml_text(tree, unicode=True, width=120)}---\n\n"
 
 
@@ -63,19 +59,10 @@ def write_about(
     truth: Mapping[str, tuple[type, str]],
     sources: Sequence[Mapping[str, Any]] = (),
 ) -> None:
-    """Write the card, below a head for loaders, and ``dataset.yaml``.
+    """Write the card in Markdown, below a head for loaders, and ``dataset.yaml``.
 
-    Args:
-        store: the data set.
-        card: its card in Markdown.
-        title: name of the data set.
-        licence: its licence.
-        classes: number of runs by split and fault.
-        measured: whether the runs are measured, not simulated.
-        waveform: format of the runs: npz, parquet or bag.
-        windows: length, hop and kind of the windows, if there are any.
-        truth: further columns of the labels: type and meaning.
-        sources: origins of measured data.
+    ``classes`` has the number of runs by split and fault, ``waveform`` their format (npz, parquet or bag), ``truth`` type and meaning
+    of further columns of the labels, and ``sources`` the origins of measured data.
     """
     counts: dict[str, dict[str, int]] = {}
     for (split, fault), count in sorted(classes.items()):

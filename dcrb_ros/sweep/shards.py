@@ -151,11 +151,7 @@ def remake_shard(index: Path, name: str, target: Path) -> str:
 
 
 def _indexed_plan(index: Path, about: Index, folder: Path) -> Plan:
-    """Return the plan of an index from its recipe in a folder.
-
-    Raises:
-        Refusal: another version or model has made the index, or the recipe is damaged or not that of the plan.
-    """
+    """Return the plan of an index from its recipe in a folder; refuse one of another version or model, or a damaged one."""
     try:
         plan = _plan(folder)
         if plan.name == about.plan:

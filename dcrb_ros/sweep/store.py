@@ -53,7 +53,11 @@ def record_of(path: Path) -> FileRecord:
 
 
 class Store:
-    """Storage for files with names such as ``labels/0123.json``."""
+    """Storage for files with names such as ``labels/0123.json``.
+
+    Raises:
+        StoreFailed: a file cannot be read or written now, or there is no space left; of all methods.
+    """
 
     def __init__(self, address: str) -> None:
         """Open a folder or an address.
@@ -91,11 +95,7 @@ class Store:
         return f"{self._filesystem[1]}/{name}"
 
     def write(self, name: str, data: bytes) -> FileRecord:
-        """Write a file, which replaces one of that name, and return its record.
-
-        Raises:
-            StoreFailed: there is no space left, or the store cannot be written.
-        """
+        """Write a file, which replaces one of that name, and return its record."""
         try:
             if self.folder is None:
                 self._filesystem[0].pipe_file(self.path(name), data)
@@ -138,7 +138,6 @@ class Store:
 
         Raises:
             Refusal: it is not a regular file, or it is too large.
-            StoreFailed: it cannot be read now.
         """
         try:
             if self.folder is not None:
@@ -155,11 +154,7 @@ class Store:
         return data
 
     def size(self, name: str) -> int | None:
-        """Return the size of a file [byte]; None if it does not exist.
-
-        Raises:
-            StoreFailed: it cannot be read.
-        """
+        """Return the size of a file [byte]; None if it does not exist."""
         try:
             entry = self._filesystem[0].info(self.path(name))
         except (FileNotFoundError, NotADirectoryError):
@@ -169,11 +164,7 @@ class Store:
         return int(entry["size"]) if entry["type"] == "file" else None
 
     def sha256(self, name: str, *, remote: bool = False) -> str | None:
-        """Return the SHA-256 of a file; None for a remote address, from which the file is transferred with ``remote`` only.
-
-        Raises:
-            StoreFailed: it cannot be read.
-        """
+        """Return the SHA-256 of a file; None for a remote address, from which the file is transferred with ``remote`` only."""
         try:
             if self.folder is not None:
                 return record_of(self.folder / name)["sha256"]
@@ -182,20 +173,12 @@ class Store:
             raise self._unreadable(name, error) from None
 
     def remove(self, name: str) -> None:
-        """Remove a file if it exists, or a folder of that name.
-
-        Raises:
-            StoreFailed: it cannot be removed.
-        """
+        """Remove a file if it exists, or a folder of that name."""
         try:
             if self._filesystem[0].exists(self.path(name)):
                 self._filesystem[0].rm(self.path(name), recursive=True)
         except OSError as error:
             raise self._failed(error) from None
-
-    def exists(self, name: str) -> bool:
-        """Return whether a file exists."""
-        return bool(self._filesystem[0].exists(self.path(name)))
 
     def names(self, folder: str) -> Iterator[str]:
         """Yield the names of the files in a folder of the store; nothing if the folder does not exist."""

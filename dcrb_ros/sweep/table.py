@@ -15,6 +15,7 @@ from dcrb_ros.sweep.label import DONE, TEMPERATURES
 from dcrb_ros.sweep.plan import Plan, PlannedRun
 from dcrb_ros.sweep.store import Store, StoreFailed
 from dcrb_ros.sweep.verification import ERRORS, DamagedLabel, label_name, read_label
+from dcrb_ros.sweep.windows import parquet_bytes
 
 LABELS = "labels.parquet"
 ROWS = 1000
@@ -109,13 +110,9 @@ def write_table(plan: Plan, store: Store) -> Tally:
 def table_of(labels: Iterable[Mapping[str, Any]], truth: Mapping[str, tuple[type, str]]) -> bytes:
     """Return labels as the bytes of a table with the columns of a sweep's; ``truth`` holds further columns with type and meaning."""
     import pyarrow
-    from pyarrow import parquet
 
-    stream = io.BytesIO()
-    parquet.write_table(
-        pyarrow.Table.from_pylist([_row(label, {}, truth) for label in labels], schema=parquet_schema({**COLUMNS, **truth})), stream
-    )
-    return stream.getvalue()
+    rows = [_row(label, {}, truth) for label in labels]
+    return parquet_bytes(pyarrow.Table.from_pylist(rows, schema=parquet_schema({**COLUMNS, **truth})))
 
 
 def parquet_schema(columns: Mapping[str, tuple[type, str]], plain: Mapping[str, type] | None = None) -> Any:

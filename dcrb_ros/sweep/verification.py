@@ -29,19 +29,6 @@ DIGEST = "digest"
 """Key of a label: SHA-256 of its other entries."""
 
 
-def checked_name(name: str, run: str) -> str:
-    """Return the name of a file of a run.
-
-    Raises:
-        ValueError: it is not in ``runs`` or ``windows``, or is not a file of that run.
-    """
-    parts = name.split("/")
-    inside = parts[0] in ("runs", "windows") and not {"", ".", ".."} & set(parts) and "\\" not in name
-    if not inside or (run not in (part.partition(".")[0] for part in parts[1:]) and run not in parts[1:]):
-        raise ValueError(f"{name!r} is not a file of this run in the data set")
-    return name
-
-
 class _File(BaseModel):
     """A `FileRecord` in a label."""
 
@@ -77,8 +64,12 @@ class _DoneLabel(_Label):
     @field_validator("file", "files")
     @classmethod
     def _inside(cls, value: Any, info: ValidationInfo) -> Any:
+        run = info.data.get("run", "")
         for name in [value] if isinstance(value, str) else value:
-            checked_name(name, info.data.get("run", ""))
+            parts = name.split("/")
+            inside = parts[0] in ("runs", "windows") and not {"", ".", ".."} & set(parts) and "\\" not in name
+            if not inside or run not in (*parts[1:], *(part.partition(".")[0] for part in parts[1:])):
+                raise ValueError(f"{name!r} is not a file of this run in the data set")
         return value
 
     @field_validator("samples")

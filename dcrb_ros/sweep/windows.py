@@ -79,22 +79,29 @@ def fault_fields(truth: Truth) -> dict[str, Any]:
     return {name: dict(fault) for name, fault in truth.faults.items()}
 
 
+def parquet_bytes(table: Any, **options: Any) -> bytes:
+    """Return an Arrow table as the bytes of a Parquet file."""
+    from pyarrow import parquet
+
+    stream = io.BytesIO()
+    parquet.write_table(table, stream, **options)
+    return stream.getvalue()
+
+
 def windows_file(x: Samples, labels: dict[str, Any], about: dict[str, str], kind: str) -> bytes:
     """Return windows and labels as the bytes of a file; ``about`` holds the values common to all windows."""
-    stream = io.BytesIO()
     if kind == "npz":
+        stream = io.BytesIO()
         arrays: dict[str, Any] = {"x": x, **labels, **{name: np.array(value) for name, value in about.items()}}
         np.savez(stream, **arrays)
-    else:
-        import pyarrow
-        from pyarrow import parquet
+        return stream.getvalue()
+    import pyarrow
 
-        columns = {name: pyarrow.array([value] * len(x), pyarrow.string()) for name, value in about.items()}
-        columns |= {name: pyarrow.array(values) for name, values in labels.items()}
-        for axis, name in enumerate(("ax", "ay")):
-            columns[name] = pyarrow.FixedSizeListArray.from_arrays(pyarrow.array(x[:, axis].ravel()), x.shape[2])
-        parquet.write_table(pyarrow.table(columns), stream, compression="zstd", use_dictionary=list(about))
-    return stream.getvalue()
+    columns = {name: pyarrow.array([value] * len(x), pyarrow.string()) for name, value in about.items()}
+    columns |= {name: pyarrow.array(values) for name, values in labels.items()}
+    for axis, name in enumerate(("ax", "ay")):
+        columns[name] = pyarrow.FixedSizeListArray.from_arrays(pyarrow.array(x[:, axis].ravel()), x.shape[2])
+    return parquet_bytes(pyarrow.table(columns), compression="zstd", use_dictionary=list(about))
 
 
 def waveform_file(
@@ -110,16 +117,14 @@ def waveform_file(
         kind: ``npz`` or ``parquet``.
         index: index of each sample, shape (samples,), where some are missing; npz only.
     """
-    stream = io.BytesIO()
     columns: dict[str, Any] = {"ax": acceleration[:, 0], "ay": acceleration[:, 1], "shaft_angle": shaft_angle}
     if kind == "npz":
         columns |= {"sampling_rate": np.array(rate), "first_index": np.array(first_index)} | ({} if index is None else {INDEX: index})
+        stream = io.BytesIO()
         np.savez(stream, **columns)
-    else:
-        import pyarrow
-        from pyarrow import parquet
+        return stream.getvalue()
+    import pyarrow
 
-        table = pyarrow.table({name: np.ascontiguousarray(values) for name, values in columns.items()})
-        table = table.replace_schema_metadata({"sampling_rate": str(rate), "first_index": str(first_index)})
-        parquet.write_table(table, stream, compression="zstd", use_dictionary=False)
-    return stream.getvalue()
+    table = pyarrow.table({name: np.ascontiguousarray(values) for name, values in columns.items()})
+    table = table.replace_schema_metadata({"sampling_rate": str(rate), "first_index": str(first_index)})
+    return parquet_bytes(table, compression="zstd", use_dictionary=False)

@@ -97,11 +97,7 @@ def open_regular(path: Path) -> BinaryIO:
 
 
 def check_regular(path: Path) -> None:
-    """Refuse a path that `open_regular` refuses.
-
-    Raises:
-        Refusal: see `open_regular`.
-    """
+    """Refuse a path that `open_regular` refuses."""
     open_regular(path).close()
 
 

@@ -51,7 +51,7 @@ def new_locked(folder: Path, prefix: str, suffix: str | None = None) -> Iterator
         else:
             os.close(os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
         with suppress(BlockingIOError, FileNotFoundError):  # another process has taken it for abandoned
-            descriptor = _lock(path)
+            descriptor = lock(path)
             break
     try:
         yield path
@@ -77,7 +77,7 @@ def abandoned(folder: Path, prefix: str) -> Iterator[Path]:
     with suppress(OSError):
         for path in sorted(folder.glob(f"{prefix}{'[0-9a-f]' * DIGITS}*")):
             with suppress(OSError):
-                descriptor = _lock(path)
+                descriptor = lock(path)
                 if descriptor is not None or time.time() - path.stat().st_mtime > ABANDONED:
                     yield path
                 if descriptor is not None:
@@ -90,7 +90,7 @@ def remove(path: Path) -> None:
         shutil.rmtree(path) if path.is_dir() else path.unlink(missing_ok=True)
 
 
-def _lock(path: Path) -> int | None:
+def lock(path: Path) -> int | None:
     """Return the descriptor of a file or folder that is locked; None where it cannot be locked.
 
     Raises:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import rerun.blueprint as rrb
@@ -26,18 +27,38 @@ LABELLED = (1.0, 2.0, 3.0, 10.0)
 """Ends of an axis relative to a power of ten at which it has at least three labels [-]; 10 is the next power."""
 PANELS = (rrb.BlueprintPanel(state="collapsed"), rrb.SelectionPanel(state="collapsed"))
 PANEL = rrb.archetypes.PlotBackground(color=palette.BACKGROUND, show_grid=True)
+PLAIN, LEFT, RIGHT = rrb.PlotLegend(visible=False), rrb.PlotLegend(rrb.Corner2D.LeftTop), rrb.PlotLegend(rrb.Corner2D.RightTop)
+"""No legend, and legends in the corners of a plot."""
+
+
+def plot(
+    origin: str, name: str, axis: rrb.archetypes.TimeAxis | None, legend: rrb.PlotLegend | None = None, **options: Any
+) -> rrb.TimeSeriesView:
+    """Return a plot over time."""
+    return rrb.TimeSeriesView(origin=origin, name=name, axis_x=axis, background=PANEL, plot_legend=legend, **options)
+
+
+def picture(origin: str, name: str, bounds: rrb.VisualBounds2D) -> rrb.Spatial2DView:
+    """Return a view of a plane."""
+    return rrb.Spatial2DView(origin=origin, name=name, background=palette.BACKGROUND, visual_bounds=bounds)
+
+
+def arranged(views: rrb.Container, *, picture_only: bool = False, live: bool = False) -> rrb.Blueprint:
+    """Return views with the bars of the viewer, which ``picture_only`` hides for a screenshot; ``live`` follows the newest sample."""
+    play: dict[str, Any] = {"play_state": "following"} if live else {"play_state": "playing", "playback_speed": 0.1}
+    time = rrb.TimePanel(state="collapsed", timeline=TIMELINE, **play)
+    bars = [rrb.TopPanel(state="hidden")] if picture_only else []
+    return rrb.Blueprint(views, *bars, *PANELS, time, auto_views=False)
 
 
 def compose(content: Content, drawing: Drawing | None, *, picture_only: bool = False) -> rrb.Blueprint:
-    """Return the arrangement for a recording; ``picture_only`` hides the viewer's bars for a screenshot."""
+    """Return the arrangement for a recording; see `arranged`."""
     output, whole = content.detector_output, whole_time(content)
     detected: list[rrb.View | rrb.Container] = [
         *([indicators(whole, level_axis(output.indicators))] if output.indicators else []),
         *([features(whole)] if content.features else []),
         *([verdicts()] if output.verdicts else []),
     ]
-    time = rrb.TimePanel(state="collapsed", timeline=TIMELINE, playback_speed=0.1, play_state="playing")
-    bars = [rrb.TopPanel(state="hidden")] if picture_only else []
     amplitude = waveform_axis(content.waveform.acceleration)
     views = arrangement(
         drawing,
@@ -49,7 +70,7 @@ def compose(content: Content, drawing: Drawing | None, *, picture_only: bool = F
         lubricated=content.lubrication is not None,
         warm=is_warm(content.truths),
     )
-    return rrb.Blueprint(views, *bars, *PANELS, time, auto_views=False)
+    return arranged(views, picture_only=picture_only)
 
 
 def whole_time(content: Content) -> rrb.archetypes.TimeAxis:
@@ -88,9 +109,8 @@ def speed_varies(content: Content) -> bool:
 def compose_live(drawing: Drawing | None, *, lubricated: bool = False, warm: bool = False) -> rrb.Blueprint:
     """Return the arrangement for a running bench, in which the cursor follows the newest sample."""
     detected: list[rrb.View | rrb.Container] = [indicators(), features(), verdicts()]
-    time = rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state="following")
     views = arrangement(drawing, detected, around=(-2.0 * CLOSE_UP, 0.0), lubricated=lubricated, warm=warm)
-    return rrb.Blueprint(views, *PANELS, time, auto_views=False)
+    return arranged(views, live=True)
 
 
 def arrangement(
@@ -112,8 +132,14 @@ def arrangement(
     """
     axis = close_up(*around)
     left: list[rrb.View | rrb.Container] = [waveform(axis, whole, amplitude, noise_first=warm)]
-    spectra = [spectrum(), orders()]
-    right: list[rrb.View | rrb.Container] = [rrb.Tabs(*spectra, active_tab=int(map_first)), summary()]
+    spectra = [
+        picture(spectrum_picture.ROOT, "Squared envelope spectrum: level over background", spectrum_bounds()),
+        picture(order_map.ROOT, "Order map", spectrum_bounds()),
+    ]
+    right: list[rrb.View | rrb.Container] = [
+        rrb.Tabs(*spectra, active_tab=int(map_first)),
+        rrb.TextDocumentView(origin="summary", name="Recording"),
+    ]
     if drawing is not None:
         left.insert(0, rrb.Tabs(bearing(drawing), zone(drawing.bearing.rows), active_tab=0))
         plots = motion(axis, whole, lubricated=lubricated and not warm)
@@ -134,15 +160,7 @@ def bearing(drawing: Drawing) -> rrb.Spatial2DView:
         x_range=[-centre - drawing.extent, centre + drawing.extent],
         y_range=[-drawing.rim - 2.0 * drawing.roller, drawing.extent + 3.5 * drawing.roller],
     )
-    return rrb.Spatial2DView(
-        origin=bearing_picture.ROOT, name="Bearing: normal force of the rollers", background=palette.BACKGROUND, visual_bounds=bounds
-    )
-
-
-def spectrum() -> rrb.Spatial2DView:
-    """Return the view of the squared envelope spectrum."""
-    name = "Squared envelope spectrum: level over background"
-    return rrb.Spatial2DView(origin=spectrum_picture.ROOT, name=name, background=palette.BACKGROUND, visual_bounds=spectrum_bounds())
+    return picture(bearing_picture.ROOT, "Bearing: normal force of the rollers", bounds)
 
 
 def spectrum_bounds() -> rrb.VisualBounds2D:
@@ -151,17 +169,11 @@ def spectrum_bounds() -> rrb.VisualBounds2D:
     return rrb.VisualBounds2D(x_range=[-0.13 * width, 1.02 * width], y_range=[-5.0 * spectrum_picture.TRACK, height + 115.0])
 
 
-def orders() -> rrb.Spatial2DView:
-    """Return the view of the order map: all squared envelope spectra over time."""
-    return rrb.Spatial2DView(origin=order_map.ROOT, name="Order map", background=palette.BACKGROUND, visual_bounds=spectrum_bounds())
-
-
 def zone(rows: int) -> rrb.Spatial2DView:
     """Return the polar view of the load zone."""
     half = 0.5 * (rows - 1) * load_zone.SPACING + 1.4 * load_zone.RADIUS
     bounds = rrb.VisualBounds2D(x_range=[-half, half], y_range=[-1.5 * load_zone.RADIUS, 1.3 * load_zone.RADIUS])
-    name = "Load zone: mean (line) and current normal force"
-    return rrb.Spatial2DView(origin=load_zone.ROOT, name=name, background=palette.BACKGROUND, visual_bounds=bounds)
+    return picture(load_zone.ROOT, "Load zone: mean (line) and current normal force", bounds)
 
 
 def heat(
@@ -173,17 +185,14 @@ def heat(
     lubricated: bool,
 ) -> list[rrb.View | rrb.Container]:
     """Return the views of a bench with temperatures: these, films and friction, and the others on tabs."""
-    legend = rrb.PlotLegend(rrb.Corner2D.LeftTop)
-    temperatures = rrb.TimeSeriesView(origin="temperatures", name="Temperatures [°C]", axis_x=whole, background=PANEL, plot_legend=legend)
+    temperatures = plot("temperatures", "Temperatures [°C]", whole, LEFT)
     oil = [rrb.Tabs(*films(whole), active_tab=0)] if lubricated else []
     return [rrb.Tabs(temperatures, *plots.contents, active_tab=0), *oil, rrb.Tabs(page, *spectra, active_tab=0)]
 
 
 def films(whole: rrb.archetypes.TimeAxis | None) -> tuple[rrb.TimeSeriesView, rrb.TimeSeriesView]:
     """Return the plots of oil films and of friction over time."""
-    legend = rrb.PlotLegend(rrb.Corner2D.RightTop)
-    thickness = rrb.TimeSeriesView(origin="films", name="Oil film [µm], Lambda", axis_x=whole, background=PANEL, plot_legend=legend)
-    return thickness, rrb.TimeSeriesView(origin="friction", name="Friction [W]", axis_x=whole, background=PANEL)
+    return plot("films", "Oil film [µm], Lambda", whole, RIGHT), plot("friction", "Friction [W]", whole)
 
 
 def waveform(
@@ -197,26 +206,9 @@ def waveform(
 
     ``noise_first`` shows the noise first.
     """
-    around = rrb.TimeSeriesView(
-        origin="waveform",
-        name="Acceleration of the outer ring [m/s²]",
-        axis_x=axis,
-        axis_y=amplitude,
-        background=PANEL,
-        plot_legend=rrb.PlotLegend(rrb.Corner2D.RightTop),
-    )
-    plain = rrb.PlotLegend(visible=False)
-    whole = rrb.TimeSeriesView(
-        origin="waveform", name="Whole recording", axis_x=whole_axis, axis_y=amplitude, background=PANEL, plot_legend=plain
-    )
-    noise = rrb.TimeSeriesView(
-        origin="features",
-        contents=["/features/rms"],
-        name="Vibration: rms of each block in Y [m/s²]",
-        axis_x=whole_axis,
-        background=PANEL,
-        plot_legend=plain,
-    )
+    around = plot("waveform", "Acceleration of the outer ring [m/s²]", axis, RIGHT, axis_y=amplitude)
+    whole = plot("waveform", "Whole recording", whole_axis, PLAIN, axis_y=amplitude)
+    noise = plot("features", "Vibration: rms of each block in Y [m/s²]", whole_axis, PLAIN, contents=["/features/rms"])
     return rrb.Tabs(noise, around, whole, active_tab=0) if noise_first else rrb.Tabs(around, whole, noise, active_tab=0)
 
 
@@ -228,31 +220,22 @@ def close_up(before: float, after: float) -> rrb.archetypes.TimeAxis:
 
 def motion(axis: rrb.archetypes.TimeAxis, whole: rrb.archetypes.TimeAxis | None, *, lubricated: bool) -> rrb.Tabs:
     """Return the plots of the states over time."""
-    plain = rrb.PlotLegend(visible=False)
-    forces = rrb.TimeSeriesView(origin="forces/row1", name="Roller forces, row 1 [kN]", axis_x=axis, background=PANEL, plot_legend=plain)
-    spins = rrb.TimeSeriesView(origin="spins/row1", name="Spins [rad/s]", axis_x=axis, background=PANEL, plot_legend=plain)
-    cages = rrb.TimeSeriesView(origin="cages", name="Cages [rad/s]", axis_x=whole, background=PANEL)
-    operating = rrb.TimeSeriesView(origin="operating", name="Speed and load", axis_x=whole, background=PANEL)
+    forces = plot("forces/row1", "Roller forces, row 1 [kN]", axis, PLAIN)
+    spins, cages = plot("spins/row1", "Spins [rad/s]", axis, PLAIN), plot("cages", "Cages [rad/s]", whole)
+    operating = plot("operating", "Speed and load", whole)
     return rrb.Tabs(forces, spins, cages, operating, *(films(whole) if lubricated else ()), active_tab=0)
 
 
 def indicators(whole: rrb.archetypes.TimeAxis | None = None, levels: rrb.ScalarAxis | None = None) -> rrb.TimeSeriesView:
     """Return the plot of the detector's levels over time."""
-    legend = rrb.PlotLegend(rrb.Corner2D.LeftTop)
-    name = "Fault indicators [dB over background]"
-    return rrb.TimeSeriesView(origin="indicators", name=name, axis_x=whole, axis_y=levels, background=PANEL, plot_legend=legend)
+    return plot("indicators", "Fault indicators [dB over background]", whole, LEFT, axis_y=levels)
 
 
 def features(whole: rrb.archetypes.TimeAxis | None = None) -> rrb.TimeSeriesView:
     """Return the plot of the features of every block over time."""
-    return rrb.TimeSeriesView(origin="features", name="Features of each block", axis_x=whole, background=PANEL)
+    return plot("features", "Features of each block", whole)
 
 
 def verdicts() -> rrb.TextLogView:
     """Return the log of the detector's verdicts."""
     return rrb.TextLogView(origin="diagnosis", name="Verdicts")
-
-
-def summary() -> rrb.TextDocumentView:
-    """Return the summary page."""
-    return rrb.TextDocumentView(origin="summary", name="Recording")

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from concurrent.futures import Future
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -18,9 +18,20 @@ from dcrb_ros.stream.block import Truth
 from dcrb_ros.stream.states import BodyNames
 
 if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
     from dcrb_ros.diagnosis.detector import Diagnosis
 
 Times = npt.NDArray[np.int64]
+OverTime = TypeVar("OverTime", bound="DataclassInstance")
+
+
+def joined(before: OverTime | None, after: OverTime, *names: str, last: int = 0) -> OverTime:
+    """Return two consecutive parts as one, whose arrays ``names`` are over time; of these, the ``last`` entries, or all if it is 0."""
+    if before is None:
+        return after
+    arrays: dict[str, Any] = {name: np.concatenate([getattr(before, name), getattr(after, name)])[-last:] for name in names}
+    return replace(after, **arrays)
 
 
 @dataclass(frozen=True)
@@ -110,15 +121,10 @@ class DetectorOutput:
     """Diagnoses of the shipped detector, with its spectra."""
 
 
-@dataclass(frozen=True)
-class Content:
+@dataclass(frozen=True, kw_only=True)
+class Content(BenchInfo):
     """Everything shown of one recording."""
 
-    title: str
-    bearing: Bearing
-    """Bearing of the bench; without meaning for imported data."""
-    orders: Orders
-    bodies: BodyNames
     waveform: TimedWaveform
     pending_output: Future[DetectorOutput]
     """Output of the detectors, computed in the background since it takes as long as everything else."""
@@ -129,8 +135,6 @@ class Content:
     """Films, traction and friction, by the names of `dcrb_ros.messages.topics.lubrication_state`."""
     tacho: Series | None = None
     """Speed of the shaft from pulse to pulse of the tacho [rad/s]."""
-    imported: bool = False
-    """Whether the data were measured elsewhere and imported."""
 
     @property
     def detector_output(self) -> DetectorOutput:

@@ -3,46 +3,29 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 
 import rerun as rr
 
 from dcrb_ros.messages.cdr import STAMP_END, stamps
-from dcrb_ros.messages.description import LARGEST_DESCRIPTION, SOURCE, decode_pulses_per_turn, decode_sensor
-from dcrb_ros.messages.plain import decode_text
+from dcrb_ros.messages.description import decode_entry, decode_pulses_per_turn, decode_sensor
 from dcrb_ros.messages.topics import (
     DIAGNOSIS,
     ENVELOPE_SPECTRUM,
     FAULT_INDICATORS,
-    FEATURES,
-    GROUND_TRUTH,
-    LUBRICATION_STATE,
-    ROLLER_STATES,
     SENSOR,
-    TACHO,
     VIBRATION,
     Topic,
 )
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.parameters import Bearing
-from dcrb_ros.text.json import parsed_json
 from dcrb_ros.viewer.content import BenchInfo, DetectorOutput
 from dcrb_ros.viewer.live_run import LiveRun, ReceivedMessages, completed
+from dcrb_ros.viewer.reader import SHOWN as RECORDED
 from dcrb_ros.viewer.reader import content_of, series_of, verdicts_in
 from dcrb_ros.viewer.spectrum import spectra_in
 
-SHOWN = (
-    VIBRATION,
-    SENSOR,
-    ROLLER_STATES,
-    GROUND_TRUTH,
-    FEATURES,
-    FAULT_INDICATORS,
-    DIAGNOSIS,
-    ENVELOPE_SPECTRUM,
-    LUBRICATION_STATE,
-    TACHO,
-)
+SHOWN = (*RECORDED, SENSOR, ENVELOPE_SPECTRUM)
 
 
 class LiveView(ReceivedMessages):
@@ -73,7 +56,9 @@ class LiveView(ReceivedMessages):
             if self._bench is None:
                 self._received = received
                 return
-            content = content_of(received, self._bench, lambda _: completed(detector_output_in(received)))
+            indicators, verdicts = series_of(received[FAULT_INDICATORS]), verdicts_in(received[DIAGNOSIS])
+            output = DetectorOutput(indicators, verdicts, spectra_in(received[ENVELOPE_SPECTRUM]))
+            content = content_of(received, self._bench, lambda _: completed(output))
             self._run = self._run or LiveRun(self._next_stream(), self._bench)
             self._run.log(content)
         except Refusal as refusal:
@@ -103,19 +88,10 @@ def bench_info(data: bytes, title: str) -> BenchInfo:
     """
     rate, orders = decode_sensor(data)
     try:
-        described = parsed_json(decode_text(data), SOURCE, LARGEST_DESCRIPTION).get("bearing") or {}
+        described = decode_entry(data, "bearing") or {}
         # A bench describes its whole bearing, an import only the geometry from which the orders follow.
         whole = "outer_raceway_radius" in described
         bearing = Bearing.model_validate(described) if whole else Bearing()
-    except (ValueError, AttributeError, TypeError) as error:
+    except (ValueError, TypeError) as error:
         raise Refusal(f"the bearing in the sensor's description is invalid ({type(error).__name__})") from None
     return BenchInfo(title, bearing, orders, rate, imported=not whole, pulses_per_turn=decode_pulses_per_turn(data))
-
-
-def detector_output_in(received: Mapping[Topic, Sequence[bytes]]) -> DetectorOutput:
-    """Return the output of the bench's fault detector from its messages."""
-    return DetectorOutput(
-        indicators=series_of(received.get(FAULT_INDICATORS, ())),
-        verdicts=verdicts_in(received.get(DIAGNOSIS, ())),
-        diagnoses=spectra_in(received.get(ENVELOPE_SPECTRUM, ())),
-    )

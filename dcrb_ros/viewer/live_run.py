@@ -17,7 +17,7 @@ from dcrb_ros.messages.topics import Topic
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.viewer import bearing_picture, load_zone, order_map, series, spectrum_picture, summary
 from dcrb_ros.viewer.blueprint import compose_live
-from dcrb_ros.viewer.content import BenchInfo, Content, DetectorOutput, Motion, TimedWaveform
+from dcrb_ros.viewer.content import BenchInfo, Content, DetectorOutput, Motion, TimedWaveform, joined
 from dcrb_ros.viewer.drawing import Drawing, rounded_up
 from dcrb_ros.viewer.row_faults import RowFaults
 from dcrb_ros.viewer.spectrum import Spectra, envelope_spectra
@@ -79,7 +79,7 @@ class LiveRun:
         self._spectra: Spectra | None = None
         self._growing = spectrum_picture.GrowingSpectra(bench.orders)
         nothing = TimedWaveform(np.zeros(2, np.int64), np.zeros((2, 2), np.float32), np.zeros(2, np.float32), bench.rate)
-        self._latest = Content(bench.title, bench.bearing, bench.orders, bench.bodies, nothing, completed(DetectorOutput(None, (), ())))
+        self._latest = Content(**vars(bench), waveform=nothing, pending_output=completed(DetectorOutput(None, (), ())))
         stream.send_blueprint(compose_live(self._drawing))
 
     def log(self, content: Content) -> None:
@@ -128,7 +128,7 @@ class LiveRun:
         series.log_motion(content, motion, fixed=self._first("motion"))
         shown = bearing_picture.thinned(motion)
         bearing_picture.log_moving(drawing, shown)
-        self._recent = _joined_motion(self._recent, shown)
+        self._recent = joined(self._recent, shown, "time_ns", "azimuth", "speed", "force", last=RECENT)
         load_zone.log_mean(content.bodies, self._recent, drawing.largest_force)
         load_zone.log_now(content.bodies, shown, drawing.largest_force)
 
@@ -157,7 +157,8 @@ class LiveRun:
             return
         if self._growing.log(spectra):
             order_map.log_fault_lines(spectra.highest_order, fault_combs(self._bench.orders, spectra.highest_order))
-        self._spectra = _joined_spectra(self._spectra, spectra)
+        before = self._spectra if self._spectra is not None and np.array_equal(self._spectra.orders, spectra.orders) else None
+        self._spectra = joined(before, spectra, "time_ns", "level", "shaft_frequency", last=MOST_SPECTRA)
         order_map.log_map(self._spectra)
 
     def _log_summary(self, content: Content) -> None:
@@ -171,7 +172,6 @@ class LiveRun:
             waveform=replace(self._latest.waveform, time_ns=ends),
             truths=content.truths[-1:] or self._latest.truths,
             pending_output=completed(output),
-            imported=content.imported,
         )
         self._first("summary")
         page = summary.markdown(self._latest, self._latest.truths[-1] if self._latest.truths else None)
@@ -193,21 +193,3 @@ def completed(output: DetectorOutput) -> Future[DetectorOutput]:
     future: Future[DetectorOutput] = Future()
     future.set_result(output)
     return future
-
-
-def _joined_spectra(before: Spectra | None, after: Spectra) -> Spectra:
-    """Return the last `MOST_SPECTRA` of two sequences of spectra; only those of the latter if their orders differ."""
-    if before is None or not np.array_equal(before.orders, after.orders):
-        return after
-    times, levels, frequencies = (
-        np.concatenate([getattr(before, name), getattr(after, name)])[-MOST_SPECTRA:] for name in ("time_ns", "level", "shaft_frequency")
-    )
-    return Spectra(times, after.orders, levels, frequencies)
-
-
-def _joined_motion(before: Motion | None, after: Motion) -> Motion:
-    """Return the last `RECENT` states of two motions."""
-    if before is None:
-        return after
-    fields = ("time_ns", "azimuth", "speed", "force")
-    return Motion(*(np.concatenate([getattr(before, name), getattr(after, name)])[-RECENT:] for name in fields))

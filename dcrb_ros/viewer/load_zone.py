@@ -44,8 +44,8 @@ def log_static(bodies: BodyNames, largest: float) -> None:
 def log_mean(bodies: BodyNames, motion: Motion, largest: float) -> None:
     """Log the mean force over azimuth as a line for every row."""
     for row in range(bodies.rows):
-        mean = mean_force(*of_row(bodies, motion, row))
-        strip = closed(on_circle(RADIUS * mean / largest, sector_azimuths()))
+        points = on_circle(RADIUS * mean_force(*of_row(bodies, motion, row)) / largest, sector_azimuths())
+        strip = np.concatenate([points, points[:1]])
         colour = palette.ROWS[row % len(palette.ROWS)]
         rr.log(f"{ROOT}/row{row + 1}/mean", rr.LineStrips2D([strip], radii=[1.2], colors=[colour], draw_order=2.0), static=True)
 
@@ -54,11 +54,6 @@ def of_row(bodies: BodyNames, motion: Motion, row: int) -> tuple[Floats, Floats]
     """Return azimuth [rad] and normal force [N] of the rollers of a row, shape (times, rollers) each."""
     rollers = slice(row * bodies.rollers_per_row, (row + 1) * bodies.rollers_per_row)
     return motion.azimuth[:, rollers], motion.force[:, rollers]
-
-
-def closed(points: Floats) -> Floats:
-    """Return a closed line strip: the points with the first one repeated at the end."""
-    return np.concatenate([points, points[:1]])
 
 
 def log_scale(path: str, largest: float, row: int) -> None:

@@ -12,7 +12,6 @@ import numpy.typing as npt
 import rerun as rr
 
 from dcrb_ros.bearing.fault_lines import Comb
-from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.content import Times
 from dcrb_ros.viewer.spectrum import Spectra
@@ -51,7 +50,8 @@ def picture(spectra: Spectra, largest: float) -> npt.NDArray[np.uint8]:
     """
     borders = np.searchsorted(spectra.orders, np.arange(int(WIDTH)) / WIDTH * spectra.highest_order)
     columns = np.maximum.reduceat(spectra.level, np.minimum(borders, len(spectra.orders) - 1), axis=1)
-    rows = np.searchsorted(spectra.time_ns, times_of_rows(spectra.time_ns))
+    first, last = span_of(spectra.time_ns)
+    rows = np.searchsorted(spectra.time_ns, first + (np.arange(int(HEIGHT)) + 0.5) / HEIGHT * (last - first))
     colours = palette.force_colours(np.maximum(columns, 1e-3), largest)[..., :3]
     dark = np.clip(columns / (0.25 * largest), 0.0, 1.0)[..., None]  # levels near the background are drawn dark
     shown = (colours * dark + np.array(palette.BACKGROUND[:3]) * (1.0 - dark)).astype(np.uint8)
@@ -62,12 +62,6 @@ def span_of(time_ns: Times) -> tuple[int, int]:
     """Return the times at the upper and lower edge of the map [ns]; the row of a window ends at the window's end."""
     step = int(np.median(np.diff(time_ns))) if len(time_ns) > 1 else 1_000_000_000
     return int(time_ns[0]) - step, int(time_ns[-1])
-
-
-def times_of_rows(time_ns: Times) -> Floats:
-    """Return the time of every row of pixels, shape (HEIGHT,) [ns]."""
-    first, last = span_of(time_ns)
-    return np.asarray(first + (np.arange(int(HEIGHT)) + 0.5) / HEIGHT * (last - first), np.float64)
 
 
 def log_axes(spectra: Spectra, largest: float) -> None:

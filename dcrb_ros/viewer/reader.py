@@ -1,4 +1,4 @@
-"""Reading of a recording into the arrays that the viewer shows."""
+"""Reading of a recording into the arrays that the viewer shows; messages that cannot be decoded are refused."""
 
 from __future__ import annotations
 
@@ -73,18 +73,10 @@ def read_content(recording: Recording) -> Content:
 def content_of(
     messages: Mapping[Topic, Sequence[bytes]], bench: BenchInfo, start_detector: Callable[[TimedWaveform], Future[DetectorOutput]]
 ) -> Content:
-    """Return the content of messages by topic; ``start_detector`` starts the detector on the waveform.
-
-    Raises:
-        Refusal: a message cannot be decoded.
-    """
+    """Return the content of messages by topic; ``start_detector`` starts the detector on the waveform."""
     waveform = waveform_of(messages.get(VIBRATION, ()), bench.rate)
     return Content(
-        title=bench.title,
-        bearing=bench.bearing,
-        orders=bench.orders,
-        imported=bench.imported,
-        bodies=bench.bodies,
+        **vars(bench),
         waveform=waveform,
         pending_output=start_detector(waveform),
         motion=motion_of(messages.get(ROLLER_STATES, ()), bench.bodies),

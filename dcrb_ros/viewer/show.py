@@ -23,15 +23,15 @@ if TYPE_CHECKING:
     from dcrb_ros.viewer.vehicle_content import VehicleContent
 
 
-def checked_output(path: Path, *, suffix: str, option: str, force: bool = False) -> Path:
-    """Return the path of a new file, or with ``force`` of one that is replaced.
+def checked_output(path: Path, *, suffix: str, option: str) -> Path:
+    """Return the path of a new file.
 
     Raises:
-        Refusal: it has another suffix than ``suffix``, exists without ``force``, or cannot be created.
+        Refusal: it has another suffix than ``suffix``, exists, or cannot be created.
     """
     if path.suffix != suffix:
         raise Refusal(f"{option} {path} does not end in {suffix}: give a name with this suffix")
-    if checked_path(path).exists() and not force:
+    if checked_path(path).exists():
         raise Refusal(f"{option} {path} exists: give another name or remove it")
     folder = path.absolute().parent
     if not folder.is_dir():
@@ -106,20 +106,14 @@ def screenshot_time(content: Content | VehicleContent) -> int:
     return int(content.motion.time_ns[late[np.argmax(content.motion.force[late, :rollers].max(axis=1))]])
 
 
-def view_recording(
-    bag: Path, *, save: Path | None, screenshot: Path | None, web: bool, force: bool = False
-) -> tuple[Content | VehicleContent, bool, int]:
-    """Write the requested files, with ``force`` over existing ones, or open the viewer.
+def view_recording(bag: Path, *, save: Path | None, screenshot: Path | None, web: bool) -> tuple[Content | VehicleContent, bool, int]:
+    """Write the requested files, which the caller has checked, or open the viewer.
 
     Returns the content, whether the recording is complete, and the exit status of the viewer.
 
     Raises:
-        Refusal: an output file or the recording is invalid.
+        Refusal: the recording is invalid.
     """
-    outputs = ((save, ".rrd", "--save"), (screenshot, ".png", "--screenshot"))
-    for path, suffix, option in outputs:
-        if path is not None:
-            checked_output(path, suffix=suffix, option=option, force=force)
     content: Content | VehicleContent
     recording: Recording | VehicleRecording
     if vehicle_boxes(bag):

@@ -11,7 +11,7 @@ import numpy as np
 
 from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.bearing.temperature_readings import TemperatureReadings
-from dcrb_ros.messages.points import decode_spectrum
+from dcrb_ros.messages.points import decode_spectrum, index_at
 from dcrb_ros.messages.statuses import ERROR
 from dcrb_ros.messages.topics.diagnosis import LEVELS
 from dcrb_ros.schema.arrays import Floats
@@ -91,7 +91,7 @@ def _judgements(
     detector, feed, judgements = ThermalFaultDetector(orders, waveform.rate, parameters), TemperatureFeed(readings), []
     detector.take_bearing(bearing)
     for piece in pieces(waveform, round(parameters.hop * waveform.rate)):
-        index = (int(waveform.time_ns[piece.start]) * waveform.rate + 500_000_000) // 1_000_000_000
+        index = index_at(int(waveform.time_ns[piece.start]), waveform.rate)
         diagnosis = detector.update(index, waveform.acceleration[piece], waveform.shaft_angle[piece])
         feed.give(detector.take_temperature, 1e-9 * float(waveform.time_ns[piece.stop - 1]))
         if diagnosis is not None:
@@ -101,7 +101,8 @@ def _judgements(
 
 def pieces(waveform: TimedWaveform, length: int) -> Iterator[slice]:
     """Yield slices of at most ``length`` samples that do not span gaps in the waveform."""
-    gaps = np.flatnonzero(np.diff(waveform.time_ns) > 1_500_000_000 // waveform.rate) + 1
+    steps = np.diff(waveform.time_ns)
+    gaps = np.flatnonzero((steps > 1_500_000_000 // waveform.rate) | (steps <= 0)) + 1
     borders = [0, *gaps.tolist(), len(waveform.time_ns)]
     for first, last in pairwise(borders):
         for start in range(first, last, length):
@@ -109,11 +110,7 @@ def pieces(waveform: TimedWaveform, length: int) -> Iterator[slice]:
 
 
 def spectra_in(messages: Iterable[bytes]) -> tuple[Diagnosis, ...]:
-    """Return the envelope spectra in messages as diagnoses without a verdict.
-
-    Raises:
-        Refusal: a message is no spectrum.
-    """
+    """Return the envelope spectra in messages as diagnoses without a verdict."""
     decoded = (decode_spectrum(data) for data in messages)
     return tuple(
         Diagnosis(0, time_ns * 1e-9, "waiting", "", shaft_frequency=frequency, spectrum=(orders, amplitude))

@@ -1,9 +1,8 @@
-"""The content of a vehicle's recording as the viewer shows it."""
+"""The content of a vehicle's recording as the viewer shows it; messages that cannot be decoded are refused."""
 
 from __future__ import annotations
 
 import heapq
-import itertools
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -11,7 +10,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from dcrb_ros.diagnosis.vehicle.detector import BoxBlock, VehicleDetector
-from dcrb_ros.messages.points import decode_waveform
+from dcrb_ros.messages.points import decode_waveform, index_at
 from dcrb_ros.messages.statuses import Status, decode_diagnostics
 from dcrb_ros.messages.topics import ENVELOPE_SPECTRUM, FEATURES, VIBRATION, Topic
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DIAGNOSIS, VEHICLE_TRUTH
@@ -23,12 +22,14 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.diagnosis import Diagnosis
 from dcrb_ros.stream.vehicle_description import VehicleDescription
 from dcrb_ros.stream.vehicle_diagnosis import VehicleDiagnosis
-from dcrb_ros.viewer.content import Series, TimedWaveform, Times
+from dcrb_ros.viewer.content import Series, TimedWaveform, Times, joined
 from dcrb_ros.viewer.reader import series_of
-from dcrb_ros.viewer.spectrum import spectra_in
+from dcrb_ros.viewer.spectrum import pieces, spectra_in
 
 CHUNK = 0.1
 """Signal of a box that the detector takes at once [s]: it waits for the others for `VehicleDetectorParameters.patience`."""
+PARTS = ("time_ns", "acceleration", "shaft_angle")
+"""Arrays of a waveform over time."""
 
 
 @dataclass(frozen=True)
@@ -108,11 +109,7 @@ def shown_topics(boxes: Iterable[str]) -> list[Topic]:
 
 
 def content_of(received: Mapping[Topic, Sequence[bytes]], description: VehicleDescription, title: str) -> VehicleContent:
-    """Return the content of messages by topic.
-
-    Raises:
-        Refusal: a message cannot be decoded.
-    """
+    """Return the content of messages by topic."""
     waveforms, features, judgements = dict[str, TimedWaveform](), dict[str, Series](), dict[str, Sequence[Diagnosis]]()
     for box in description.boxes:
         blocks = received.get(VIBRATION.below(box.name), ())
@@ -129,11 +126,7 @@ def content_of(received: Mapping[Topic, Sequence[bytes]], description: VehicleDe
 
 
 def events_in(data: bytes) -> list[TrackEvent]:
-    """Return the events in the ground truth of a vehicle.
-
-    Raises:
-        Refusal: the message is no ground truth of a vehicle.
-    """
+    """Return the events in the ground truth of a vehicle."""
     listed = []
     for status in decode_diagnostics(data)[1]:
         if status.name.startswith("events/"):
@@ -147,11 +140,7 @@ def events_in(data: bytes) -> list[TrackEvent]:
 
 
 def verdicts_in(messages: Iterable[bytes]) -> list[Verdicts]:
-    """Return the verdicts in messages of a comparing detector.
-
-    Raises:
-        Refusal: a message is no diagnosis.
-    """
+    """Return the verdicts in messages of a comparing detector."""
     decoded = (decode_diagnostics(data) for data in messages)
     return [Verdicts(time_ns, {status.name: status for status in statuses}) for time_ns, statuses in decoded]
 
@@ -169,23 +158,9 @@ def diagnoses_of(content: VehicleContent) -> list[VehicleDiagnosis]:
 
 def blocks_of(name: str, waveform: TimedWaveform) -> Iterator[tuple[str, BoxBlock]]:
     """Yield the name of a box with each block of its waveform, of at most `CHUNK` and none of them across missing samples."""
-    rate, size = waveform.rate, max(1, round(CHUNK * waveform.rate))
-    index = np.rint(waveform.time_ns * (1e-9 * rate)).astype(np.int64)
-    runs = [0, *(np.flatnonzero(np.diff(index) != 1) + 1).tolist(), len(index)]
-    for begin, end in itertools.pairwise(runs):
-        for first in range(begin, end, size):
-            piece = slice(first, min(first + size, end))
-            yield name, BoxBlock(int(index[first]), waveform.acceleration[piece], waveform.shaft_angle[piece])
-
-
-def joined(before: TimedWaveform, after: TimedWaveform) -> TimedWaveform:
-    """Return two consecutive parts of a waveform as one."""
-    return TimedWaveform(
-        np.concatenate([before.time_ns, after.time_ns]),
-        np.concatenate([before.acceleration, after.acceleration]),
-        np.concatenate([before.shaft_angle, after.shaft_angle]),
-        after.rate,
-    )
+    for piece in pieces(waveform, max(1, round(CHUNK * waveform.rate))):
+        index = index_at(int(waveform.time_ns[piece.start]), waveform.rate)
+        yield name, BoxBlock(index, waveform.acceleration[piece], waveform.shaft_angle[piece])
 
 
 def lead_times(description: VehicleDescription, name: str, waveform: TimedWaveform, before: TimedWaveform | None = None) -> Times:
@@ -196,7 +171,7 @@ def lead_times(description: VehicleDescription, name: str, waveform: TimedWavefo
     """
     axle = description.axle(description.box(name).axle)
     behind = max(other.x for other in description.axles) - axle.x
-    whole = waveform if before is None else joined(before, waveform)
+    whole = joined(before, waveform, *PARTS)
     distance: Floats = axle.wheel_radius * np.unwrap(whole.shaft_angle.astype(np.float64))
     if behind == 0.0 or not np.isfinite(distance).all() or distance[-1] <= distance[0]:
         return waveform.time_ns

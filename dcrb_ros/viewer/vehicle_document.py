@@ -11,7 +11,6 @@ import rerun as rr
 from dcrb_ros.bearing.fault_lines import fault_combs
 from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.messages.statuses import ERROR, OK
-from dcrb_ros.stream.vehicle_description import AxleDescription, VehicleDescription
 from dcrb_ros.viewer import palette, plan_view, series, spectrum_picture
 from dcrb_ros.viewer.columns import TIMELINE
 from dcrb_ros.viewer.content import TimedWaveform
@@ -72,21 +71,16 @@ def largest_level(content: VehicleContent) -> float:
 
 def log_waveforms(content: VehicleContent, *, fixed: bool, before: Mapping[str, TimedWaveform]) -> None:
     """Log the vertical acceleration of each box over the time at which the leading wheelset was at the same place [m/s^2]."""
+    leading_first = [axle.name for axle in sorted(content.description.axles, key=lambda axle: -axle.x)]
     for box in content.description.boxes:
         if box.name not in content.waveforms:
             continue
-        waveform = content.waveforms[box.name]
-        number = [axle.name for axle in leading_first(content.description)].index(box.axle)
+        waveform, number = content.waveforms[box.name], leading_first.index(box.axle)
         vertical = waveform.acceleration[:, 1:2] if waveform.acceleration.shape[1] > 1 else waveform.acceleration[:, :1]
         colour, path = COLOURS[number % len(COLOURS)], f"{ALIGNED}/{box.side}/{box.axle}"
         times = lead_times(content.description, box.name, waveform, before.get(box.name))
         series.log_lines(path, times, vertical, [box.name], [colour], width=1.0, fixed=fixed)
         series.log_lines(f"waveform/{box.name}", waveform.time_ns, vertical, [box.name], [colour], width=1.0, fixed=fixed)
-
-
-def leading_first(description: VehicleDescription) -> list[AxleDescription]:
-    """Return the wheelsets in the order in which they pass a place."""
-    return sorted(description.axles, key=lambda axle: -axle.x)
 
 
 def log_texts(verdicts: Sequence[Verdicts], events: Sequence[TrackEvent], before: dict[str, str]) -> None:

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable
-from dataclasses import replace
 
-import numpy as np
 import rerun as rr
 
 from dcrb_ros.bearing.frequencies import Orders
@@ -15,12 +13,12 @@ from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION
 from dcrb_ros.messages.vehicle import decode_description
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.vehicle_description import VehicleDescription
-from dcrb_ros.viewer.content import TimedWaveform
+from dcrb_ros.viewer.content import TimedWaveform, joined
 from dcrb_ros.viewer.live_run import LONGEST_FLUSH, ReceivedMessages, as_current
 from dcrb_ros.viewer.spectrum import envelope_spectra
 from dcrb_ros.viewer.spectrum_picture import GrowingSpectra
 from dcrb_ros.viewer.vehicle_blueprint import SPECTRA, compose
-from dcrb_ros.viewer.vehicle_content import VehicleContent, content_of, joined
+from dcrb_ros.viewer.vehicle_content import PARTS, VehicleContent, content_of
 from dcrb_ros.viewer.vehicle_document import largest_level, log_vehicle
 
 KEPT = 3.0
@@ -48,12 +46,9 @@ class VehicleLiveView(ReceivedMessages):
 
     def take(self, topic: Topic, data: bytes) -> None:
         """Keep a message until the next `flush`."""
-        if topic == VEHICLE_DESCRIPTION:
-            self._describe(data)
-        else:
+        if topic != VEHICLE_DESCRIPTION:
             self._keep(topic, data)
-
-    def _describe(self, data: bytes) -> None:
+            return
         try:
             description = decode_description(data)
         except Refusal as refusal:
@@ -91,7 +86,7 @@ class VehicleLiveView(ReceivedMessages):
             log_vehicle(content, fixed=begins, before=self._recent, largest=self._largest, verdicts=self._verdicts)
             self._log_spectra(content)
         for name, waveform in content.waveforms.items():
-            self._recent[name] = recent(self._recent.get(name), waveform)
+            self._recent[name] = joined(self._recent.get(name), waveform, *PARTS, last=round(KEPT * waveform.rate))
 
     def _log_spectra(self, content: VehicleContent) -> None:
         for name, judgements in content.judgements.items():
@@ -112,10 +107,3 @@ class VehicleLiveView(ReceivedMessages):
         """Log the remaining messages and close the recording."""
         self.flush()
         self._end()
-
-
-def recent(before: TimedWaveform | None, waveform: TimedWaveform) -> TimedWaveform:
-    """Return the last `KEPT` seconds of two consecutive parts of a waveform."""
-    whole = waveform if before is None else joined(before, waveform)
-    first = int(np.searchsorted(whole.time_ns, whole.time_ns[-1] - round(KEPT * 1e9)))
-    return replace(whole, time_ns=whole.time_ns[first:], acceleration=whole.acceleration[first:], shaft_angle=whole.shaft_angle[first:])

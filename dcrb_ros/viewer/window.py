@@ -82,11 +82,7 @@ def _environment(folder: Path) -> dict[str, str]:
 
 
 def _call(command: list[str], environment: dict[str, str]) -> int:
-    """Run the viewer with a window until it is closed.
-
-    Raises:
-        ViewerFailure: it ended with an error; the message quotes its last line.
-    """
+    """Run the viewer with a window until it is closed; where it ends with an error, a `ViewerFailure` quotes its last line."""
     with tempfile.TemporaryFile() as output:
         status = subprocess.call(command, stdout=output, stderr=output, env=environment)
         output.seek(0)
@@ -217,11 +213,7 @@ def _end(viewer: subprocess.Popen[bytes]) -> None:
 
 
 def _wait_for(viewer: subprocess.Popen[bytes], purpose: str, ask: Callable[[], Answer | None], remedy: str = DRIVER_REMEDY) -> Answer:
-    """Poll until ``ask`` returns an answer, and return it.
-
-    Raises:
-        ViewerFailure: the viewer ended, or there was no answer within `PATIENCE`.
-    """
+    """Poll until ``ask`` returns an answer, and return it; raise `ViewerFailure` if the viewer ends before, or after `PATIENCE`."""
     deadline = time.monotonic() + PATIENCE
     while time.monotonic() < deadline:
         if viewer.poll() is not None:

@@ -21,7 +21,7 @@ from dcrb_ros.messages.topics.clock import CLOCK
 from dcrb_ros.messages.topics.diagnosis import DIAGNOSIS
 from dcrb_ros.messages.topics.envelope_spectrum import ENVELOPE_SPECTRUM
 from dcrb_ros.messages.topics.vehicle import VEHICLE_COMMANDS, VEHICLE_DESCRIPTION, VEHICLE_DETECTED, VEHICLE_TRUTH
-from dcrb_ros.messages.topics.vibration_clean import VIBRATION_CLEAN
+from dcrb_ros.messages.topics.vibration import VIBRATION_CLEAN
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.schema.parameter_field import ParameterField
 from dcrb_ros.settings.configuration import Configuration

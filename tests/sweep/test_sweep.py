@@ -542,9 +542,12 @@ def test_other_programs_do_not_change_the_estimated_time(monkeypatch: pytest.Mon
     monkeypatch.setattr("dcrb_ros.sweep.estimate.run_task", simulated)
     monkeypatch.setattr("dcrb_ros.sweep.estimate.time", times)
     monkeypatch.setattr("dcrb_ros.sweep.estimate.cores", lambda: 2)
+    monkeypatch.setattr("dcrb_ros.sweep.estimate._worker_start", lambda: 1.5)
     cost = estimate(plan_of({**QUICK, "duration": 2.0, "seeds": 3}))
     assert (cost.start, cost.factor) == (pytest.approx(0.5), pytest.approx(10.0))
-    assert cost.seconds(2) == cost.seconds(100) == pytest.approx(3 * 0.7 / 2)
+    assert cost.seconds(2) == pytest.approx((2 * 1.5 + 3 * 0.7) / 2)
+    # There is no task for a fourth worker.
+    assert cost.seconds(3) == cost.seconds(100) == pytest.approx((3 * 1.5 + 3 * 0.7) / 2)
     process, wall = 2 * 0.5 + 0.1 * 0.4, 2 * 10.5 - 0.9 * 0.4  # a run of 0.05 s and one of 0.35 s
     assert cost.delay == pytest.approx(wall / process)
 
@@ -613,6 +616,14 @@ def test_the_disk_space_is_estimated(tmp_path: Path) -> None:
         ({"seeds": []}, "seeds = []"),
         ({"seeds": [2**31]}, "a list of seeds within 0 .. 2147483647"),
         ({"duration": 1e-6}, "duration = 1e-06 s has no sample at 51200 Hz: give at least 1.95e-05 s"),
+        (
+            {"duration": 4e-5, "vary": {"sensor.sampling_rate": [51200, 10240]}},
+            "duration = 4e-05 s has no sample at 10240 Hz: give at least 9.77e-05 s",
+        ),
+        (
+            {"duration": 4e-5, "cases": {"slow": {"sensor.sampling_rate": {"low": 10240, "high": 51200, "count": 3}}}},
+            "duration = 4e-05 s has no sample at 10240 Hz: give at least 9.77e-05 s",
+        ),
         ({"seeds": [3, 4, 3]}, "seeds has 3 twice"),
         ({"vary": {"operating.load": [5e4], "operating": {"load": [6e4]}}}, "operating.load occurs twice, in its group and with a dotted"),
         (

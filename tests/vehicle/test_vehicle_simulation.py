@@ -674,16 +674,19 @@ def test_simulate_refuses_what_it_cannot_record(tmp_path: Path, capsys: pytest.C
     assert dcrb("simulate", "--vehicle", "healthy_bogie", "-o", str(tmp_path / "there"), "--duration", "0.2", "--quiet") == 2
 
 
-def test_a_changed_outcome_is_reported_and_not_used(run: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("entry", "flaw"), [(b'"ended": "1', "is damaged: it does not have the form and the digest"), (b'#ended": "2', "is not valid JSON")]
+)
+def test_a_changed_outcome_is_reported_and_not_used(entry: bytes, flaw: str, run: Path, tmp_path: Path) -> None:
     changed = tmp_path / "changed"
     shutil.copytree(run, changed)
     (file,) = changed.glob("*.mcap")
     data = file.read_bytes()
     at = data.index(b'"ended": "2', data.index(b"dcrb_ros_vehicle_outcome"))
-    file.write_bytes(data[:at] + b'"ended": "1' + data[at + len(b'"ended": "2') :])
+    file.write_bytes(data[:at] + entry + data[at + len(entry) :])
     assert VehicleRecording(run).damage == []
     recording = VehicleRecording(changed)
-    assert any("is damaged or was changed: the commands are read from the ground truth" in sentence for sentence in recording.damage)
+    assert any(f"vehicle_outcome {flaw}" in sentence for sentence in recording.damage)
     assert recording.commands() == VehicleRecording(run).commands()
 
 

@@ -1,4 +1,4 @@
-"""The topics of the bench, one per file. A new topic needs its own file and one line in the lists below.
+"""The topics of the bench, one per file, or two that are encoded alike. A new topic needs its own file and one line in the lists below.
 
 The constants are the topics that other modules refer to. The quality of service (QoS) of a topic is `Topic.qos`.
 """
@@ -25,7 +25,7 @@ from dcrb_ros.messages.topics.fault_indicators import FAULT_INDICATORS as FAULT_
 from dcrb_ros.messages.topics.features import FEATURES as FEATURES
 from dcrb_ros.messages.topics.ground_truth import GROUND_TRUTH as GROUND_TRUTH
 from dcrb_ros.messages.topics.lubrication_state import LUBRICATION_STATE as LUBRICATION_STATE
-from dcrb_ros.messages.topics.roller_contacts import ROLLER_CONTACTS as ROLLER_CONTACTS
+from dcrb_ros.messages.topics.roller_states import ROLLER_CONTACTS as ROLLER_CONTACTS
 from dcrb_ros.messages.topics.roller_states import ROLLER_STATES as ROLLER_STATES
 from dcrb_ros.messages.topics.sensor import SENSOR as SENSOR
 from dcrb_ros.messages.topics.tacho import TACHO as TACHO
@@ -34,7 +34,7 @@ from dcrb_ros.messages.topics.temperatures import BOX_TEMPERATURE as BOX_TEMPERA
 from dcrb_ros.messages.topics.temperatures import OUTER_RING_TEMPERATURE as OUTER_RING_TEMPERATURE
 from dcrb_ros.messages.topics.transforms import TRANSFORMS as TRANSFORMS
 from dcrb_ros.messages.topics.vibration import VIBRATION as VIBRATION
-from dcrb_ros.messages.topics.vibration_clean import VIBRATION_CLEAN as VIBRATION_CLEAN
+from dcrb_ros.messages.topics.vibration import VIBRATION_CLEAN as VIBRATION_CLEAN
 from dcrb_ros.messages.topics.wayside import WAYSIDE_ALARM as WAYSIDE_ALARM
 from dcrb_ros.messages.topics.wayside import WAYSIDE_TEMPERATURE as WAYSIDE_TEMPERATURE
 from dcrb_ros.text.markdown import table
@@ -48,13 +48,13 @@ def _topics(*names: str) -> tuple[Any, ...]:
 SIMULATED: tuple[SimulatedTopic, ...] = _topics(
     "sensor:SENSOR",
     "vibration:VIBRATION",
-    "vibration_clean:VIBRATION_CLEAN",
+    "vibration:VIBRATION_CLEAN",
     "tacho:TACHO",
     "features:FEATURES",
     "window_features:WINDOW_FEATURES",
     "acceleration:ACCELERATION",
     "roller_states:ROLLER_STATES",
-    "roller_contacts:ROLLER_CONTACTS",
+    "roller_states:ROLLER_CONTACTS",
     "lubrication_state:LUBRICATION_STATE",
     "temperatures:OUTER_RING_TEMPERATURE",
     "temperatures:BOX_TEMPERATURE",

@@ -1,4 +1,4 @@
-"""The motion of rollers, cages and inner ring."""
+"""Rollers, cages and inner ring: their motion, and the forces on the rollers."""
 
 from __future__ import annotations
 
@@ -13,6 +13,11 @@ def _encode(block: Block, source: EncodedBench) -> Encoded:
         yield s.time_ns, encode_joints(s.time_ns, source.bodies, s.azimuth, s.speed, s.inner_force, source.frame)
 
 
+def _encode_contacts(block: Block, source: EncodedBench) -> Encoded:
+    for s in block.states:
+        yield s.time_ns, encode_joints(s.time_ns, source.bodies, s.outer_force, s.slip, s.friction, source.frame)
+
+
 ROLLER_STATES = SimulatedTopic(
     "roller_states",
     JOINT_STATE,
@@ -20,4 +25,14 @@ ROLLER_STATES = SimulatedTopic(
     depth=500,
     decode=decode_joints,
     encode=_encode,
+)
+ROLLER_CONTACTS = SimulatedTopic(
+    "roller_contacts",
+    JOINT_STATE,
+    "the same bodies: force at the outer raceway [N], slip [m/s] and friction force [N] at the inner raceway; off by default "
+    "(`publishing.contacts`)",
+    depth=500,
+    decode=decode_joints,
+    encode=_encode_contacts,
+    enabled=lambda configuration: configuration.publishing.contacts,
 )

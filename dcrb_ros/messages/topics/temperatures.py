@@ -8,9 +8,6 @@ from dcrb_ros.messages.plain import TEMPERATURE, decode_temperature, encode_temp
 from dcrb_ros.messages.topic import Encoded, EncodedBench, SimulatedTopic
 from dcrb_ros.stream.block import Block
 
-READINGS = ("outer_ring", "box", "ambient")
-"""Places of the sensors, attributes of `dcrb_ros.stream.states.TemperatureReading`."""
-
 
 def _encode(place: str, block: Block, source: EncodedBench) -> Encoded:
     noise = source.configuration.thermal.sensor_noise
@@ -19,6 +16,7 @@ def _encode(place: str, block: Block, source: EncodedBench) -> Encoded:
 
 
 def _topic(place: str, content: str) -> SimulatedTopic:
+    """Return the topic of a sensor at a place, an attribute of `dcrb_ros.stream.states.TemperatureReading`."""
     return SimulatedTopic(
         f"{place}/temperature",
         TEMPERATURE,

@@ -15,6 +15,8 @@ def design_text(sweep: LifeSweep) -> str:
     failed, damaged = sum(not life.censored for life in lives), sum(life.start < life.end for life in lives)
     growth = ", ".join(f"{name} {value:g}" for name, value in recipe.growth.model_dump().items() if isinstance(value, float))
     damage, inspection, start = recipe.damage, recipe.inspection, recipe.start
+    only = f"; only bearings whose damage starts before the overhaul are drawn, {100 * population.in_service:.3g} % of all"
+    chosen = f", always {inspection.section}" if inspection.section else ", drawn by the hours at constant speed"
     overhaul = f"; service ends at {inspection.overhaul:g} h at the latest" if inspection.overhaul else ""
     columns = table(("column", "meaning"), ((f"`{name}`", meaning) for name, (_, meaning) in LIVES.items()))
     sections = table(
@@ -31,7 +33,7 @@ Everything is drawn with the seed {recipe.numbers.seed}. `lives.parquet` has one
 * Duty, repeated until the bearing fails: {duty.revolutions_per_hour:.4g} revolutions per operating hour under an equivalent load of
   {duty.load:.4g} N.
 * Start of the damage: Weibull with the slope {start.slope:g} about the basic reference rating life, {population.rating:.4g} revolutions or
-  {population.rating_hours:.4g} h, which 90 % of the bearings reach{_only(sweep)}. Its model is `{LIFE_MODEL}`: the
+  {population.rating_hours:.4g} h, which 90 % of the bearings reach{only if start.in_service else ""}. Its model is `{LIFE_MODEL}`: the
   load zone of the new bearing causes the fatigue of a bearing without clearance under {population.zone_load:.4g} N.
 * Growth: law `{recipe.growth.law}` ({growth}),
   from {1e3 * damage.first_width:g} mm to {1e3 * damage.last_width:g} mm, at which the bearing has failed;
@@ -39,7 +41,7 @@ Everything is drawn with the seed {recipe.numbers.seed}. `lives.parquet` has one
 * Place: {damage.outer:g} outer raceway, {damage.inner:g} inner raceway, {damage.roller:g} rollers;
   its depth is {1e6 * damage.depth:g} um, and a spall is {damage.aspect:g} times as long along the rollers as wide.
 * Inspections every {inspection.every:g} h from the first hour on, and at failure{overhaul}.
-  Speed and load of each are those of a section of the duty{_sections(sweep)}.
+  Speed and load of each are those of a section of the duty{chosen}.
 {_climate(sweep)}* Each bearing is an individual: its surfaces have a seed of their own (`surfaces.seed`).
 
 {sections}"""
@@ -54,15 +56,3 @@ def _climate(sweep: LifeSweep) -> str:
         f"of {climate.hours_per_year:g} operating hours,\n  and a deviation of {climate.day:g} K between inspections. Every inspection "
         "begins with the temperatures of steady running.\n"
     )
-
-
-def _only(sweep: LifeSweep) -> str:
-    if not sweep.recipe.start.in_service:
-        return ""
-    return f"; only bearings whose damage starts before the overhaul are drawn, {100 * sweep.population.in_service:.3g} % of all"
-
-
-def _sections(sweep: LifeSweep) -> str:
-    if sweep.recipe.inspection.section:
-        return f", always {sweep.recipe.inspection.section}"
-    return ", drawn by the hours at constant speed"

@@ -116,16 +116,8 @@ def duty_of_spectrum(levels: Sequence[Level], wheel_diameter: float, source: str
     unnamed = next((level for level in levels if not level.name), None)
     if unnamed is not None:
         raise Refusal(f"{source}: spectrum: the level at {unnamed.speed_kmh:g} km/h has no name: give one")
-    return Duty(
-        tuple(
-            Section(
-                level.name,
-                shaft_speed(level.speed_kmh, wheel_diameter),
-                level.load,
-                level.share,
-                level.share,
-                level.share * 1e3 * level.speed_kmh / (math.pi * wheel_diameter),
-            )
-            for level in levels
-        )
-    )
+    sections = []
+    for level in levels:
+        speed, turns = shaft_speed(level.speed_kmh, wheel_diameter), level.share * 1e3 * level.speed_kmh / (math.pi * wheel_diameter)
+        sections.append(Section(level.name, speed, level.load, level.share, level.share, turns))
+    return Duty(tuple(sections))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import accumulate
 
 import numpy as np
 
@@ -144,10 +145,6 @@ class Population:
 
 def _component(recipe: Recipe, share: float) -> str:
     """Return the component at a position on the shares of all components, 0 .. 1 [-]."""
-    below = 0.0
-    shares = [(name, float(getattr(recipe.damage, name))) for name in COMPONENTS]
-    for name, part in shares:
-        below += part
-        if share < below:
-            return name
-    return next(name for name, part in reversed(shares) if part > 0.0)
+    shares = [float(getattr(recipe.damage, name)) for name in COMPONENTS]
+    last = next(name for name, part in reversed([*zip(COMPONENTS, shares, strict=True)]) if part > 0.0)
+    return next((name for name, below in zip(COMPONENTS, accumulate(shares), strict=True) if share < below), last)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -27,6 +27,8 @@ class LifePlan(Plan):
     """The runs of a sweep of lives; a bearing is in one split with all its inspections."""
 
     unit, remedy = "bearing", "increase lives"
+    truth = TRUTH
+    split_text = "All inspections of a bearing are in one split. All bearings are on one machine, that of the base."
 
     def __init__(self, sweep: LifeSweep) -> None:
         # The parts of the sweep are lives, not points.
@@ -43,16 +45,6 @@ class LifePlan(Plan):
         self.conditions = len(self._bearings)
         weights = np.cumsum([section.steady for section in sweep.sections])
         self._shares = weights / weights[-1]
-
-    @property
-    def split_text(self) -> str:
-        """How the data are divided, for the data card."""
-        return "All inspections of a bearing are in one split. All bearings are on one machine, that of the base."
-
-    @property
-    def truth(self) -> Mapping[str, tuple[type, str]]:
-        """Columns of the labels beside those of every sweep."""
-        return TRUTH
 
     def groups(self) -> Iterator[Task]:
         """Yield the inspections one by one."""

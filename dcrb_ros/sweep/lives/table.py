@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable, Mapping
 
 from dcrb_ros.sweep.lives.life import Life
 from dcrb_ros.sweep.lives.sweep import LifeSweep
 from dcrb_ros.sweep.table import parquet_schema
+from dcrb_ros.sweep.windows import parquet_bytes
 
 TRUTH: Mapping[str, tuple[type, str]] = {
     "bearing_id": (str, "name of the bearing"),
@@ -38,9 +38,8 @@ LIVES: Mapping[str, tuple[type, str]] = {
 def lives_table(sweep: LifeSweep, split: Callable[[Life], str]) -> bytes:
     """Return the table of lives as a Parquet file; ``split`` gives the split of a life."""
     import pyarrow
-    from pyarrow import parquet
 
-    every, stream = sweep.recipe.inspection.every, io.BytesIO()
+    every = sweep.recipe.inspection.every
     rows = [
         {
             **{name: getattr(life, name) for name in LIVES if hasattr(life, name)},
@@ -50,5 +49,4 @@ def lives_table(sweep: LifeSweep, split: Callable[[Life], str]) -> bytes:
         }
         for life in sweep.population.lives()
     ]
-    parquet.write_table(pyarrow.Table.from_pylist(rows, schema=parquet_schema(LIVES)), stream, compression="zstd")
-    return stream.getvalue()
+    return parquet_bytes(pyarrow.Table.from_pylist(rows, schema=parquet_schema(LIVES)), compression="zstd")

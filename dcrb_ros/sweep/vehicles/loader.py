@@ -10,9 +10,8 @@ from dcrb_ros.schema.parameter_field import ParameterField
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.files import flatten, load_configuration
 from dcrb_ros.settings.shipped import find_configuration, shipped
-from dcrb_ros.sweep.axes import GAP_PARAMETERS, choice_of, refuse_fixed, span_of
-from dcrb_ros.sweep.design import Axes, Axis, Choice, Span, Value
-from dcrb_ros.sweep.machine import flatten_axes
+from dcrb_ros.sweep.axes import GAP_PARAMETERS, axes_of, refuse_fixed
+from dcrb_ros.sweep.design import Axes, Choice, Span, Value
 from dcrb_ros.sweep.sweep_file import LONGEST_RUN, SweepFile
 from dcrb_ros.sweep.vehicles.sweep import BOX, VEHICLE, VEHICLE_SEED, VehicleSweep, placed
 from dcrb_ros.text.files import checked_path, is_file
@@ -81,15 +80,15 @@ def vehicle_sweep_of(given: Any, file: SweepFile, source: str, folder: Path, tex
 
 
 def _axes(tree: Mapping[str, Any], design: str, source: str, kinds: dict[str, type]) -> Axes:
-    axes: dict[str, Axis] = {}
-    for key, value in flatten_axes(tree).items():
+    def field_of(key: str, value: Any) -> ParameterField:
         listed = value if isinstance(value, list) else [value]
         ends = [value[end] for end in ("low", "high") if end in value] if isinstance(value, Mapping) else listed
         field = ParameterField(key, _kind(ends, f"{source}: {key}"), 0, None, None, "", "", "", "", run_time=False)
         if not (key + ".").startswith(f"{BOX}."):
             kinds[key] = field.kind
-        axes[key] = span_of(key, value, field, design, source) if isinstance(value, Mapping) else choice_of(key, value, field, source)
-    return axes
+        return field
+
+    return axes_of(tree, design, source, field_of)
 
 
 def _kind(values: list[Any], where: str) -> type:

@@ -28,6 +28,8 @@ class VehiclePlan(Plan):
     """The runs of a sweep over vehicles; a vehicle is in one split with all its boxes."""
 
     unit, remedy = "vehicle", "vary vehicle.seed"
+    truth = TRUTH
+    split_text = "All boxes of a vehicle, on all its rides, are in one split."
 
     def __init__(self, sweep: VehicleSweep) -> None:
         super().__init__(sweep)
@@ -46,29 +48,18 @@ class VehiclePlan(Plan):
             )
         self.conditions, self.shared = len(self._splits), {}
 
-    @property
-    def split_text(self) -> str:
-        """How the data are divided, for the data card."""
-        return "All boxes of a vehicle, on all its rides, are in one split."
-
-    @property
-    def truth(self) -> Mapping[str, tuple[type, str]]:
-        """Columns of the labels beside those of every sweep."""
-        return TRUTH
-
     def groups(self) -> Iterator[Task]:
         """Yield the boxes of each vehicle with each case as a group."""
         known: set[str] = set()
-        position = 0
         for point, cases in zip(self._points(), self._cases(), strict=False):
             boxes = self._boxes_at(point)
             for case, values in cases:
                 changes = {**point, **placed(values)}
                 together = digest([self._common, self._difference(changes)])
                 if together not in known:
+                    first = len(known) * len(self._boxes)
                     known.add(together)
-                    yield tuple(self._run_of(box, position + k, together, case, changes) for k, box in enumerate(boxes))
-                    position += len(boxes)
+                    yield tuple(self._run_of(box, first + k, together, case, changes) for k, box in enumerate(boxes))
 
     def _boxes_at(self, point: Point) -> list[PlannedRun]:
         """Return what the runs of each box of the vehicle at a point have in common, whatever the case."""
