@@ -117,7 +117,7 @@ def checked_recording(signal: Signal, name: str, *, trust: bool = False) -> Heal
 
 
 def check_one_machine(recordings: Sequence[HealthyRecording]) -> None:
-    """Refuse no recordings, and some that cannot be of one machine: rates, units, axes or bearings differ, or one is given twice."""
+    """Refuse an empty list, and recordings that cannot be of one machine: rates, units, axes or bearings differ, or one is given twice."""
     if not recordings:
         raise Refusal("no recording is given: give at least one of the healthy machine")
     first = recordings[0]
