@@ -29,7 +29,7 @@ BENCHES = ("tapered_352213", "spherical_22205", "za2115")
 DIMENSIONS = {
     # Rollers, diameter and pitch diameter [mm], angle [degrees], as the comments of config/ state them.
     "tapered_352213": (20, 12.3, 92.5, 15.11),
-    "spherical_22205": (15, 6.5, 39.0, 13.1),
+    "spherical_22205": (15, 7.0, 39.0, 13.1),
     "za2115": (16, 8.407, 71.501, 15.17),
 }
 STEADY = ("operating.speed_fluctuation=0.0", "operating.speed_ripple=0.0")
@@ -48,6 +48,12 @@ def test_za_2115_has_its_published_orders() -> None:
     orders = characteristic_orders(load_configuration("za2115").bearing)
     assert tuple(orders.as_dict().values()) == pytest.approx((0.443, 7.09, 8.91, 4.20), abs=0.005)
     assert orders.frequencies(2000.0 / 60.0)["BPFO"] == pytest.approx(236.4, abs=0.1)  # stated there for 2000 rpm
+
+
+def test_the_spherical_bearing_has_the_published_orders_of_its_type() -> None:
+    # Of a FAG 22205-E1-K (doi:10.3390/s20123493; config/about/upm.yaml).
+    orders = characteristic_orders(load_configuration("spherical_22205").bearing)
+    assert tuple(orders.as_dict().values()) == pytest.approx((0.4123, 6.1852, 8.8148, 2.7015), rel=1e-3)
 
 
 @pytest.mark.parametrize("name", BENCHES)
