@@ -21,10 +21,10 @@ Growth = Literal["exponential", "linear", "hyperbolic"]
 
 
 def operating_hours(name: str, value: Any) -> None:
-    """Refuse what is not an array of numbers; dates of numpy would count as nanoseconds."""
-    numbers(name, value)
-    if np.asarray(value).dtype.kind in "mM":
+    """Refuse what is not an array of numbers, with a remedy for dates."""
+    if getattr(getattr(value, "dtype", None), "kind", "") in ("m", "M"):
         raise Refusal(f"{name} is an array of dates or times: give hours as numbers, such as (dates - dates[0]) / np.timedelta64(1, 'h')")
+    numbers(name, value)
 
 
 def probability(name: str, value: Any) -> None:

@@ -57,10 +57,10 @@ def numbers(name: str, value: Any) -> None:
     if np.ma.is_masked(value):
         raise Refusal(f"{name} has masked values: leave these samples out, or replace them by numbers")
     try:
-        array = np.asarray(value, dtype=None if hasattr(value, "dtype") else np.float64)
+        array = np.asarray(value)
         if array.dtype.kind not in "biufO":
             raise TypeError
-        np.asarray(array, np.float64)
+        array.astype(np.float64)
     except (TypeError, ValueError, OverflowError):
         raise Refusal(f"{name} is not an array of real numbers: give numbers, in rows of equal lengths") from None
 

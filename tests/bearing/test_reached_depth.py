@@ -72,7 +72,7 @@ def test_a_roller_sinks_by_the_depth_of_a_wide_spall(depth: float) -> None:
         made = Configuration.model_validate(
             {
                 "surfaces": EVEN,
-                "lubrication": {"law": "film"},
+                "lubrication": {"law": "film_with_cages"},
                 "friction": {"convection": 0.7},
                 "contact": {"loss_time": 1e-5},
                 "operating": {"speed": 0.0, "load": 100.0},

@@ -336,6 +336,7 @@ def test_a_kept_signal_that_is_not_as_it_was_written_is_made_again(
             assert np.array_equal(found.acceleration[box], first.acceleration[box])
 
 
+@pytest.mark.slow
 def test_a_motion_is_long_enough_for_every_clock() -> None:
     """With 2023 samples, a clock that is slow by 500 ppm needs a frame more; the motion does not depend on the clock."""
     memory, duration = signals.MotionMemory(), 2023 / 51200

@@ -121,6 +121,7 @@ def test_a_lost_scheduler_is_named_without_a_traceback(tmp_path: Path) -> None:
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.slow  # it waits for ten seconds
 def test_a_scheduler_that_does_not_answer_ends_the_command_with_status_2(tmp_path: Path) -> None:
     sweep = tmp_path / "sweep.yaml"
     sweep.write_text("duration: 0.02", encoding="utf-8")

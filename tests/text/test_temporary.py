@@ -48,7 +48,7 @@ def test_without_locks_what_is_older_than_a_day_is_removed(
 
 
 def test_a_file_that_another_process_takes_for_abandoned_is_made_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    lock, made = module._lock, []
+    lock, made = module.lock, []
 
     def removed_first(path: Path) -> int | None:
         made.append(path)
@@ -56,7 +56,7 @@ def test_a_file_that_another_process_takes_for_abandoned_is_made_anew(tmp_path: 
             path.unlink()
         return lock(path)
 
-    monkeypatch.setattr(module, "_lock", removed_first)
+    monkeypatch.setattr(module, "lock", removed_first)
     with temporary(tmp_path, ".json") as path:
         assert list(tmp_path.iterdir()) == [path]
     assert len(made) == 2
