@@ -70,6 +70,7 @@ def test_a_rate_too_low_for_the_detector_names_the_option() -> None:
     assert checked_recording(recorded(rate=1280), "slow", trust=True).rate == 1280
 
 
+@pytest.mark.slow
 def test_a_level_beyond_every_bench_names_the_unit() -> None:
     loud = replace(recorded(), acceleration=recorded().acceleration * np.float32(1e9))
     with pytest.raises(Refusal, match=r"^no bench is like loud: structure\.gain_x = .* outside 1e-06 \.\. 1e\+06 .*; check the unit"):

@@ -159,8 +159,8 @@ def only_processes_of_this_test(monkeypatch: pytest.MonkeyPatch) -> Iterator[Non
         ("Killed", "its process was ended by SIGSEGV at 0.04 s"),
         ("Group", "its process was ended by SIGKILL at 0.04 s"),
         ("Asleep", "a block took longer than 4 s at 0.04 s of the signal (--block-limit)"),
-        ("Busy", "a block took longer than 4 s at 0.04 s"),
-        ("Stopped", "a block took longer than 4 s at 0.04 s"),
+        pytest.param("Busy", "a block took longer than 4 s at 0.04 s", marks=pytest.mark.slow),
+        pytest.param("Stopped", "a block took longer than 4 s at 0.04 s", marks=pytest.mark.slow),
         ("Endless", "1 threads still run 2 s after the last block (endless)"),
         ("Loud", "it printed more than 16 MiB at 0.04 s"),
         ("Large", "update failed at sample 2048: MemoryError; it may use 1024 MiB (--memory-limit)"),
@@ -233,7 +233,7 @@ def test_a_scenario_has_a_limit_beyond_its_recorded_time(source: Path, bag: Path
         ("print('no\\nlicence', flush=True); import os; os._exit(1)", "while it was imported; its last output is 'licence'"),
         ("raise KeyboardInterrupt", "cannot be imported: KeyboardInterrupt"),
         ("raise MemoryError", "cannot be imported: MemoryError"),
-        ("while True: pass", "its import took longer than 4 s (--scenario-limit)"),
+        pytest.param("while True: pass", "its import took longer than 4 s (--scenario-limit)", marks=pytest.mark.slow),
     ],
 )
 def test_an_import_that_ends_or_hangs_is_refused(text: str, sentence: str, tmp_path: Path) -> None:

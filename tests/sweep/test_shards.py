@@ -222,6 +222,7 @@ def test_a_changed_run_is_not_packed(data_set: Path, tmp_path: Path) -> None:
         write_shards(copied, tmp_path / "more", 3)
 
 
+@pytest.mark.slow
 def test_shards_of_vehicles_are_made_again_without_the_file_of_the_vehicle(tmp_path: Path) -> None:
     import yaml
 

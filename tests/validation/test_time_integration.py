@@ -27,7 +27,7 @@ def test_the_scheme_is_of_second_order_and_another_order_falls_short(monkeypatch
     assert not time_integration.order_row().holds
 
 
-@pytest.mark.parametrize("joint", ["revolute", "pocket"])
+@pytest.mark.parametrize("joint", [pytest.param("revolute", marks=pytest.mark.slow), "pocket"])
 def test_forces_and_waveforms_of_a_defect_are_those_of_short_steps(joint: str, monkeypatch: pytest.MonkeyPatch) -> None:
     assert shorter_steps.waveform_row(joint).holds
     traced = shorter_steps.traced

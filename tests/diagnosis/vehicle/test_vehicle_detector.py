@@ -42,7 +42,7 @@ def verdicts(diagnosis: VehicleDiagnosis, kind: str) -> dict[str, str]:
 
 
 @pytest.mark.parametrize("verdict", SPALLS)
-@pytest.mark.parametrize("box", ["axle_1/right", "axle_2/left"])
+@pytest.mark.parametrize("box", ["axle_1/right", pytest.param("axle_2/left", marks=pytest.mark.slow)])
 def test_only_the_damaged_box_is_named(verdict: str, box: str) -> None:
     diagnosis = last(bogie({box: SPALLS[verdict]}))
     assert verdicts(diagnosis, "bearing") == {box: verdict}
@@ -136,7 +136,7 @@ def test_impacts_that_no_other_wheelset_repeats_are_not_the_tracks() -> None:
     assert last({**signals, "axle_1/left": (only_first, quiet[1])}).statuses["track"].verdict == "healthy"
 
 
-@pytest.mark.parametrize("box", BOXES)
+@pytest.mark.parametrize("box", [BOXES[0], *(pytest.param(box, marks=pytest.mark.slow) for box in BOXES[1:])])
 def test_a_flat_is_its_wheels_and_damages_no_bearing(box: str) -> None:
     diagnosis = last(bogie(flats={box: 60.0}))
     assert verdicts(diagnosis, "wheel") == {box: "flat"}
@@ -270,7 +270,7 @@ def test_bands_without_a_width_are_refused() -> None:
         VehicleDetector(DESCRIPTION, VehicleDetectorParameters(wheel_low=9000.0, wheel_high=8000.0))
 
 
-@pytest.mark.parametrize("whitening", [0.0, 5.0, 100.0])
+@pytest.mark.parametrize("whitening", [pytest.param(0.0, marks=pytest.mark.slow), 5.0, pytest.param(100.0, marks=pytest.mark.slow)])
 def test_the_width_of_whitening_is_not_that_of_tones(whitening: float) -> None:
     detector = VehicleDetector(DESCRIPTION, box_parameters=DetectorParameters(whitening=whitening))
     last = diagnosed(bogie({"axle_1/left": SPALLS["outer_ring"]}), detector=detector)[-1]
@@ -311,7 +311,7 @@ def test_bearings_without_a_verdict_are_not_called_undamaged(verdicts: tuple[str
     assert summary in repr(result)
 
 
-@pytest.mark.parametrize("silent", [None, *BOXES])
+@pytest.mark.parametrize("silent", [None, BOXES[0], *(pytest.param(box, marks=pytest.mark.slow) for box in BOXES[1:])])
 def test_after_a_restart_the_boxes_are_compared_again(silent: str | None) -> None:
     """The blocks of the boxes arrive one after the other, as at a node; one of them may be silent from then on."""
     signals, block, found = bogie(), 1024, []

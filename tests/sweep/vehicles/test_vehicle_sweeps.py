@@ -82,6 +82,7 @@ def test_the_samples_are_those_of_the_vehicle(tmp_path: Path) -> None:
     np.testing.assert_array_equal(dcrb_ros.DataSet(tmp_path).waveform(row["run"]).acceleration, expected)
 
 
+@pytest.mark.slow
 def test_the_boxes_of_another_vehicle_are_not_taken(tmp_path: Path) -> None:
     """The files of two vehicles with other seeds are swapped, with their labels and without."""
     plan = plan_of(sweep_of(tree(points=2, cases={"healthy": {}}, split={"train": 0.5, "validation": 0.0, "test": 0.5}), "sweep.yaml"))
@@ -122,6 +123,7 @@ def test_a_bench_that_was_changed_makes_another_data_set(where: dict[str, Any], 
         pass
 
 
+@pytest.mark.slow
 def test_shipped_vehicles_and_their_cost() -> None:
     plan = plan_of(read_sweep("twelve_vehicles"))
     runs = list(plan.runs())
