@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import deque
+from collections import Counter, deque
 from dataclasses import dataclass
 from typing import Any
 
@@ -64,6 +64,8 @@ class BoxWatch:
         """Hops that have not been compared yet."""
         self.reached = -1
         """Index of the last sample that arrived since the start or the last restart."""
+        self.missed: Counter[str] = Counter()
+        """Samples of each other box that have arrived since the last one of this box."""
 
     def take(self, index: int, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any] | None) -> bool:
         """Take samples, at most as many as a hop has; return whether the signal restarts with them."""

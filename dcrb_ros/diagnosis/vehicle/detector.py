@@ -115,7 +115,7 @@ class VehicleDetector:
     def add(self, blocks: Mapping[str, BlockLike]) -> VehicleDiagnosis | None:
         """Take a block of some or all boxes, by name such as ``axle_1/left``; return a diagnosis if they complete a hop of all boxes.
 
-        A box whose signal is behind the others by more than `VehicleDetectorParameters.patience` is left out.
+        A box whose signal is behind or ahead of most others by more than `VehicleDetectorParameters.patience` is left out.
 
         Raises
         ------
@@ -134,6 +134,9 @@ class VehicleDetector:
             for watch in self._boxes.values():
                 if any(restarted) and watch.name not in pieces:  # it restarts as well, or has fallen silent
                     watch.forget()
+                watch.missed.update({name: len(samples) for name, (_, samples, _) in pieces.items()})
+            for name in pieces:
+                self._boxes[name].missed.clear()
             diagnosis = self._compared() or diagnosis
         return diagnosis
 
@@ -154,11 +157,14 @@ class VehicleDetector:
         return self._boxes[name]
 
     def _compared(self) -> VehicleDiagnosis | None:
-        """Return the last diagnosis of the hops that all boxes, but those that are too late, have reached."""
-        diagnosis, newest = None, max(watch.reached for watch in self._boxes.values())
+        """Return the last diagnosis of the hops that all boxes, but those that are too late or apart, have reached."""
+        diagnosis, apart = None, self._apart()
+        for name in apart:
+            self._boxes[name].hops.clear()
+        together = [watch for name, watch in self._boxes.items() if name not in apart]
+        newest = max(watch.reached for watch in together)
         while True:
-            waiting = [watch for watch in self._boxes.values() if not watch.hops]
-            ready = [watch for watch in self._boxes.values() if watch.hops]
+            waiting, ready = ([watch for watch in together if bool(watch.hops) == full] for full in (False, True))
             if not ready:
                 return diagnosis
             first = min(watch.hops[0].index for watch in ready)
@@ -166,10 +172,29 @@ class VehicleDetector:
                 return diagnosis
             # Boxes that began at another sample end their hops at other times.
             hops = {watch.name: watch.hops.popleft() for watch in ready if watch.hops[0].index < first + self._hop}
-            diagnosis = self._diagnosed(first, hops)
+            diagnosis = self._diagnosed(first, hops, apart)
 
-    def _diagnosed(self, index: int, hops: Mapping[str, BoxHop]) -> VehicleDiagnosis:
-        """Return the diagnosis of the vehicle from the hops of its boxes."""
+    def _apart(self) -> dict[str, str]:
+        """Return the boxes whose samples arrive, but are not of the time of most others, each with the reason."""
+        rate = self.description.sampling_rate
+        reached = {
+            name: watch.reached
+            for name, watch in self._boxes.items()
+            if watch.reached >= 0 and max(watch.missed.values(), default=0) <= self._patience
+        }
+
+        def near(index: int) -> int:
+            return sum(abs(index - other) <= self._patience for other in reached.values())
+
+        most = max(reached.values(), key=lambda index: (near(index), index), default=0)
+        return {
+            name: f"its samples are {abs(index - most) / rate:.1f} s {'behind' if index < most else 'ahead of'} those of the others"
+            for name, index in reached.items()
+            if abs(index - most) > self._patience
+        }
+
+    def _diagnosed(self, index: int, hops: Mapping[str, BoxHop], apart: Mapping[str, str]) -> VehicleDiagnosis:
+        """Return the diagnosis of the vehicle from the hops of its boxes, and the reasons of those that are ``apart``."""
         q = self.parameters
         contacts = {name: hop.contact for name, hop in hops.items() if hop.contact is not None}
         measured = {name: contact for name, contact in contacts.items() if hops[name].diagnosis.verdict != "sensor"}
@@ -187,9 +212,10 @@ class VehicleDetector:
         indicators: dict[str, float] = {}
         for name in self._boxes:
             hop = hops.get(name)
-            statuses[f"{name}/bearing"] = self._bearing(name, hop, judged.get(name), compared.get(name), quiet)
+            missing = apart.get(name, "no signal arrives")
+            statuses[f"{name}/bearing"] = self._bearing(name, hop, judged.get(name), compared.get(name), quiet, missing)
             statuses[f"{name}/wheel"] = wheels.get(name, Status("waiting", "no turn of the wheel is known yet"))
-            statuses[f"{name}/sensor"] = _sensor(hop, quiet.get(name), sensors.get(name))
+            statuses[f"{name}/sensor"] = _sensor(hop, quiet.get(name), sensors.get(name), missing)
             if hop is not None:
                 indicators |= {f"{name}/{line}": level for line, level in hop.diagnosis.levels.items()}
             for component, evidence in compared.get(name, {}).items():
@@ -260,10 +286,11 @@ class VehicleDetector:
         judgement: Judgement | None,
         compared: Mapping[Component, Compared] | None,
         quiet: Mapping[str, float],
+        missing: str,
     ) -> Status:
-        """Return the status of a bearing."""
+        """Return the status of a bearing; ``missing`` says why it has no hop."""
         if hop is None:
-            return Status("waiting", "no signal")
+            return Status("waiting", missing)
         diagnosis = hop.diagnosis
         if compared is None or judgement is None:
             self._decided[name].reset()
@@ -308,10 +335,10 @@ def _reason(component: Component, compared: Mapping[Component, Compared], judgem
     return f"lines of the {component} {depth}{larger}{later}"
 
 
-def _sensor(hop: BoxHop | None, below: float | None, found: Status | None) -> Status:
-    """Return the status of a sensor; ``found`` says if it measures another rail, or at another time."""
+def _sensor(hop: BoxHop | None, below: float | None, found: Status | None, missing: str) -> Status:
+    """Return the status of a sensor; ``found`` says if it measures another rail, or at another time, ``missing`` why it has no hop."""
     if hop is None:
-        return Status("sensor", "no signal arrives", 0.99)
+        return Status("sensor", missing, 0.99)
     if hop.diagnosis.verdict == "sensor":
         return Status("sensor", hop.diagnosis.reason, 0.99)
     if below is not None:

@@ -8,7 +8,9 @@ from dcrb_ros.schema.fields import Group, quantity
 class VehicleDetectorParameters(Group):
     """Thresholds by which boxes are compared; those of a single box are the fault detector's."""
 
-    patience: float = quantity(1.0, "s", "How far the signal of a box may be behind the others before it counts as missing", 0.1, 60.0)
+    patience: float = quantity(
+        1.0, "s", "How far the signal of a box may be behind or ahead of the others before it is left out", 0.1, 60.0
+    )
     contrast: float = quantity(
         6.0,
         "dB",

@@ -325,3 +325,23 @@ def test_after_a_restart_the_boxes_are_compared_again(silent: str | None) -> Non
     sending = [name for name in BOXES if name != silent]
     reasons = {one.statuses[f"{name}/sensor"].reason for one in found if one is not None for name in sending}
     assert reasons == {"it measures the rail as the others do"}
+
+
+@pytest.mark.parametrize(("counted", "reason"), [(0, "22.5 s behind"), (90_000_000, "1735.3 s ahead of")])
+def test_a_box_that_counts_its_samples_otherwise_does_not_silence_the_others(counted: int, reason: str) -> None:
+    """One box begins to count anew, or its count jumps; the others go on, and are diagnosed without it."""
+    signals, block, later = bogie(), 1024, 1_153_600
+    length = len(signals[BOXES[0]][1])
+    detector, found = VehicleDetector(DESCRIPTION), []
+    for first in (later - length, later):
+        for k in range(0, length, block):
+            for name, (acceleration, angle) in signals.items():
+                index = k + (counted if first == later and name == BOXES[0] else first)
+                found.append(detector.add({name: BoxBlock(index, acceleration[k : k + block], angle[k : k + block])}))
+    indices = [one.index for one in found if one is not None]
+    assert indices == sorted(set(indices))
+    last = [one for one in found if one is not None][-1]
+    assert verdicts(last, "sensor") == {BOXES[0]: "sensor"}
+    assert last.statuses[f"{BOXES[0]}/sensor"].reason == f"its samples are {reason} those of the others"
+    assert last.statuses[f"{BOXES[0]}/bearing"].verdict == "waiting"
+    assert max(len(watch.hops) for watch in detector._boxes.values()) <= 1
