@@ -62,11 +62,8 @@ class LiteralCommand(_LiteralHelp, TyperCommand):
             _name_value(error, given)
             raise
         for parameter in self.params:
-            if (
-                parameter.param_type_name == "option"
-                and given.get(parameter.name) == ""
-                and isinstance(ctx.params.get(parameter.name), Path)
-            ):
+            of_path = isinstance(ctx.params.get(parameter.name), Path) or "--output" in parameter.opts  # which may be an address
+            if parameter.param_type_name == "option" and given.get(parameter.name) == "" and of_path:
                 raise Refusal(f"{_longest_name(parameter)} is empty: give a path, such as . for this folder, or leave it out")
         return rest
 

@@ -106,7 +106,14 @@ def test_an_error_about_an_option_names_its_value(command: tuple[str, ...], name
 
 
 @pytest.mark.parametrize(
-    "command", [("score", "smoke", "--list", "--recordings", ""), ("simulate", "dry", "-o", ""), ("exam", "table", ".", "-o", "")]
+    "command",
+    [
+        ("score", "smoke", "--list", "--recordings", ""),
+        ("simulate", "dry", "-o", ""),
+        ("exam", "table", ".", "-o", ""),
+        ("sweep", "two_hundred", "-o", ""),
+        ("collect", "list.csv", "-o", ""),
+    ],
 )
 def test_an_empty_path_is_not_the_current_folder(command: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
     assert dcrb(*command) == 2
