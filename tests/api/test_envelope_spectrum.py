@@ -113,9 +113,9 @@ def test_places_outside_the_spectrum_are_refused(order: Any) -> None:
         spectrum.at(order)
     with pytest.raises(Refusal, match=r"frequency 1e\+06 Hz is outside 0 \.\. "):
         spectrum.at_frequency(1e6)
-    with pytest.raises(Refusal, match="order = '5' is not a number"):
-        spectrum.at("5")  # type: ignore[arg-type]
-    for wrong in ("a", [[1.0], [1.0, 2.0]]):
+    with pytest.raises(Refusal, match="order = True is not a number"):
+        spectrum.at(True)
+    for wrong in ("a", "5", [[1.0], [1.0, 2.0]]):
         with pytest.raises(Refusal, match="order is not an array of real numbers"):
             spectrum.at(wrong)  # type: ignore[arg-type]
     assert spectrum.at(spectrum.order[-1]) > 0.0
