@@ -170,7 +170,7 @@ def test_a_recording_of_a_scenario_is_simulated_again(tmp_path: Path, capsys: py
     assert dcrb(*arguments, "-o", str(bag), "--duration", "0.1", "--quiet") == 0
     assert dcrb("simulate", "--from", str(bag), "--quiet") == 0
     assert "the same samples in 4 boxes" in capsys.readouterr().out
-    file.write_text("timeline: [{at: 1.0, set: {axle_2.slid: 0.1}}]")
+    file.write_text("timeline: [{at: 0.05, set: {axle_2.slid: 0.1}}]")
     assert dcrb(*arguments, "-o", str(tmp_path / "other"), "--duration", "0.1", "--quiet") == 2
     assert "'axle_2.slid' names no box; did you mean 'axle_2.slide'?" in capsys.readouterr().err
     assert not (tmp_path / "other").exists()
