@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter, deque
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -94,3 +95,23 @@ class BoxWatch:
         """Return what was measured up to a sample, at most a hop earlier; later samples may have arrived or not."""
         measured = [contact for contact in self._contacts if index - 2 * self.hop < contact.end <= index]
         return measured[-1] if measured else None
+
+
+def boxes_apart(watches: Mapping[str, BoxWatch], patience: int, rate: int) -> dict[str, str]:
+    """Return the boxes whose samples arrive, but differ in time by more than a ``patience`` [samples] from most others, with the reason.
+
+    A box from which nothing has arrived for as long is silent and has no vote; ``rate`` is the sampling rate [Hz].
+    """
+    reached = {
+        name: watch.reached for name, watch in watches.items() if watch.reached >= 0 and max(watch.missed.values(), default=0) <= patience
+    }
+
+    def votes(index: int) -> int:
+        return sum(abs(index - other) <= patience for other in reached.values())
+
+    most = max(reached.values(), key=lambda index: (votes(index), index), default=0)
+    return {
+        name: f"its samples are {abs(index - most) / rate:.1f} s {'behind' if index < most else 'ahead of'} those of the others"
+        for name, index in reached.items()
+        if abs(index - most) > patience
+    }

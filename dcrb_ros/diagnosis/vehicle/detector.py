@@ -15,7 +15,7 @@ import numpy.typing as npt
 from dcrb_ros.diagnosis.hysteresis import Hysteresis, Suspicion, confidence, least_evidence, shortfall, strongest_of
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.rule import LEAST_EXCESS
-from dcrb_ros.diagnosis.vehicle.box_watch import BoxHop, BoxWatch
+from dcrb_ros.diagnosis.vehicle.box_watch import BoxHop, BoxWatch, boxes_apart
 from dcrb_ros.diagnosis.vehicle.causes import Lag, crossed_rails, flats, kinks_of, lags, silent_boxes, swapped_sides, track
 from dcrb_ros.diagnosis.vehicle.clocks import clock_differences, clocks
 from dcrb_ros.diagnosis.vehicle.comparison import NOT_OWN, Compared, Judgement, compare
@@ -158,13 +158,14 @@ class VehicleDetector:
 
     def _compared(self) -> VehicleDiagnosis | None:
         """Return the last diagnosis of the hops that all boxes, but those that are too late or apart, have reached."""
-        diagnosis, apart = None, self._apart()
+        diagnosis, apart = None, boxes_apart(self._boxes, self._patience, self.description.sampling_rate)
         for name in apart:
             self._boxes[name].hops.clear()
         together = [watch for name, watch in self._boxes.items() if name not in apart]
         newest = max(watch.reached for watch in together)
         while True:
-            waiting, ready = ([watch for watch in together if bool(watch.hops) == full] for full in (False, True))
+            waiting = [watch for watch in together if not watch.hops]
+            ready = [watch for watch in together if watch.hops]
             if not ready:
                 return diagnosis
             first = min(watch.hops[0].index for watch in ready)
@@ -173,25 +174,6 @@ class VehicleDetector:
             # Boxes that began at another sample end their hops at other times.
             hops = {watch.name: watch.hops.popleft() for watch in ready if watch.hops[0].index < first + self._hop}
             diagnosis = self._diagnosed(first, hops, apart)
-
-    def _apart(self) -> dict[str, str]:
-        """Return the boxes whose samples arrive, but are not of the time of most others, each with the reason."""
-        rate = self.description.sampling_rate
-        reached = {
-            name: watch.reached
-            for name, watch in self._boxes.items()
-            if watch.reached >= 0 and max(watch.missed.values(), default=0) <= self._patience
-        }
-
-        def near(index: int) -> int:
-            return sum(abs(index - other) <= self._patience for other in reached.values())
-
-        most = max(reached.values(), key=lambda index: (near(index), index), default=0)
-        return {
-            name: f"its samples are {abs(index - most) / rate:.1f} s {'behind' if index < most else 'ahead of'} those of the others"
-            for name, index in reached.items()
-            if abs(index - most) > self._patience
-        }
 
     def _diagnosed(self, index: int, hops: Mapping[str, BoxHop], apart: Mapping[str, str]) -> VehicleDiagnosis:
         """Return the diagnosis of the vehicle from the hops of its boxes, and the reasons of those that are ``apart``."""

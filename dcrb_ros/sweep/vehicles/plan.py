@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
 
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.sweep.design import Point
@@ -52,40 +51,32 @@ class VehiclePlan(Plan):
         """Yield the boxes of each vehicle with each case as a group."""
         known: set[str] = set()
         for point, cases in zip(self._points(), self._cases(), strict=False):
-            boxes = self._boxes_at(point)
+            # What the runs of a box have in common, whatever the case, is computed once.
+            vehicle, condition, healthy = self._vehicle(point), self._condition(point), [self._common, self._difference(point)]
+            boxes = [(box, digest([*healthy, box]), digest([condition, box]), digest([vehicle, box])) for box in self._boxes]
             for case, values in cases:
                 changes = {**point, **placed(values)}
                 together = digest([self._common, self._difference(changes)])
-                if together not in known:
-                    first = len(known) * len(self._boxes)
-                    known.add(together)
-                    yield tuple(self._run_of(box, first + k, together, case, changes) for k, box in enumerate(boxes))
-
-    def _boxes_at(self, point: Point) -> list[PlannedRun]:
-        """Return what the runs of each box of the vehicle at a point have in common, whatever the case."""
-        vehicle, condition, difference = self._vehicle(point), self._condition(point), self._difference(point)
-        return [
-            PlannedRun(
-                0,
-                "",
-                "",
-                digest([self._common, difference, box]),
-                digest([condition, box]),
-                self._splits[vehicle],
-                {},
-                point,
-                "",
-                0,
-                {BEARING_ID: digest([vehicle, box]), MACHINE: vehicle, TOGETHER: "", BOX: box},
-            )
-            for box in self._boxes
-        ]
-
-    def _run_of(self, box: PlannedRun, position: int, together: str, case: str, changes: Point) -> PlannedRun:
-        """Return the run of a box with a case."""
-        seed, truth = int(changes.get(VEHICLE_SEED, self._seed)), {**box.truth, TOGETHER: together}
-        name = digest([together, truth[BOX]])
-        return replace(box, position=position, name=name, case=case, changes=changes, seed=seed, truth=truth)
+                if together in known:
+                    continue
+                first, seed = len(known) * len(boxes), int(changes.get(VEHICLE_SEED, self._seed))
+                known.add(together)
+                yield tuple(
+                    PlannedRun(
+                        first + k,
+                        digest([together, box]),
+                        case,
+                        twin,
+                        place,
+                        self._splits[vehicle],
+                        changes,
+                        point,
+                        "",
+                        seed,
+                        {BEARING_ID: bearing, MACHINE: vehicle, TOGETHER: together, BOX: box},
+                    )
+                    for k, (box, twin, place, bearing) in enumerate(boxes)
+                )
 
     def _vehicle(self, point: Point) -> str:
         """Return the hash of the seed of the vehicle: points with one seed share the individuals of their bearings."""
