@@ -12,7 +12,9 @@ the roller's surface past the bar:
 Two lands of the width B, short bearings whose clearance c_l is filled to a share (Ocvirk and DuBois 1953; full film, e the eccentricity
 over c_l, at most 0.95): damping of radial motion, and torque of the turning cage (Petroff)
 
-    c = 2 pi eta R B^3/(c_l^3 (1 - e^2)^(3/2)) share,   T = 2 pi eta omega R^3 2 B/c_l share
+    c = 2 pi eta R B^3 (1 + 2 e^2)/(c_l^3 (1 - e^2)^(5/2)) share,   T = 2 pi eta omega R^3 2 B/c_l share
+
+The integral of cos^2 over the gap's cube gives this c; that of sin^2, (1 - e^2)^(-3/2), is of the motion across the eccentricity.
 
 Drag on an orbiting roller in a mist of oil (Harris 2001):
 
@@ -83,8 +85,10 @@ def land_damping(law: Any, offset: float, clearance: float, radius: float) -> fl
     """Return the damping [N s/m] of a cage off the centre of its lands by ``offset``, of a ``clearance`` and a ``radius`` [m]."""
     oil = law.cage
     eccentricity = min(offset / clearance, MOST_ECCENTRICITY)
-    left = 1.0 - eccentricity * eccentricity
-    damping: float = oil.land_squeeze * radius / (clearance * clearance * clearance * left * math.sqrt(left))
+    square = eccentricity * eccentricity
+    left = 1.0 - square
+    by_gap = 1.0 / (clearance * clearance * clearance * left * left * math.sqrt(left))
+    damping: float = oil.land_squeeze * radius * (1.0 + 2.0 * square) * by_gap
     return damping
 
 
