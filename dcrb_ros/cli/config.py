@@ -53,8 +53,8 @@ def show(config: Config, settings: Settings = None) -> None:
 def check(config: Config, settings: Settings = None) -> None:
     """Check a configuration: print the derived values, or up to 20 errors and exit with status 2.
 
-    Masses and inertias of the default bearing in a bearing of other dimensions give warnings, and so do negative and very small loads, a
-    load below which the model rattles, and a defect that is a notch where the surfaces could have a spall.
+    Masses and inertias of the default bearing in a bearing of other dimensions give warnings, and so do negative and very small loads,
+    and a defect that is a notch where the surfaces could have a spall.
 
     Example: dcrb config check my_bearing.yaml
     """

@@ -196,6 +196,15 @@ def test_rollers_beside_broken_bars_keep_the_balance_of_energy(name: str) -> Non
     assert abs(account.residual) < 1e-4 * account.friction
 
 
+def test_cold_oil_between_rollers_and_a_light_cage_leaves_the_balance_of_energy() -> None:
+    # While all of them were free, they acted on the predicted velocity of a cage of 12 g: 0.2 s made 30 kJ, and peaks of 800 m/s^2.
+    simulation = Simulation(load_configuration("spherical_22205", ["lubrication.temperature=-10"]))
+    for _ in simulation.blocks(0.06):
+        pass
+    account = simulation.energy
+    assert abs(account.residual) < 1e-4 * account.friction
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("bars", "seed"), [("row1/bar1", 1), ("row1/bar3", 2)])
 def test_a_roller_that_strikes_a_light_cage_at_its_land_leaves_the_balance_of_energy(bars: str, seed: int) -> None:

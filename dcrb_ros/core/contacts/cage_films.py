@@ -123,18 +123,32 @@ def moving_out(work: Workspace, row: int) -> float:
 
 @piece
 def add_land_films(payload: Payload, work: Workspace) -> None:
-    """Add the forces of the lands' oil at the present mean velocities to those on cages and outer ring."""
+    """Add the forces of the lands' oil in the last sweep to those on cages and outer ring."""
     film, forces = work.land_film, work.force_of_bound
     for row in range(payload.free.shape[0]):
-        # As at a land that is touched: the mean velocities result from the force of the last sweep.
-        feedback = 0.5 * payload.step * film[row, DAMPING] * (1.0 / payload.train_mass[row] + 1.0 / payload.outer_mass)
-        force = (film[row, DAMPING] * moving_out(work, row) + feedback * film[row, FORCE]) / (1.0 + feedback)
-        film[row, FORCE] = force
+        force = film[row, FORCE]
         forces[CAGE + row, 0] -= force * film[row, NORMAL_X]
         forces[CAGE + row, 1] -= force * film[row, NORMAL_Y]
         forces[CAGE + row, 2] -= film[row, TORQUE] * work.mean_velocity[CAGE + row, 2]
         forces[OUTER, 0] += force * film[row, NORMAL_X]
         forces[OUTER, 1] += force * film[row, NORMAL_Y]
+
+
+@piece
+def resist_cage(payload: Payload, work: Workspace, row: int, x: float, y: float) -> tuple[float, float]:
+    """Solve for the force of the lands' oil implicitly; return the mean velocity of a cage that would be (x, y) under the last force.
+
+    The oil is stiff against a light cage: with F = c v and a mobility a = h (1/m_C + 1/m_O)/2 the force under that velocity v is
+    (c v + c a F)/(1 + c a), and its change is taken from the cage and given to the outer ring at once.
+    """
+    film, outer = work.land_film, work.mean_velocity[OUTER]
+    by_cage, by_outer = 0.5 * payload.step * payload.train_inverse[row, 0], 0.5 * payload.step / payload.outer_mass
+    speed = (x - outer[0]) * film[row, NORMAL_X] + (y - outer[1]) * film[row, NORMAL_Y]
+    change = (film[row, DAMPING] * speed - film[row, FORCE]) / (1.0 + film[row, DAMPING] * (by_cage + by_outer))
+    film[row, FORCE] += change
+    outer[0] += by_outer * change * film[row, NORMAL_X]
+    outer[1] += by_outer * change * film[row, NORMAL_Y]
+    return x - by_cage * change * film[row, NORMAL_X], y - by_cage * change * film[row, NORMAL_Y]
 
 
 @piece

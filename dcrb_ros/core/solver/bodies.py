@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 
+from dcrb_ros.core.contacts.cage_films import resist_cage
 from dcrb_ros.core.contacts.force_line import DISPERSION
 from dcrb_ros.core.jit import piece
+from dcrb_ros.core.laws.calls import has_cage_oil
 from dcrb_ros.core.layout.state import CAGE, HOUSING, INNER, LOAD, OUTER, SHAFT_ANGLE, SHAFT_SPEED, State
 from dcrb_ros.core.layout.workspace import Workspace
 from dcrb_ros.core.payload import Payload
@@ -43,6 +45,8 @@ def move_cage(payload: Payload, state: State, work: Workspace, row: int, damped:
     turn = (0.5 * h * torque - sx * lift_x - sy * lift_y) * by_inertia
     x, y = state.velocity[CAGE + row, 0] + lift_x - sx * by_mass * turn, state.velocity[CAGE + row, 1] + lift_y - sy * by_mass * turn
     speed = state.velocity[CAGE + row, 2] + turn
+    if has_cage_oil(payload.lubrication):
+        x, y = resist_cage(payload, work, row, x, y)
     moved: float = max(abs(x - mean[body, 0]), abs(y - mean[body, 1])) + payload.pitch_radius * abs(speed - mean[body, 2])
     if damped:
         x, y, speed = 0.5 * (x + mean[body, 0]), 0.5 * (y + mean[body, 1]), 0.5 * (speed + mean[body, 2])

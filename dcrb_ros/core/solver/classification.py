@@ -1,8 +1,8 @@
 """The rollers in the middle of a step: where they are, how they are predicted to move, and which are bound.
 
 A roller is bound when its forces on rings and cage must be solved for together with their motion: it is pinned and touches a raceway, it
-touches the inner ring or a bar, it strikes a raceway, or it lies beside a broken bar. The others are free and lie on the outer raceway, or
-touch nothing.
+touches the inner ring or a bar, stiff oil couples it to a bar, it strikes a raceway, or it lies beside a broken bar. The others are free
+and lie on the outer raceway, or touch nothing.
 """
 
 from __future__ import annotations
@@ -19,6 +19,8 @@ from dcrb_ros.core.payload import EDGE, Payload, mobilities
 
 STRIKE_WINDOW = 1.5
 """Half steps before and after the middle within which a strike on the outer raceway counts [-]: its speed is not known yet."""
+STIFF_OIL = 0.15
+"""Damping by the oil at the bars of a row over 2 m_C/h of its cage, from which on its rollers are bound [-]; 0.25 diverges."""
 NEGLIGIBLE_STRIKE = 2e-3
 """Speed below which a free roller may close or open its contact with the outer raceway unbound [m/s]: its energy is negligible."""
 
@@ -100,8 +102,32 @@ def bar_at(payload: Payload, row: int, i: int, ahead: bool) -> bool:
 
 
 @piece
+def bind_oiled(payload: Payload, work: Workspace) -> None:
+    """Bind the rollers of a row whose oil at the bars couples them to their cage more stiffly than its predicted velocity allows.
+
+    A free roller acts on the predicted cage, at a bar with the film's coefficient c. Such explicit steps diverge where the sum of
+    c/(1 + h c/(2 m_R)) over the row exceeds a quarter of 2 m_C/h. Where all films at their stiffest make less than half of it, they do not:
+    most films of a row are wide.
+    """
+    rollers, count = work.rollers[0], payload.free.shape[1]
+    by_roller, _ = mobilities(payload)
+    stiffest = bar_damping(payload.lubrication, 0.0)
+    for row in range(payload.free.shape[0]):
+        by_cage = max(payload.train_inverse[row, 0], payload.train_inverse[row, 1] * payload.pitch_radius * payload.pitch_radius)
+        first, total, unit = row * count, 0.0, 2.0 / (by_cage * payload.step)
+        if count * stiffest < 0.5 * unit * (1.0 + by_roller * stiffest):
+            continue
+        for c in range(first, first + count):
+            total += abs(rollers.bar_film[c])
+        if total > STIFF_OIL * unit:
+            for c in range(first, first + count):
+                if count * abs(rollers.bar_film[c]) > STIFF_OIL * unit:
+                    rollers.bound[c] = 1.0
+
+
+@piece
 def bind_special(payload: Payload, work: Workspace) -> None:
-    """Bind the rollers beside broken bars, and those on an outer raceway whose notches have edges."""
+    """Bind the rollers beside broken bars, on an outer raceway whose notches have edges, and in stiff oil."""
     rollers, count = work.rollers[0], payload.free.shape[1]
     for k in range(payload.gaps.shape[0]):
         first = payload.gaps[k, 0] * count
@@ -110,6 +136,8 @@ def bind_special(payload: Payload, work: Workspace) -> None:
         for c in range(payload.free.size):
             if rollers.near_outer[c] > 0.0:
                 rollers.bound[c] = 1.0
+    if has_cage_oil(payload.lubrication):
+        bind_oiled(payload, work)
 
 
 @piece
