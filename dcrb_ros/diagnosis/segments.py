@@ -84,7 +84,7 @@ class Segmenter:
             Refusal: arrays of another shape or type, or another number of axes than in the first block.
         """
         samples = len(acceleration)
-        angle = np.full(samples, np.nan, np.float32) if shaft_angle is None else np.asarray(shaft_angle)
+        angle = np.full(samples, np.nan, np.float32) if shaft_angle is None else np.asanyarray(shaft_angle)
         _check(acceleration, angle, self._axes)
         if not samples:
             return
@@ -190,8 +190,10 @@ def _check(acceleration: npt.NDArray[Any], angle: npt.NDArray[Any], axes: int) -
             f"they must be (samples, {axes or 2}) and (samples,){'' if axes else ', with one to three axes'}; "
             "the detector continues with the next block"
         )
-    if not (np.issubdtype(acceleration.dtype, np.number) and np.issubdtype(angle.dtype, np.number)):
+    if np.ma.is_masked(acceleration) or np.ma.is_masked(angle):
+        raise Refusal("a block with masked values is refused: replace them by NaN; the detector continues with the next block")
+    if acceleration.dtype.kind not in "iuf" or angle.dtype.kind not in "iuf":
         raise Refusal(
-            f"a block of {acceleration.dtype} and {angle.dtype} is refused: accelerations [m/s^2] and angles [rad] must be numbers; "
+            f"a block of {acceleration.dtype} and {angle.dtype} is refused: accelerations [m/s^2] and angles [rad] must be real numbers; "
             "the detector continues with the next block"
         )

@@ -149,7 +149,16 @@ def test_a_block_of_the_wrong_shape_is_refused(shape: tuple[int, ...]) -> None:
         list(segmenter.add(0, np.zeros(shape, np.float32), np.zeros(10, np.float32)))
 
 
-def test_text_instead_of_samples_is_refused() -> None:
+@pytest.mark.parametrize("value", ["x", 1j, True])
+def test_what_is_no_real_number_is_refused(value: object) -> None:
     segmenter = Segmenter(HOP, MARGIN, GAP)
-    with pytest.raises(Refusal, match="must be numbers"):
-        list(segmenter.add(0, np.full((10, 2), "x"), np.zeros(10, np.float32)))
+    with pytest.raises(Refusal, match="must be real numbers"):
+        list(segmenter.add(0, np.full((10, 2), value), np.zeros(10, np.float32)))
+
+
+@pytest.mark.parametrize("masked", [0, 1])
+def test_a_block_with_masked_values_is_refused(masked: int) -> None:
+    segmenter, block = Segmenter(HOP, MARGIN, GAP), [np.zeros((10, 2), np.float32), np.zeros(10, np.float32)]
+    block[masked] = np.ma.masked_equal(block[masked], 0.0)
+    with pytest.raises(Refusal, match="masked values is refused: replace them by NaN"):
+        list(segmenter.add(0, block[0], block[1]))

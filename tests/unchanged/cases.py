@@ -2,9 +2,9 @@
 
 The fingerprints in ``fingerprints.json`` were taken from the code before its rebuild (commit 62b584c); those of the three runs with
 ``contact.notch: edge`` are later, since edges that touch one roller share its contact. Those of ``losses`` are that commit's on
-processors with AVX2; with AVX-512 they were others. Those of ``OILED_CASES`` are of commit 4e5cb25, and
-of those with oil at the cages from after the damping of the lands was corrected (30 November 2026). The preview of the scenario
-(``outer_ring/acceleration``) has another covariance since then: zeros for unknown.
+processors with AVX2; with AVX-512 they were others. Those of ``OILED_CASES`` are of commit 4e5cb25, except for runs with oil at the cages:
+their lands damp more since 30 November 2026. The preview of the scenario (``outer_ring/acceleration``) has another covariance since then:
+zeros for unknown.
 ``python tests/unchanged/cases.py`` prints the present ones; ``--write`` replaces the file, which is right only when the model was meant to
 change. It needs ``tests/support`` on the path.
 """
