@@ -1,4 +1,4 @@
-"""Warnings of configurations that are valid but outside the range where the model is realistic, or other than they seem."""
+"""Warnings of configurations that are valid but may differ from what a user expects."""
 
 from __future__ import annotations
 
@@ -8,13 +8,8 @@ from dcrb_ros.faults.raceway_defect import NOTCH, RacewayDefect
 from dcrb_ros.settings.configuration import Configuration
 
 
-def implausible(configuration: Configuration) -> Iterator[str]:
-    """Yield a sentence for each value with which the signal may differ from what a user expects."""
-    yield from whole_length(configuration)
-
-
-def whole_length(c: Configuration) -> Iterator[str]:
-    """Warn of notches in bearings whose surfaces could have a spall."""
+def implausible_notches(c: Configuration) -> Iterator[str]:
+    """Yield a sentence for each notch in a bearing whose surfaces could have a spall."""
     if c.surfaces.law != "profile":
         return
     for key, fault in c.faults.present():

@@ -59,7 +59,7 @@ def check(config: Config, settings: Settings = None) -> None:
     Example: dcrb config check my_bearing.yaml
     """
     from dcrb_ros.bearing.data_sheet import data_sheet, implausible_loads, kept_defaults
-    from dcrb_ros.bearing.plausibility import implausible
+    from dcrb_ros.bearing.plausibility import implausible_notches
     from dcrb_ros.runtime.exit_status import print_error
     from dcrb_ros.settings.configuration import Configuration
     from dcrb_ros.settings.files import checked, layers
@@ -77,7 +77,7 @@ def check(config: Config, settings: Settings = None) -> None:
     print(f"{config} is valid")
     for name, text in data_sheet(configuration).items():
         print(f"  {name:20s} {text}")
-    for sentence in (*kept_defaults(configuration.bearing), *implausible_loads(configuration), *implausible(configuration)):
+    for sentence in (*kept_defaults(configuration.bearing), *implausible_loads(configuration), *implausible_notches(configuration)):
         print_error("dcrb", f"warning: {sentence}")
 
 

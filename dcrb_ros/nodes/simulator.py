@@ -13,7 +13,7 @@ from typing import Any
 from rclpy.parameter import Parameter
 
 from dcrb_ros.bearing.payload import body_names
-from dcrb_ros.bearing.plausibility import whole_length
+from dcrb_ros.bearing.plausibility import implausible_notches
 from dcrb_ros.bearing.runtime_change import altered
 from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.encoder import BlockEncoder
@@ -130,7 +130,7 @@ class SimulatorNode(SimulatingNode):
             if changes.keys() != {"time_scale"}:
                 self.refuse_during_reset("parameters")
             after = altered(self._source.simulation.configuration, changes)
-            for sentence in sorted({*whole_length(after)} - {*whole_length(self._source.simulation.configuration)}):
+            for sentence in sorted({*implausible_notches(after)} - {*implausible_notches(self._source.simulation.configuration)}):
                 self.get_logger().info(sentence)
             self._source.simulation.change({key: value for key, value in changes.items() if key != "time_scale"})
             if "time_scale" in changes:

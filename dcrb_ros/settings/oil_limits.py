@@ -14,7 +14,8 @@ from dcrb_ros.settings.groups import ParameterGroups
 MOST_VISCOSITY = 100.0
 """Viscosity above which an oil does not flow into the contacts [Pa s]: a mineral oil is at its pour point."""
 STIFFEST = {"film_with_cages": 30.0}
-"""Lower limits of single laws [Pa s]: at 44 Pa s and 3000 rpm the oil between rollers and cages makes impulses that depend on the step."""
+"""Largest viscosity of laws that take less than that [Pa s]: at 44 Pa s and 3000 rpm the oil between rollers and cages causes impulses
+that depend on the step."""
 LEAST_EXPONENT, MOST_EXPONENT = 0.2, 1.1
 """Range of Roelands' exponent Z [-]; lubricants have 0.3 to 0.9."""
 PROPERTIES = ("viscosity_40", "viscosity_100", "density", "pressure_coefficient")

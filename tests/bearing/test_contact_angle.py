@@ -197,7 +197,7 @@ def test_rollers_beside_broken_bars_keep_the_balance_of_energy(name: str) -> Non
 
 
 def test_cold_oil_between_rollers_and_a_light_cage_leaves_the_balance_of_energy() -> None:
-    # While all of them were free, they acted on the predicted velocity of a cage of 12 g: 0.2 s made 30 kJ, and peaks of 800 m/s^2.
+    # While all rollers were free, they acted on the predicted velocity of a cage of 12 g: 0.4 s added 30 kJ, with peaks of 800 m/s^2.
     simulation = Simulation(load_configuration("spherical_22205", ["lubrication.temperature=-10"]))
     for _ in simulation.blocks(0.06):
         pass

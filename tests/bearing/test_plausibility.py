@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from dcrb_ros.bearing.plausibility import implausible
+from dcrb_ros.bearing.plausibility import implausible_notches
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.settings.shipped import shipped
 
 
 def warnings(bench: str, *settings: str) -> list[str]:
-    return list(implausible(load_configuration(bench, settings)))
+    return list(implausible_notches(load_configuration(bench, settings)))
 
 
 def test_a_width_alone_is_said_to_be_a_notch() -> None:

@@ -150,7 +150,7 @@ def test_a_block_of_the_wrong_shape_is_refused(shape: tuple[int, ...]) -> None:
 
 
 @pytest.mark.parametrize("value", ["x", 1j, True])
-def test_what_is_no_real_number_is_refused(value: object) -> None:
+def test_values_that_are_not_real_numbers_are_refused(value: object) -> None:
     segmenter = Segmenter(HOP, MARGIN, GAP)
     with pytest.raises(Refusal, match="must be real numbers"):
         list(segmenter.add(0, np.full((10, 2), value), np.zeros(10, np.float32)))

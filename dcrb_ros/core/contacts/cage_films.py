@@ -123,7 +123,7 @@ def moving_out(work: Workspace, row: int) -> float:
 
 @piece
 def add_land_films(payload: Payload, work: Workspace) -> None:
-    """Add the forces of the lands' oil in the last sweep to those on cages and outer ring."""
+    """Add the forces of the lands' oil from the last sweep to those on cages and outer ring."""
     film, forces = work.land_film, work.force_of_bound
     for row in range(payload.free.shape[0]):
         force = film[row, FORCE]
@@ -138,8 +138,9 @@ def add_land_films(payload: Payload, work: Workspace) -> None:
 def resist_cage(payload: Payload, work: Workspace, row: int, x: float, y: float) -> tuple[float, float]:
     """Solve for the force of the lands' oil implicitly; return the mean velocity of a cage that would be (x, y) under the last force.
 
-    The oil is stiff against a light cage: with F = c v and a mobility a = h (1/m_C + 1/m_O)/2 the force under that velocity v is
-    (c v + c a F)/(1 + c a), and its change is taken from the cage and given to the outer ring at once.
+    The oil is stiff against a light cage. Let v be its speed away from the lands' centre under the last force N, d the damping, and
+    mu = h (1/m_C + 1/m_O)/2. The new force is N + (d v - N)/(1 + mu d). Its change acts at once on cage and outer ring; that on the turn of
+    a cage whose centre of mass lies off its centre follows in the next sweep.
     """
     film, outer = work.land_film, work.mean_velocity[OUTER]
     by_cage, by_outer = 0.5 * payload.step * payload.train_inverse[row, 0], 0.5 * payload.step / payload.outer_mass

@@ -14,7 +14,8 @@ over c_l, at most 0.95): damping of radial motion, and torque of the turning cag
 
     c = 2 pi eta R B^3 (1 + 2 e^2)/(c_l^3 (1 - e^2)^(5/2)) share,   T = 2 pi eta omega R^3 2 B/c_l share
 
-The integral of cos^2 over the gap's cube gives this c; that of sin^2, (1 - e^2)^(-3/2), is of the motion across the eccentricity.
+c is the integral of eta R B^3 cos^2(phi)/gap^3 around both lands. With the sine it is the damping of motion across the eccentricity, with
+the factor (1 - e^2)^(-3/2).
 
 Drag on an orbiting roller in a mist of oil (Harris 2001):
 
@@ -82,7 +83,7 @@ def bar_shear(law: Any, gap: float) -> float:
 
 @kernel
 def land_damping(law: Any, offset: float, clearance: float, radius: float) -> float:
-    """Return the damping [N s/m] of a cage off the centre of its lands by ``offset``, of a ``clearance`` and a ``radius`` [m]."""
+    """Return the damping of the radial motion of a cage [N s/m] that is off the centre of its lands by ``offset`` [m]."""
     oil = law.cage
     eccentricity = min(offset / clearance, MOST_ECCENTRICITY)
     square = eccentricity * eccentricity

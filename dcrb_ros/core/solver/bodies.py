@@ -32,6 +32,7 @@ def move_cage(payload: Payload, state: State, work: Workspace, row: int, damped:
     """Solve for the mean velocity of a cage with its pinned rollers, whose centre of mass may lie off the cage's centre.
 
     Returns the change of that velocity by the solution [m/s]. A ``damped`` cage takes half of it.
+    The oil of its lands also changes the mean velocity of the outer ring.
     """
     h, body, sx, sy = payload.step, CAGE + row, work.train_moment[row, 0], work.train_moment[row, 1]
     mean, free, bound = work.mean_velocity, work.force_of_free, work.force_of_bound

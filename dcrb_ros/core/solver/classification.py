@@ -20,7 +20,7 @@ from dcrb_ros.core.payload import EDGE, Payload, mobilities
 STRIKE_WINDOW = 1.5
 """Half steps before and after the middle within which a strike on the outer raceway counts [-]: its speed is not known yet."""
 STIFF_OIL = 0.15
-"""Damping by the oil at the bars of a row over 2 m_C/h of its cage, from which on its rollers are bound [-]; 0.25 diverges."""
+"""Damping by the oil at the bars of a row over 2 m_C/h of its cage, above which the rollers in the stiffest films are bound [-]."""
 NEGLIGIBLE_STRIKE = 2e-3
 """Speed below which a free roller may close or open its contact with the outer raceway unbound [m/s]: its energy is negligible."""
 
@@ -105,9 +105,9 @@ def bar_at(payload: Payload, row: int, i: int, ahead: bool) -> bool:
 def bind_oiled(payload: Payload, work: Workspace) -> None:
     """Bind the rollers of a row whose oil at the bars couples them to their cage more stiffly than its predicted velocity allows.
 
-    A free roller acts on the predicted cage, at a bar with the film's coefficient c. Such explicit steps diverge where the sum of
-    c/(1 + h c/(2 m_R)) over the row exceeds a quarter of 2 m_C/h. Where all films at their stiffest make less than half of it, they do not:
-    most films of a row are wide.
+    A free roller acts on the predicted cage, at a bar through the film's damping d. Such explicit steps diverge where the sum of
+    d/(1 + h d/(2 m_R)) over the row exceeds a quarter of 2 m_C/h, or of 2 I_C/(h r_M^2). Most films of a row are wide, so a row is safe if
+    that sum is below a half of it with every film at its stiffest.
     """
     rollers, count = work.rollers[0], payload.free.shape[1]
     by_roller, _ = mobilities(payload)

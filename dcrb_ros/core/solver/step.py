@@ -32,7 +32,7 @@ from dcrb_ros.core.solver.update import store_bound
 MOST_SWEEPS = 6
 """Sweeps over the bound rollers in a step at most."""
 MOST_DAMPED_SWEEPS = 16
-"""Damped sweeps at most that follow where these hardly converge: at a light cage that rollers press on its land."""
+"""Damped sweeps at most that follow where these hardly converge: where rollers act stiffly on a light cage."""
 SLOW = 0.3
 """Change of the velocities by the last of `MOST_SWEEPS` over that by the first, beyond which damped sweeps follow [-]: the next step
 predicts the velocities from the last ones and multiplies their error."""

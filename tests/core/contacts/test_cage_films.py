@@ -102,7 +102,7 @@ def test_the_oil_of_the_lands_takes_the_motion_of_a_cage() -> None:
 def test_a_cage_stops_where_the_impulse_of_its_lands_ends(eccentricity: float, step: float) -> None:
     """The integral of (1 + 2 e^2) (1 - e^2)^(-5/2) is e (1 - e^2)^(-3/2): m v = c c_l e (1 - e^2)^(-3/2), c that of the centre."""
     given = {"operating": STILL | {"load": 100.0}, "cage": {"pocket_clearance": 1e-3, "land_clearance": 3e-4}, "simulation": {"step": step}}
-    given["housing"] = {"box_mass": 1000.0}  # which stands still
+    given["housing"] = {"box_mass": 1000.0}  # so heavy that the outer ring stays at rest
     configuration = configured(lubrication=OIL | {"land_fill": 1.0, "pocket_layer": 0.0}, **given)
     payload = build_payload(configuration)
     state = initial_state(configuration, payload)
@@ -119,7 +119,7 @@ def test_a_cage_stops_where_the_impulse_of_its_lands_ends(eccentricity: float, s
 
 @pytest.mark.slow
 def test_cold_oil_at_bars_and_lands_depends_little_on_the_step() -> None:
-    """Grease of 27 Pa s at 1200 rpm; with the lands' force of the velocities before a sweep, the rms at the usual step was 23 % larger."""
+    """Grease of 27 Pa s at 1200 rpm. When the lands' force used the velocities before a sweep, the usual step gave 23 % more rms."""
     levels = {}
     for halved in (1.0, 2.0):
         settings = {"lubrication.temperature": -22.9, "structure.housing": "none", "simulation.step": 1.0 / 102400.0 / halved}
