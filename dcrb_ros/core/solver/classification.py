@@ -106,8 +106,8 @@ def bind_oiled(payload: Payload, work: Workspace) -> None:
     """Bind the rollers of a row whose oil at the bars couples them to their cage more stiffly than its predicted velocity allows.
 
     A free roller acts on the predicted cage, at a bar through the film's damping d. Such explicit steps diverge where the sum of
-    d/(1 + h d/(2 m_R)) over the row exceeds a quarter of 2 m_C/h, or of 2 I_C/(h r_M^2). Most films of a row are wide, so a row is safe if
-    that sum is below a half of it with every film at its stiffest.
+    d/(1 + h d/(2 m_R)) over the row exceeds a quarter of 2 m_C/h, or of 2 I_C/(h r_M^2) if that is smaller. Most films of a row are wide,
+    so a row is safe if the sum with every film at its stiffest is below a half of 2 m_C/h.
     """
     rollers, count = work.rollers[0], payload.free.shape[1]
     by_roller, _ = mobilities(payload)
