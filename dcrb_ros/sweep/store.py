@@ -81,6 +81,10 @@ class Store:
     def _filesystem(self) -> tuple[Any, str]:
         from fsspec.core import url_to_fs
 
+        if "::" in self.address and "://" not in self.address:  # a folder; fsspec reads a chain of addresses
+            from fsspec.implementations.local import LocalFileSystem
+
+            return LocalFileSystem(), str(Path(self.address).absolute())
         files, root = url_to_fs(self.address)
         return files, str(root).rstrip("/")
 

@@ -1,7 +1,7 @@
 """The nearest template: an order spectrum of the envelope is compared with the ideal one of each defect (McFadden and Smith 1984)."""
 
 import numpy as np
-from scipy.stats import norm
+from scipy.stats import pearson3, skew
 from spectra import highpass, order_spectrum, struck
 from trending import SLIP, Trending
 
@@ -15,12 +15,17 @@ SIDEBANDS = {"outer_ring": (), "inner_ring": (1.0,), "roller": ("FTF",), "cage":
 """Modulation of the impacts of each part: by the load zone once a turn, or by the cage."""
 
 
+def noise_spectrum(lines, random):
+    """Return a complex spectrum of white noise behind a Hann window, which joins each line to its two neighbours."""
+    return np.convolve(random.standard_normal(lines) + 1j * random.standard_normal(lines), (-0.25, 0.5, -0.25), "same")
+
+
 class EnvelopeTemplates(Trending):
     """Report the template with the largest cosine to the spectrum's excess over its median, without a healthy level.
 
     A template has lines at three harmonics of a part and at two sidebands of each, half as strong. The excess is ln(power / median), at
-    least 0, below 30 orders, and a cosine counts from the level on that white noise exceeds with probability ``chance``: the mean and
-    the deviation over 200 spectra of noise are extrapolated as a Gaussian. Independent of the gain; no recording was used.
+    least 0, below 30 orders, and a cosine counts from the level on that white noise exceeds with probability ``chance``: mean, deviation
+    and skewness over 500 spectra of noise behind a Hann window give a gamma distribution. Independent of the gain; no recording was used.
     """
 
     learning, factor = 0, 1.0
@@ -62,7 +67,7 @@ class EnvelopeTemplates(Trending):
         key = round(turns)
         if key not in self.levels:
             random = np.random.default_rng(1)
-            noise = [self.cosines(np.sqrt(random.exponential(size=len(spectrum))), turns) for _ in range(200)]
+            noise = [self.cosines(np.abs(noise_spectrum(len(spectrum), random)), turns) for _ in range(500)]
             values = {part: np.array([cosines[part] for cosines in noise]) for part in SIDEBANDS}
-            self.levels[key] = {part: value.mean() + norm.isf(self.chance) * value.std() for part, value in values.items()}
+            self.levels[key] = {part: pearson3.isf(self.chance, skew(value), value.mean(), value.std()) for part, value in values.items()}
         return {part: cosine / self.levels[key][part] for part, cosine in self.cosines(spectrum, turns).items()}

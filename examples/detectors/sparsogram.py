@@ -31,4 +31,5 @@ class Sparsogram(Demodulation):
     def demodulated(self, acceleration, angle):
         """Return the squared envelope of the band whose envelope spectrum is sparsest."""
         found = usable_bands(bands(acceleration, self.levels), self.orders, angle)
-        return max(found, key=lambda envelope: hoyer(np.abs(np.fft.rfft(np.sqrt(envelope))[1:]) ** 2))
+        slow = int(0.3 * abs(angle[-1] - angle[0]) / (2.0 * np.pi))  # lines below 0.3 orders are those of the taper and of slow variation
+        return max(found, key=lambda envelope: hoyer(np.abs(np.fft.rfft(np.sqrt(envelope))[max(slow, 1) :]) ** 2))

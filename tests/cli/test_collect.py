@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import shutil
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,8 +14,9 @@ import yaml
 from pyarrow import parquet
 from typer.testing import CliRunner
 
-from dcrb_ros import DataSet, Refusal
+from dcrb_ros import DataSet, Refusal, Waveform
 from dcrb_ros.cli.app import app
+from dcrb_ros.exchange.run_list import decimated
 from dcrb_ros.sweep.data_set import open_data_set
 from dcrb_ros.sweep.execution import run_task
 from dcrb_ros.sweep.loader import sweep_of
@@ -93,6 +95,13 @@ def test_a_decimated_recording_has_a_quarter_of_the_samples_and_the_speed(measur
         assert content["ax"].std() == pytest.approx(9.80665 * np.sqrt(0.25), rel=0.05)  # of white noise a quarter of the band is left
         turned = np.unwrap(content["shaft_angle"].astype(float))
         assert turned[-1] - turned[0] == pytest.approx(1796.0 * 2.0 * np.pi / 60.0 * 11999 / 12000, rel=1e-4)
+
+
+def test_a_decimated_offset_does_not_ring_at_its_ends_and_keeps_its_instants() -> None:
+    constant = Waveform.from_arrays(np.full(4000, 9.81), 12000)
+    waveform = decimated(replace(constant, index=constant.index + 10), 3000, "constant")
+    assert np.abs(waveform.acceleration - 9.81).max() < 0.01
+    assert (waveform.index[0], len(waveform)) == (3, 1000)
 
 
 def test_windows_are_those_of_the_waveform(measured: Path) -> None:

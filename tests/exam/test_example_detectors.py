@@ -216,3 +216,19 @@ def test_no_band_has_the_jump_between_the_ends_of_a_window() -> None:
             ends = max(1, len(envelope) // 100)
             assert max(envelope[:ends].max(), envelope[-ends:].max()) < 10.0 * np.median(envelope)
     assert max(edges) <= HIGHEST
+
+
+def test_noise_exceeds_the_level_of_the_templates_as_often_as_stated() -> None:
+    templates = importlib.import_module("envelope_templates")
+    random = np.random.default_rng(3)
+    detector = templates.EnvelopeTemplates(ORDERS, 12000, chance=0.01)
+    angle = 2.0 * np.pi * 30.0 * np.arange(6000) / 12000
+    windows = [detector.features(random.normal(size=6000), angle) for _ in range(500)]
+    assert 2 <= sum(value > 1.0 for window in windows for value in window.values()) <= 40
+
+
+def test_the_autogram_takes_its_widest_band_where_no_band_separates_the_impacts() -> None:
+    autogram = importlib.import_module("autogram")
+    signal = np.random.default_rng(1).normal(size=2560)
+    low, high, _ = autogram.most_periodic(signal, 1000.0)
+    assert (low, high) == (0.0, 0.5)

@@ -120,3 +120,11 @@ def test_an_error_releases_the_lock(tmp_path: Path) -> None:
     with locked(tmp_path / "new"):
         pass
     assert list((tmp_path / "new").iterdir()) == []
+
+
+def test_a_folder_with_two_colons_in_its_name_is_that_folder(tmp_path: Path) -> None:
+    folder = tmp_path / "run::1" / "bearings"
+    store = Store(str(folder))
+    store.write("a.txt", b"a")
+    assert (store.folder, [path.name for path in tmp_path.iterdir()]) == (folder, ["run::1"])
+    assert (folder / "a.txt").read_bytes() == b"a"
