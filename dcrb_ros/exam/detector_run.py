@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
-from typing import Protocol
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-from dcrb_ros.bearing.frequencies import Orders
-from dcrb_ros.bearing.temperature_readings import TemperatureReadings
-from dcrb_ros.bearing.waveform import Piece
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.thermal_detector import TemperatureFeed, ThermalFaultDetector
 from dcrb_ros.exam.evaluation import Outcome
@@ -17,29 +14,13 @@ from dcrb_ros.exam.running_detector import DetectorBlock, DetectorFactory, Runni
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis, decode_diagnosis
 from dcrb_ros.messages.topics.diagnosis import encode_diagnosis
 
+if TYPE_CHECKING:
+    from dcrb_ros.exam.led_signal import LedSignal
+    from dcrb_ros.recordings.reader import Recording
+
 SHIPPED = "the shipped detector"
-
-
-class Signal(Protocol):
-    """The signal of a scenario in blocks, as a `Recording` has it."""
-
-    @property
-    def orders(self) -> Orders:
-        """Characteristic orders of the bearing."""
-
-    @property
-    def sampling_rate(self) -> int:
-        """[Hz]"""
-
-    @property
-    def bearing(self) -> object:
-        """The bearing; None if it is unknown."""
-
-    def pieces(self) -> Iterable[Piece]:
-        """Return consecutive blocks."""
-
-    def temperatures(self) -> TemperatureReadings:
-        """Return the readings of the thermometers."""
+Signal: TypeAlias = "Recording | LedSignal[Any]"
+"""The signal of a scenario."""
 
 
 def detector_blocks(signal: Signal) -> Iterator[DetectorBlock]:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import shutil
 import threading
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.topics import Message, Topic
@@ -19,27 +19,8 @@ from dcrb_ros.text.files import expanded_path
 
 FOLDER = Path("recordings")
 """Folder of the recordings for which the user gave no path."""
-
-
-class CreateRecorder(Protocol):
-    """Creates the recorder of a new recording."""
-
-    def __call__(self, path: Path, *, commands: Sequence[Any], start_ns: int) -> RecorderThread:
-        """Create the folder ``path``; the recording starts at ``start_ns`` [ns] and ``commands`` took effect before.
-
-        Raises:
-            Refusal: it cannot be created.
-        """
-
-
-class Log(Protocol):
-    """The part of a ROS logger that is used here."""
-
-    def info(self, message: str) -> object:
-        """Log information."""
-
-    def error(self, message: str) -> object:
-        """Log an error."""
+CreateRecorder = Callable[..., RecorderThread]
+"""Creates the recorder of a recording in a folder, with the ``commands`` that took effect before its start at ``start_ns`` [ns]."""
 
 
 def free_path(wanted: Path) -> Path:
@@ -60,8 +41,8 @@ def wanted_path(configured: str, namespace: str) -> Path:
 class RecordingSwitch:
     """A sink that records while it is switched on; any thread may switch it. A failure ends the recording, not the simulation."""
 
-    def __init__(self, create: CreateRecorder, log: Log, path: Path | None = None) -> None:
-        """Record to ``path`` from the start, if it is given."""
+    def __init__(self, create: CreateRecorder, log: Any, path: Path | None = None) -> None:
+        """Record to ``path`` from the start, if it is given; ``log`` is the logger of a node."""
         self._create, self._log, self._wanted = create, log, path
         self._lock = threading.Lock()
         self._recorder: RecorderThread | None = None
