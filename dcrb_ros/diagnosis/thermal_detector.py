@@ -9,7 +9,7 @@ import dataclasses
 import math
 from collections import deque
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -28,6 +28,9 @@ from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.verdicts import COMPONENTS, Trouble, Verdict, fault_class
 from dcrb_ros.stream.diagnosis import Diagnosis
+from dcrb_ros.stream.vehicle_diagnosis import Status
+
+Judged = TypeVar("Judged", Diagnosis, Status)
 
 
 class ThermalFaultDetector(FaultDetector):
@@ -111,7 +114,7 @@ class ThermalFaultDetector(FaultDetector):
             remarks=(*diagnosis.remarks, *remarks, self._heat.evidence.sentence),
         )
         for finding in self._heat.confirmed.values():
-            heated = _with_trouble(heated, finding)
+            heated = with_trouble(heated, finding)
         return heated
 
     def _with_noise(self, diagnosis: Diagnosis) -> Diagnosis:
@@ -126,7 +129,7 @@ class ThermalFaultDetector(FaultDetector):
         loud = self._loud.count(present=excess >= 0.0, absent=excess < -p.release_margin, confirm=confirm, release=p.release)
         scores = {**diagnosis.scores, "lubrication": max(finding.excess, diagnosis.scores.get("lubrication", finding.excess))}
         diagnosis = dataclasses.replace(diagnosis, scores=scores)
-        return _with_trouble(diagnosis, finding) if loud else diagnosis
+        return with_trouble(diagnosis, finding) if loud else diagnosis
 
 
 class TemperatureFeed:
@@ -151,8 +154,8 @@ def temperatures_of(signal: object) -> TemperatureReadings:
     return TemperatureReadings.none() if given is None else given
 
 
-def _with_trouble(diagnosis: Diagnosis, finding: HeatFinding) -> Diagnosis:
-    """Return a diagnosis with a trouble beside what it says so far."""
+def with_trouble(diagnosis: Judged, finding: HeatFinding) -> Judged:
+    """Return a diagnosis, or the status of a bearing, with a trouble beside what it says so far."""
     damaged = diagnosis.verdict in (*COMPONENTS, "compound")
     verdict: Verdict = finding.trouble if not damaged else fault_class([diagnosis.verdict, finding.trouble])
     chance = probability(max(finding.excess, 0.0))

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from dcrb_ros.diagnosis.combination import Combination
 from dcrb_ros.diagnosis.demodulation import Demodulator
 from dcrb_ros.diagnosis.evidence import highest_searched
+from dcrb_ros.diagnosis.heat_rule import HeatFinding
 from dcrb_ros.diagnosis.order_spectrum import order_spectra
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.rule import BearingRule
@@ -76,9 +77,20 @@ class BoxDetector(ThermalFaultDetector):
         self._end = (segment.last + 1 - self._margin) / self.rate
         return super()._diagnosed(segment)
 
+    @property
+    def troubles(self) -> tuple[HeatFinding, ...]:
+        """Confirmed troubles of the bearing, by its temperature and by the level of its vibration."""
+        hot = self._heat.confirmed.values() if self._heat is not None else ()
+        return (*hot, self._noise_finding) if self._noise_finding is not None and self._loud.confirmed else tuple(hot)
+
+    @property
+    def flaw(self) -> str:
+        """The flaw of the sensor, or nothing."""
+        return self._sensor.flaw
+
     def own_window(self) -> OwnWindow | None:
         """Return the present window without the wheels; None without a judgement."""
-        if self._sensor.flaw or self._what_is_missing() or not self._rest.tracked:
+        if self.flaw or self._what_is_missing() or not self._rest.tracked:
             return None
         return OwnWindow(*self._rest.envelopes(), self._end - self._rest.ages(), self._rest.frequency)
 

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.demodulation import NYQUIST_SHARE, Band
+from dcrb_ros.diagnosis.heat_rule import HeatFinding
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.vehicle.box_detector import BoxDetector, OwnWindow
 from dcrb_ros.diagnosis.vehicle.comparison import Judgement
@@ -32,6 +33,10 @@ class BoxHop:
     """The window to be judged without wheels and kinks; None without a judgement of the bearing."""
     contact: Contact | None
     """None while the window begins anew."""
+    troubles: tuple[HeatFinding, ...] = ()
+    """Confirmed troubles of the bearing; the diagnosis has them beside lines that may be those of another box."""
+    flaw: str = ""
+    """The flaw of the sensor, or nothing; the diagnosis lacks it beside a trouble."""
 
     @property
     def index(self) -> int:
@@ -78,8 +83,8 @@ class BoxWatch:
             self.forget()
         self.reached = max(self.reached, index + len(acceleration) - 1)
         if diagnosis is not None:
-            own = self.detector.own_window() if diagnosis.verdict != "sensor" else None
-            self.hops.append(BoxHop(diagnosis, own, self._latest(diagnosis.index)))
+            own, contact = self.detector.own_window(), self._latest(diagnosis.index)
+            self.hops.append(BoxHop(diagnosis, own, contact, self.detector.troubles, self.detector.flaw))
         return restarted
 
     def forget(self) -> None:

@@ -5,6 +5,7 @@ Each box has a fault detector of its own. What they suspect is compared among th
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol, TypeAlias
@@ -15,6 +16,7 @@ import numpy.typing as npt
 from dcrb_ros.diagnosis.hysteresis import Hysteresis, Suspicion, confidence, least_evidence, shortfall, strongest_of
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.rule import LEAST_EXCESS
+from dcrb_ros.diagnosis.thermal_detector import with_trouble
 from dcrb_ros.diagnosis.vehicle.box_watch import BoxHop, BoxWatch, boxes_apart
 from dcrb_ros.diagnosis.vehicle.causes import Lag, crossed_rails, flats, kinks_of, lags, silent_boxes, swapped_sides, track
 from dcrb_ros.diagnosis.vehicle.clocks import clock_differences, clocks
@@ -25,7 +27,7 @@ from dcrb_ros.diagnosis.vehicle.rolling_lines import corrugation, motor
 from dcrb_ros.diagnosis.vehicle.turn_lines import gears, meshes, polygons
 from dcrb_ros.schema.arguments import checked_arguments, of_type
 from dcrb_ros.schema.refusal import Refusal, nearest
-from dcrb_ros.schema.verdicts import COMPONENTS, TROUBLES, Component, is_alarm
+from dcrb_ros.schema.verdicts import COMPONENTS, Component, is_alarm
 from dcrb_ros.stream.vehicle_description import VehicleDescription
 from dcrb_ros.stream.vehicle_diagnosis import UNDECIDED, Status, VehicleDiagnosis
 
@@ -179,7 +181,7 @@ class VehicleDetector:
         """Return the diagnosis of the vehicle from the hops of its boxes, and the reasons of those that are ``apart``."""
         q = self.parameters
         contacts = {name: hop.contact for name, hop in hops.items() if hop.contact is not None}
-        measured = {name: contact for name, contact in contacts.items() if hops[name].diagnosis.verdict != "sensor"}
+        measured = {name: contact for name, contact in contacts.items() if not hops[name].flaw}
         quiet = silent_boxes(contacts, q)
         rolling = {name: contact for name, contact in measured.items() if name not in quiet}
         struck = flats(rolling, q)
@@ -195,7 +197,10 @@ class VehicleDetector:
         for name in self._boxes:
             hop = hops.get(name)
             missing = apart.get(name, "no signal arrives")
-            statuses[f"{name}/bearing"] = self._bearing(name, hop, judged.get(name), compared.get(name), quiet, missing)
+            bearing = self._bearing(name, hop, judged.get(name), compared.get(name), quiet, missing)
+            for finding in hop.troubles if hop is not None else ():
+                bearing = dataclasses.replace(with_trouble(bearing, finding), score=max(bearing.score, finding.excess))
+            statuses[f"{name}/bearing"] = bearing
             statuses[f"{name}/wheel"] = wheels.get(name, Status("waiting", "no turn of the wheel is known yet"))
             statuses[f"{name}/sensor"] = _sensor(hop, quiet.get(name), sensors.get(name), missing)
             if hop is not None:
@@ -270,7 +275,7 @@ class VehicleDetector:
         quiet: Mapping[str, float],
         missing: str,
     ) -> Status:
-        """Return the status of a bearing; ``missing`` says why it has no hop."""
+        """Return the status of a bearing by its lines; ``missing`` says why it has no hop."""
         if hop is None:
             return Status("waiting", missing)
         diagnosis = hop.diagnosis
@@ -279,8 +284,7 @@ class VehicleDetector:
             self._undecided[name].reset()
             if name in quiet:
                 return Status("waiting", f"the sensor is {quiet[name]:.0f} dB quieter than the others")
-            verdict = diagnosis.verdict if diagnosis.verdict in ("waiting", *TROUBLES) else "waiting"
-            return Status(verdict, diagnosis.reason, diagnosis.confidence)
+            return Status("waiting", diagnosis.reason)
         p, scores = self.box_parameters, judgement.scores
         least = dict.fromkeys(COMPONENTS, least_evidence(p.confirm, diagnosis.time, p.alarm_evidence))
         own = {component: compared[component].excess if component in compared else NOT_OWN for component in COMPONENTS}
@@ -294,8 +298,6 @@ class VehicleDetector:
             doubted = self._undecided[name].confirmed
             rivals = ", ".join(sorted({compared[component].rival for component in doubted}))
             return Status(UNDECIDED, f"its lines are within {self.parameters.contrast:g} dB of those in {rivals}", 0.0, max(open_.values()))
-        if diagnosis.verdict in TROUBLES:
-            return Status(diagnosis.verdict, diagnosis.reason, diagnosis.confidence)
         others = {c: item for c, item in compared.items() if scores.get(c, NOT_OWN) >= 0.0 and item.contrast < 0.0}
         if others and verdict == "healthy":
             component, item = max(others.items(), key=lambda pair: scores[pair[0]])
@@ -321,8 +323,8 @@ def _sensor(hop: BoxHop | None, below: float | None, found: Status | None, missi
     """Return the status of a sensor; ``found`` says if it measures another rail, or at another time, ``missing`` why it has no hop."""
     if hop is None:
         return Status("sensor", missing, 0.99)
-    if hop.diagnosis.verdict == "sensor":
-        return Status("sensor", hop.diagnosis.reason, 0.99)
+    if hop.flaw:
+        return Status("sensor", hop.flaw, 0.99)
     if below is not None:
         return Status("sensor", f"it measures the rail {below:.0f} dB weaker than the others", 0.99, below)
     return found or Status("healthy", "it measures the rail as the others do")

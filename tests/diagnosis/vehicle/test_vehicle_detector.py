@@ -278,9 +278,9 @@ def test_the_width_of_whitening_is_not_that_of_tones(whitening: float) -> None:
     assert verdicts == {"axle_1/left/bearing": "outer_ring"}
 
 
-def test_the_temperatures_of_a_box_are_judged() -> None:
-    """Readings at 170 degrees C from 1 s on; the detector of the box has them by the end of the signal."""
-    hot, time = "axle_2/right", np.arange(1.0, SECONDS, 0.2)
+def heated(signals: Boxes, hot: str) -> VehicleDiagnosis:
+    """Return the last diagnosis of signals with readings of 170 degrees C at a box from 1 s on."""
+    time = np.arange(1.0, SECONDS, 0.2)
     readings = TemperatureReadings(time=time, outer_ring=np.full(len(time), 170.0), box=time * np.nan, ambient=np.full(len(time), 20.0))
     boxes = {
         name.replace("/", "."): SimpleNamespace(
@@ -289,10 +289,29 @@ def test_the_temperatures_of_a_box_are_judged() -> None:
             ),
             **({"temperatures": readings} if name == hot else {}),
         )
-        for name, signal in bogie().items()
+        for name, signal in signals.items()
     }
-    found = detect_vehicle(SimpleNamespace(description=DESCRIPTION, boxes=boxes))  # type: ignore[arg-type]
-    assert verdicts(found.last, "bearing") == {hot: "overheating"}
+    return detect_vehicle(SimpleNamespace(description=DESCRIPTION, boxes=boxes)).last  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("hot", ["axle_1/left", "axle_1/right"])
+def test_a_hot_box_is_overheated_beside_lines_of_its_own_or_of_another_box(hot: str) -> None:
+    diagnosis = heated(bogie({"axle_1/left": {"outer": 2000.0}}), hot)
+    assert diagnosis.boxes[hot].verdict == "compound"
+    own = {"axle_1/left": "compound"} if hot == "axle_1/left" else {"axle_1/left": "outer_ring", hot: "overheating"}
+    assert verdicts(diagnosis, "bearing") == own
+
+
+def test_a_hot_box_whose_lines_are_undecided_is_overheated() -> None:
+    diagnosis = heated(bogie({"axle_2/left": {"outer": 200.0}}, across=1.0, along=0.0), "axle_2/left")
+    assert verdicts(diagnosis, "bearing") == {"axle_2/left": "overheating", "axle_2/right": "undecided"}
+
+
+def test_the_sensor_of_a_hot_box_may_be_faulty() -> None:
+    signals, hot = bogie(), "axle_2/right"
+    diagnosis = heated({**signals, hot: (np.full_like(signals[hot][0], 3.0), signals[hot][1])}, hot)
+    assert verdicts(diagnosis, "bearing") == {hot: "overheating"}
+    assert verdicts(diagnosis, "sensor") == {hot: "sensor"}
 
 
 @pytest.mark.parametrize(
