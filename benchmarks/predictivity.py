@@ -57,7 +57,7 @@ def page(comparisons: dict[str, Comparison], source: str) -> str:
         [
             "# Predictivity of the exam",
             "",
-            f"Written by `make predictivity` on {today()}, {source}. The shipped detector has the rules of commit `{commit()}`.",
+            f"Written by `make predictivity` on {today()}, {source}.",
             "[Does an exam predict your rig?](../how-to/predict-your-rig.md) explains the method and the figures. Impacts, housing and",
             "background have priors that follow statistics of these recordings, so this is no test on held-out rigs. No prior was",
             "fitted to the marks of a detector.",
@@ -111,7 +111,7 @@ def main() -> int:
         else:
             comparisons[name] = compared(given, VARIANTS[name])
         print(f"{name}\n{markdown(comparisons[name])}", flush=True)
-    source = f"model `{model_fingerprint()}`"
+    source = f"model `{model_fingerprint()}`, with the rules of the shipped detector of commit `{commit()}`"
     if given.leaderboard is not None:
         models = sorted({entry.model for entry in read_entries(given.leaderboard)})
         source = f"from the entries of the [leaderboard](../leaderboard/leaderboard.md), model `{', '.join(models)}`"

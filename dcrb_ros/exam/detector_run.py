@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 SHIPPED = "the shipped detector"
 Signal: TypeAlias = "Recording | LedSignal[Any]"
-"""The signal of a scenario."""
+"""The signal of a scenario: a recording, alone or after a healthy one."""
 
 
 def detector_blocks(signal: Signal) -> Iterator[DetectorBlock]:

@@ -192,7 +192,7 @@ def decimated(waveform: Waveform, rate: int, name: str) -> Waveform:
         raise Refusal(f"{name} has gaps and cannot be decimated to {rate} Hz: leave out --rate, or cut it")
     from scipy.signal import resample_poly
 
-    first = int(-waveform.index[0] % factor) if len(waveform) else 0  # the instants of the lower rate
+    first = int(-waveform.index[0] % factor) if len(waveform) else 0  # so that all instants are those of the lower rate
     acceleration = resample_poly(waveform.acceleration[first:].astype(np.float64), 1, factor, axis=0, padtype="line").astype(np.float32)
     index = (waveform.index[0] + first) // factor + np.arange(len(acceleration))
     return replace(waveform, acceleration=acceleration, shaft_angle=waveform.shaft_angle[first::factor], sampling_rate=rate, index=index)

@@ -81,7 +81,7 @@ class Store:
     def _filesystem(self) -> tuple[Any, str]:
         from fsspec.core import url_to_fs
 
-        if "::" in self.address and "://" not in self.address:  # a folder; fsspec reads a chain of addresses
+        if "::" in self.address and "://" not in self.address:  # fsspec takes these colons for a chain of addresses
             from fsspec.implementations.local import LocalFileSystem
 
             return LocalFileSystem(), str(Path(self.address).absolute())
