@@ -31,7 +31,7 @@ def most_periodic(acceleration, strikes, levels=5):
     A band is wide enough to separate these impacts. Lags below three quarters of their period are left out: there, an impact
     correlates with itself.
     """
-    tree = bands(acceleration, levels)
+    tree = list(bands(acceleration, levels))
     usable = [band for band in tree if len(band[2]) >= 4.0 * strikes] or [max(tree, key=lambda band: len(band[2]))]
     return max(usable, key=lambda band: kurtosis_of(autocorrelation(band[2], int(0.75 * len(band[2]) / strikes))))
 
