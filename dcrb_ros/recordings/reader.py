@@ -41,7 +41,7 @@ from dcrb_ros.recordings.arrays import (
 )
 from dcrb_ros.recordings.digest import SampleDigests, samples_in, stated_samples
 from dcrb_ros.recordings.foreign_files import refuse_foreign
-from dcrb_ros.recordings.latched import in_order, of_one_bench
+from dcrb_ros.recordings.latched import RESET_NS, in_order, of_one_bench
 from dcrb_ros.recordings.manifest import DAMAGE, OUTCOME, Outcome, not_understood, stated_bearing, stated_range
 from dcrb_ros.recordings.recorded_files import RecordedFiles
 from dcrb_ros.recordings.vehicle_folder import box_of, record_name
@@ -242,14 +242,20 @@ class Recording:
         Raises
         ------
         Refusal
-            The recording has no waveform.
+            The recording has no waveform, or contains two runs one after the other, whose samples have the same times.
         """
-        outcome, sensor_range = Outcome(self.sampling_rate), stated_range(self.manifest)
+        outcome, sensor_range, end_ns = Outcome(self.sampling_rate), stated_range(self.manifest), 0
         for message in self.messages((SENSOR, VIBRATION)):
             if message.topic == SENSOR:
                 sensor_range = decode_range(message.data)
                 continue
             block = decode_vibration(message.data)
+            if block.stamp_ns < end_ns - RESET_NS:
+                raise Refusal(
+                    f"{self.path} contains two runs one after the other: after {end_ns * 1e-9:.3f} s, the time continues at "
+                    f"{block.stamp_ns * 1e-9:.3f} s; record them separately"
+                )
+            end_ns = max(end_ns, block.stamp_ns + len(block.shaft_angle) * 1_000_000_000 // self.sampling_rate)
             outcome.add_block(block)
             yield block, sensor_range
         if not outcome.samples:
