@@ -134,7 +134,7 @@ def _written(run: MeasuredRun, bearing: str, position: int, store: Store, window
     """Write the files of a run and return its label."""
     waveform = run.waveform
     angle: Samples = np.asarray(waveform.shaft_angle, np.float32)
-    acceleration: Samples = np.ascontiguousarray(waveform.acceleration, np.float32)
+    acceleration: Samples = np.ascontiguousarray(waveform.acceleration[:, :2], np.float32)
     rate, first = waveform.sampling_rate, int(waveform.index[0])
     shaft = _shaft_frequency(angle, waveform.index, rate)
     speed = 2.0 * math.pi * shaft

@@ -66,6 +66,14 @@ def test_a_whole_recording_needs_no_index(tmp_path: Path) -> None:
     assert len(data_set.windows("test", length=400)) == 9
 
 
+def test_of_three_axes_two_are_kept_and_hashed(tmp_path: Path) -> None:
+    waveform = recorded((0, 1000))
+    third = replace(waveform, acceleration=np.column_stack([waveform.acceleration, np.ones(1000, np.float32)]))
+    two, three = stored(waveform, tmp_path / "two"), stored(third, tmp_path / "three")
+    assert np.array_equal(two.windows("test").arrays()[0], three.windows("test").arrays()[0])
+    assert two.labels()["sha256"][0] == three.labels()["sha256"][0]
+
+
 def test_a_set_on_a_full_disk_leaves_nothing_that_could_be_continued(tmp_path: Path) -> None:
     with files_of_at_most(1000), pytest.raises(StoreFailed, match=r"free some space and run the same command again$"):
         stored(recorded((0, 1000)), tmp_path / "set")
