@@ -48,7 +48,7 @@ def _counts(plan: Plan, tally: Tally) -> str:
     faults, rows = healthy_first(fault for _, fault in tally.classes), []
     for split in SPLITS:
         counts = [tally.classes[split, fault] for fault in faults]
-        rows.append((split, len(tally.conditions.get(split, ())), *counts, sum(counts)))
+        rows.append((split, len(tally.units.get(split, ())), *counts, sum(counts)))
     reasons = "\n".join(f"* {count} x {reason}" for reason, count in tally.reasons.most_common(10))
     failures = f"\n\nReasons of the runs that were refused or failed:\n\n{reasons}" if reasons else ""
     return f"## Runs by split and fault\n\n{table(('split', f'{plan.unit}s', *faults, 'runs'), rows)}\n\n{plan.split_text}{failures}"

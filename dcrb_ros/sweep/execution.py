@@ -212,13 +212,14 @@ def _outcome(
         file += f".{common.file.output}"
         data = waveform_file(waveform.acceleration, waveform.shaft_angle, rate, first, common.file.output)
         files = {file: common.store.write(file, data)}
-    about = {"file": file, "sampling_rate": rate, "first_index": first, "samples": waveform.samples}
+    about: dict[str, Any] = {"file": file, "sampling_rate": rate, "first_index": first, "samples": waveform.samples}
     if (windows := common.file.windows) is not None:
         starts, name = window_starts(waveform.samples, windows), f"windows/{run.split}/{run.name}.{windows.kind}"
         labels = window_labels(starts, first, rate, windows, waveform.truths)
         common_values = {"run": run.name, "case": run.case, "split": run.split}
         data = windows_file(cut_windows(waveform.acceleration, windows), labels, common_values, windows.kind)
         files[name], about["windows"] = common.store.write(name, data), len(starts)
+        about["window_faults"] = sorted(set(labels["fault"].tolist()))
     size = of_widest(configuration)
     return {**fault_label(waveform.truths), **size, **about, "clipped": waveform.clipped, "sha256": waveform.sha256, "files": files}
 

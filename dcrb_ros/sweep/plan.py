@@ -62,6 +62,8 @@ class Plan:
 
     unit, remedy = "condition", "vary speed or load"
     """Name of one of the units that are divided into splits, and how to get more of them."""
+    unit_column = "condition"
+    """Column of the labels with the name of the unit."""
     truth: Mapping[str, tuple[type, str]] = TRUTH
     """Type and meaning of the columns that the labels have beside those of every sweep."""
 

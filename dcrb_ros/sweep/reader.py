@@ -94,7 +94,9 @@ class DataSet:
         """The fault classes of the data set, ``healthy`` first: the number of a class is its place here."""
         faults = {str(row["fault"]) for row in self._rows.values()}
         for row in self._rows.values():
-            if row.get("scenario"):  # its windows have the faults up to their time
+            if row.get("window_faults"):
+                faults |= set(json.loads(row["window_faults"]))
+            elif row.get("scenario"):  # of an earlier version
                 faults |= {"healthy", *(class_of([name]) for name in json.loads(row["faults"] or "{}"))}
         return tuple(healthy_first(faults))
 
@@ -240,7 +242,7 @@ class DataSet:
         missing = next((name for name in NEEDED if name not in table.schema.names), None)
         if missing:
             raise Refusal(f"{path} has no column {missing}: it is not the table of a data set; {REMEDY}")
-        used = (*NEEDED, *REMEDIES, "first_index", "windows", "faults", "scenario", "speed", "ftf", "bpfo", "bpfi", "bsf")
+        used = (*NEEDED, *REMEDIES, "first_index", "windows", "window_faults", "faults", "scenario", "speed", "ftf", "bpfo", "bpfi", "bsf")
         rows = [row for row in table.select([name for name in used if name in table.schema.names]).to_pylist() if row["status"] == DONE]
         for row in rows:
             if row["split"] not in SPLITS or not (row["samples"] or 0) > 0 or not (row["sampling_rate"] or 0) > 0:

@@ -47,6 +47,7 @@ COLUMNS: Mapping[str, tuple[type, str]] = {
     "first_index": (int, "index of the first sample since the start of the simulation"),
     "samples": (int, "samples in the file"),
     "windows": (int, "number of windows of the run"),
+    "window_faults": (dict, "faults of its windows, which differ where a fault begins or ends during the run, as JSON"),
     "clipped": (int, "samples clipped at the sensor's range"),
     "seed": (int, "seed of the noise"),
     "scenario": (str, "scenario of the run; empty if there is none"),
@@ -68,20 +69,21 @@ class Tally:
     """Counts of the runs in a data set."""
 
     classes: Counter[tuple[str, str]] = field(default_factory=Counter)
-    """Finished runs by split and fault."""
+    """Finished runs by split and fault; 0 for a fault that only windows have."""
     statuses: Counter[str] = field(default_factory=Counter)
     reasons: Counter[str] = field(default_factory=Counter)
     seconds: float = 0.0
     """Recorded time [s]."""
-    conditions: dict[str, set[str]] = field(default_factory=dict)
-    """Conditions by split."""
+    units: dict[str, set[str]] = field(default_factory=dict)
+    """Units that are divided into splits, by split."""
 
-    def counted(self, label: Mapping[str, Any]) -> Mapping[str, Any]:
-        """Count a run and return its label."""
+    def counted(self, label: Mapping[str, Any], unit: str) -> Mapping[str, Any]:
+        """Count a run and return its label; ``unit`` is the key with the name of its unit."""
         self.statuses[label["status"]] += 1
         if label["status"] == DONE:
             self.classes[label["split"], label["fault"]] += 1
-            self.conditions.setdefault(label["split"], set()).add(label["condition"])
+            self.classes.update({(label["split"], fault): 0 for fault in label.get("window_faults", ())})
+            self.units.setdefault(label["split"], set()).add(label[unit])
             self.seconds += label["samples"] / label["sampling_rate"]
         elif label["reason"] in self.reasons or len(self.reasons) < ROWS:
             self.reasons[label["reason"]] += 1
@@ -101,7 +103,7 @@ def write_table(plan: Plan, store: Store) -> Tally:
     schema = parquet_schema({**COLUMNS, **plan.truth}, columns)
     with parquet.ParquetWriter(stream, schema, compression="zstd") as writer:
         labels = _labels(plan.runs(), store)
-        while rows := [_row(tally.counted(label), columns, plan.truth) for label in itertools.islice(labels, ROWS)]:
+        while rows := [_row(tally.counted(label, plan.unit_column), columns, plan.truth) for label in itertools.islice(labels, ROWS)]:
             writer.write_table(pyarrow.Table.from_pylist(rows, schema=schema))
     store.write(LABELS, stream.getvalue())
     return tally

@@ -133,10 +133,23 @@ def test_a_measured_set_and_parquet_load_alike(kind: str, folder: Path, tmp_path
         assert np.array_equal(y, known[1])
 
 
+def test_a_fault_that_ends_before_its_run_is_a_class(tmp_path: Path) -> None:
+    (tmp_path / "plug.yaml").write_text(
+        "timeline: [{at: 0.005, set: {sensor.fault: stuck}}, {at: 0.012, set: {sensor.fault: none}}]", encoding="utf-8"
+    )
+    made({**TREE, "cases": {"healthy": {}, "plug": {"scenario": str(tmp_path / "plug.yaml")}}}, tmp_path / "set")
+    data_set = read(tmp_path / "set")
+    assert set(data_set.labels()["fault"]) == {"healthy"}
+    assert data_set.classes == ("healthy", "sensor")
+    assert set(data_set.windows("train").arrays()[1].tolist()) == {0, 1}
+    assert yaml.safe_load((tmp_path / "set" / "dataset.yaml").read_text())["classes"] == ["healthy", "sensor"]
+    assert "| split | conditions | healthy | sensor | runs |" in (tmp_path / "set" / "README.md").read_text()
+
+
 def test_the_classes_are_those_of_the_set(copied: Path) -> None:
     # The loader of the examples had a list of its own and failed on a class that the list did not have.
     (copied / SUMS).unlink()
-    table = pd.read_parquet(copied / "labels.parquet")
+    table = pd.read_parquet(copied / "labels.parquet").drop(columns="window_faults")  # as of an earlier version
     table.loc[table["fault"] == "healthy", "fault"] = "lubrication"
     table.to_parquet(copied / "labels.parquet")
     with quiet():

@@ -26,7 +26,7 @@ TRUTH: Mapping[str, tuple[type, str]] = {
 class VehiclePlan(Plan):
     """The runs of a sweep over vehicles; a vehicle is in one split with all its boxes."""
 
-    unit, remedy = "vehicle", "vary vehicle.seed"
+    unit, unit_column, remedy = "vehicle", MACHINE, "vary vehicle.seed"
     truth = TRUTH
     split_text = "All boxes of a vehicle, on all its rides, are in one split."
 

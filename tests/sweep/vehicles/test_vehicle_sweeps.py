@@ -69,6 +69,8 @@ def test_the_samples_are_those_of_the_vehicle(tmp_path: Path) -> None:
             assert {status for _, status in run_task(common_settings(plan.sweep, data_set.store), task)} == {"done"}
         data_set.finish()
     labels = pd.read_parquet(tmp_path / "labels.parquet")
+    for split, row in labels.groupby("split"):
+        assert f"| {split} | {row['machine'].nunique()} |" in (tmp_path / "README.md").read_text()
     damaged = labels[labels["case"] == "outer"]
     faulty = damaged[damaged["fault"] == "outer_ring"]
     assert len(faulty) == 3  # one box of each vehicle
