@@ -250,10 +250,10 @@ def _check_windows(sweep: Sweep, source: str) -> None:
     lowest = min(float(rate) for values in rates for rate in values)
     if not round(file.duration * lowest):
         raise Refusal(f"{source}: duration = {file.duration:g} s has no sample at {lowest:g} Hz: give at least {1.0 / lowest:.3g} s")
-    if file.windows is not None and key not in sweep.vary and file.windows.length > file.duration * sweep.rate:
+    if file.windows is not None and file.windows.length > round(file.duration * lowest):
         raise Refusal(
             f"{source}: windows.length = {file.windows.length} samples is longer than a run of {file.duration:g} s, "
-            f"{round(file.duration * sweep.rate)} samples at {sweep.rate} Hz: shorten the windows or lengthen the runs"
+            f"{round(file.duration * lowest)} samples at {lowest:g} Hz: shorten the windows or lengthen the runs"
         )
 
 

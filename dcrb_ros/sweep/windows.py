@@ -61,11 +61,11 @@ def window_labels(begin: npt.NDArray[np.int64], first_index: int, rate: int, win
     return {
         "start": begin + first_index,
         "time": (begin + first_index) / rate,
-        "fault": np.array([class_of(truths[k].faults) for k in first]),
+        "fault": np.array([class_of(truths[k].faults) for k in first], dtype=str),
         "width": np.array([max((f.get("width", 0.0) for f in truths[k].faults.values()), default=0.0) for k in first]),
         "speed": speed,
         "load": np.hypot(across, along),
-        "mixed": np.array([fault_fields(truths[k]) != fault_fields(truths[end]) for k, end in zip(first, ends, strict=True)]),
+        "mixed": np.array([fault_fields(truths[k]) != fault_fields(truths[end]) for k, end in zip(first, ends, strict=True)], dtype=bool),
     }
 
 

@@ -635,6 +635,10 @@ def test_the_disk_space_is_estimated(tmp_path: Path) -> None:
         ({"split": {"train": 0.9}}, "add up to 1.3, but must add up to 1"),
         ({"split": {"tests": 0.9}}, "did you mean 'test'?"),
         ({"windows": {"length": 100_000}}, "is longer than a run of 0.02 s"),
+        (
+            {"windows": {"length": 400}, "vary": {"sensor.sampling_rate": [51200, 10240]}},
+            "windows.length = 400 samples is longer than a run of 0.02 s, 205 samples at 10240 Hz: shorten",
+        ),
         ({"windows": {"length": 8}}, "windows.length = 8"),
         ({"duration": 1e4}, "too long for memory"),
         ({"branch_at": 0.1}, "settle = 0 s is below 0.005 s"),

@@ -37,3 +37,10 @@ def test_a_window_has_the_faults_at_its_first_sample() -> None:
     assert labels["width"].tolist() == [0.0, 0.0, 0.0, 0.002, 0.002]
     assert labels["load"].tolist() == [1.0] * 5
     assert not math.isnan(labels["speed"].sum())
+
+
+def test_a_run_without_windows_has_labels_of_the_same_types() -> None:
+    # NumPy makes an empty list an array of float64, which a file of windows with texts cannot follow.
+    windows, truths = Windows(length=100), [truth(0.0, 1.0, (0.0, -1.0))]
+    none, some = (window_labels(np.array(begin, np.int64), 0, RATE, windows, truths) for begin in ([], [0]))
+    assert {name: values.dtype.kind for name, values in none.items()} == {name: values.dtype.kind for name, values in some.items()}
