@@ -28,6 +28,7 @@ from dcrb_ros.sweep.sweep_file import (
     COPY,
     KEPT_BASE,
     LONGEST_RUN,
+    MOST_RUNS,
     NO_FAULTS,
     SCENARIO,
     Shares,
@@ -45,8 +46,6 @@ CASE_GROUPS = ("faults", "background", "sensor")
 """Groups of parameters that a case may set: the faults and their measurement. All others are conditions of the bearing."""
 FIXED = "set"
 HEALTHY = "healthy"
-MOST_RUNS = 1_000_000
-"""Runs of a sweep [-]; the plan of so many takes some 50 s and 0.3 GB."""
 SHORTEST_SETTLE = 0.005
 """Shortest time between a branch and the first recorded sample [s]; it exceeds the impulse response of the filters."""
 

@@ -27,6 +27,8 @@ NO_FAULTS: Mapping[str, Value] = {f"faults.{key}": value for key, value in flatt
 """Values of all fault parameters without faults."""
 
 
+MOST_RUNS = 1_000_000
+"""Runs of a sweep [-]; the plan of so many takes some 50 s and 0.3 GB."""
 LONGEST_WINDOW = 10_000_000
 """Most samples in a window [-]."""
 

@@ -71,6 +71,10 @@ class Life:
         """Return the width of the damage at an hour, 0 before its start [m]."""
         return float(np.interp(hour, self.hours, self.widths)) if hour >= self.start else 0.0
 
+    def count(self, every: float) -> int:
+        """Return the number of `inspections` at an interval [h]."""
+        return math.ceil(self.end / every) + (not self.censored)
+
     def inspections(self, every: float) -> Iterator[float]:
         """Yield the hours of the inspections: from 0 on at an interval [h], and at failure."""
         for count in range(math.ceil(self.end / every)):

@@ -18,7 +18,7 @@ from dcrb_ros.sweep.lives.growth import GROWTH_LAWS, Growth
 from dcrb_ros.sweep.lives.life import COMPONENTS, Population
 from dcrb_ros.sweep.lives.recipe import Braking, Climate, Damage, Inspection, Level, Numbers, Recipe, Start, Station
 from dcrb_ros.sweep.lives.sweep import LifeSweep
-from dcrb_ros.sweep.sweep_file import Sweep
+from dcrb_ros.sweep.sweep_file import MOST_RUNS, Sweep
 
 COMMON = ("base", "set", "duration", "settle", "output", "windows", "split", "extended", "licence")
 """Keys that mean the same in every sweep."""
@@ -58,6 +58,10 @@ def life_sweep_of(tree: Mapping[str, Any], source: str, common: Sweep) -> LifeSw
         common.file, common.text, common.base, {}, {}, {}, recipe=recipe, duty=written, sections=sections, population=population
     )
     _check_last(sweep, source)
+    if sweep.count > MOST_RUNS:
+        raise Refusal(
+            f"{source} defines more than {MOST_RUNS} inspections, the most runs of a sweep: give fewer lives, or a larger inspection.every"
+        )
     return sweep
 
 

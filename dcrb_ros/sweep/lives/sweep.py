@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from dcrb_ros.faults.raceway_defect import NOTCH
@@ -12,7 +13,7 @@ from dcrb_ros.sweep.design import Value
 from dcrb_ros.sweep.lives.duty import Section
 from dcrb_ros.sweep.lives.life import COMPONENTS, Population
 from dcrb_ros.sweep.lives.recipe import LIFE, Recipe
-from dcrb_ros.sweep.sweep_file import Sweep
+from dcrb_ros.sweep.sweep_file import MOST_RUNS, Sweep
 
 SPALL = "spall"
 
@@ -28,11 +29,15 @@ class LifeSweep(Sweep):
     """Sections on which inspections are made."""
     population: Population
 
-    @property
+    @cached_property
     def count(self) -> int:
-        """Number of runs: inspections of all lives [-]."""
-        every = self.recipe.inspection.every
-        return sum(1 for life in self.population.lives() for _ in life.inspections(every))
+        """Number of runs: inspections of all lives, of which no more are drawn above `MOST_RUNS` [-]."""
+        runs = 0
+        for life in self.population.lives():
+            runs += life.count(self.recipe.inspection.every)
+            if runs > MOST_RUNS:
+                break
+        return runs
 
     @property
     def inputs(self) -> dict[str, Any]:

@@ -71,6 +71,7 @@ def test_the_truth_of_a_life_is_consistent(seed: int, law: str) -> None:
     for life in population.lives():
         hours = list(life.inspections(1000.0))
         assert hours == sorted(set(hours))
+        assert life.count(1000.0) == len(hours)
         assert hours[0] == 0.0
         assert life.start < 20000.0
         assert hours[-1] == (life.failure if not life.censored else hours[-1])
@@ -302,6 +303,7 @@ def test_shipped_sweeps_can_be_planned(path: Path) -> None:
         ({"set": {"surfaces.seed": 3}}, "surfaces.seed = 3 under 'set' would have no effect, .* from the bearing"),
         ({"set": {**OILED, "thermal.ambient": 3.0}, "climate": {"mean": 5.0}}, "thermal.ambient = 3.0 .* from the climate"),
         ({"lives": 0}, "lives = 0 is outside 1 .. 1000000"),
+        ({"inspection": {"every": 1e-3, "overhaul": 20000.0}}, "defines more than 1000000 inspections, .*: give fewer lives, or a larger"),
         ({"start": {"slope": 0.0}}, "slope = 0.0 is outside 0.3 .. 20"),
         ({"base": "ball_bearing_6205", "set": {}}, "contact.law = hertz is that of balls"),
         ({"duration": 4000.0, "output": "bag"}, "an inspection of 4000 s is longer than every stretch"),
