@@ -6,7 +6,6 @@ WebDataset group members by the name before the first dot. Members have no dates
 
 from __future__ import annotations
 
-import hashlib
 import io
 import itertools
 import json
@@ -31,16 +30,18 @@ from dcrb_ros.sweep.label import DONE
 from dcrb_ros.sweep.loader import kept_inputs, kept_sweep
 from dcrb_ros.sweep.plan import Plan, Task
 from dcrb_ros.sweep.schema import SPLITS
-from dcrb_ros.sweep.store import Store, file_record
+from dcrb_ros.sweep.store import Store, record_of
 from dcrb_ros.sweep.sums import SUMS, read_sums
 from dcrb_ros.sweep.sweep_file import ABOUT, COPY, KEPT_BASE
 from dcrb_ros.sweep.verification import flaw, read_label
 from dcrb_ros.text.files import read_text
-from dcrb_ros.text.json import LARGEST, parsed_json
-from dcrb_ros.text.writing import check_empty, whole_folder, write_whole
+from dcrb_ros.text.json import parsed_json
+from dcrb_ros.text.writing import check_empty, whole_file, whole_folder
 from dcrb_ros.text.yaml import read_yaml
 
 INDEX = "index.json"
+LARGEST_INDEX, MOST_VALUES = 64 * 1024 * 1024, 2_000_000
+"""Longest index that is read [bytes], and its most values [-]; a million runs in shards of ten have 35 MB and 1.4 million values."""
 RECIPE = (COPY, KEPT_BASE, ABOUT)
 """Files of a data set from which its plan is made again."""
 
@@ -108,12 +109,11 @@ def write_shards(data_set: Path, folder: Path, runs: int) -> list[str]:
     check_empty(folder)
     with whole_folder(folder, INDEX) as written:
         for shard in shards(plan, runs):
-            data = packed(store, shard)
-            (written / shard.name).write_bytes(data)
-            entries[shard.name] = {**file_record(data), "runs": [run.name for task in shard.tasks for run in task]}
+            pack(store, shard, written / shard.name)
+            entries[shard.name] = {**record_of(written / shard.name), "runs": [run.name for task in shard.tasks for run in task]}
         recipe = {name: (data_set / name).read_text(encoding="utf-8") for name in RECIPE}
         about = {"dcrb_ros": __version__, "model": model_fingerprint(), "software": software(), "plan": plan.name, "runs_per_shard": runs}
-        (written / INDEX).write_text(json.dumps({**about, "recipe": recipe, "shards": entries}, indent=1))
+        (written / INDEX).write_text(json.dumps({**about, "recipe": recipe, "shards": entries}))
     return list(entries)
 
 
@@ -137,16 +137,17 @@ def remake_shard(index: Path, name: str, target: Path) -> str:
             raise Refusal(f"{index} was changed: the runs of {name} are not those of its recipe; get the index again")
         for task in shard.tasks:
             run_task(common_settings(plan.sweep, store), task)
-        data = packed(store, shard)
-    sha256 = hashlib.sha256(data).hexdigest()
-    if sha256 != known[name].sha256:
-        raise Refusal(
-            f"{name} has the SHA-256 {sha256[:12]}..., not {known[name].sha256[:12]}... as in the index: the last bits depend on "
-            f"processor and libraries, which were {about.software}"
-        )
-    if len(data) != known[name].size:
-        raise Refusal(f"{index} was changed: {name} has {len(data)} bytes, not {known[name].size}; get the index again")
-    write_whole(target, data)
+        with whole_file(target) as part:
+            pack(store, shard, part)
+            made = record_of(part)
+            sha256 = made["sha256"]
+            if sha256 != known[name].sha256:
+                raise Refusal(
+                    f"{name} has the SHA-256 {sha256[:12]}..., not {known[name].sha256[:12]}... as in the index: the last bits depend on "
+                    f"processor and libraries, which were {about.software}"
+                )
+            if made["size"] != known[name].size:
+                raise Refusal(f"{index} was changed: {name} has {made['size']} bytes, not {known[name].size}; get the index again")
     return sha256
 
 
@@ -167,14 +168,14 @@ def _indexed_plan(index: Path, about: Index, folder: Path) -> Plan:
     raise Refusal(f"{index} was changed: {reason}; get the index again")
 
 
-def packed(store: Store, shard: Shard) -> bytes:
-    """Return a shard as the bytes of a tar file; runs that were refused or failed are left out.
+def pack(store: Store, shard: Shard, target: Path) -> None:
+    """Write a shard as a tar file, one run after the other; runs that were refused or failed are left out.
 
     Raises:
         Refusal: a run has no label or no waveform file.
     """
-    stream, digests = io.BytesIO(), bool(known_inputs(store).get(DIGESTS))
-    with tarfile.open(fileobj=stream, mode="w", format=tarfile.USTAR_FORMAT) as tar:
+    digests = bool(known_inputs(store).get(DIGESTS))
+    with tarfile.open(target, mode="w", format=tarfile.USTAR_FORMAT) as tar:
         for run in itertools.chain.from_iterable(shard.tasks):
             reason = flaw(store, run.name, digests=digests)
             if reason is not None:
@@ -187,7 +188,6 @@ def packed(store: Store, shard: Shard) -> bytes:
                 raise Refusal(f"{store.address}: {file} is no waveform file: shards need 'output: npz' or parquet")
             _add(tar, f"{run.name}{Path(file).suffix}", (Path(store.address) / file).read_bytes())
             _add(tar, f"{run.name}.json", json.dumps(label, sort_keys=True).encode())
-    return stream.getvalue()
 
 
 def _add(tar: tarfile.TarFile, name: str, data: bytes) -> None:
@@ -209,7 +209,7 @@ def _plan(folder: Path) -> Plan:
 
 
 def _read_index(index: Path) -> Index:
-    tree = parsed_json(read_text(index, LARGEST), str(index)) if index.is_file() else None
+    tree = parsed_json(read_text(index, LARGEST_INDEX), str(index), LARGEST_INDEX, MOST_VALUES) if index.is_file() else None
     if not isinstance(tree, dict) or "shards" not in tree:
         raise Refusal(f"{index} is not an index of shards: dcrb shards writes one as {INDEX}")
     try:

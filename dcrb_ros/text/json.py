@@ -13,14 +13,14 @@ from dcrb_ros.schema.refusal import Refusal
 LARGEST = 16 * 1024 * 1024
 """Longest text that is read unless another limit is given [characters]: the records of a recording, with some 200000 commands."""
 MOST_VALUES = 1_000_000
-"""Most values [-], counted by the commas and brackets of the text."""
+"""Most values unless another limit is given [-], counted by the commas and brackets of the text."""
 DEEPEST = 100
 """Deepest nesting [-]."""
 MOST_DIGITS = 300
 """Longest integer [digits] that converts to a float."""
 
 
-def parsed_json(text: str | bytes, source: str, largest: int = LARGEST) -> Any:
+def parsed_json(text: str | bytes, source: str, largest: int = LARGEST, most: int = MOST_VALUES) -> Any:
     """Return the value of a JSON text.
 
     Raises:
@@ -31,8 +31,8 @@ def parsed_json(text: str | bytes, source: str, largest: int = LARGEST) -> Any:
     try:
         decoded = text if isinstance(text, str) else text.decode("utf-8")
         values = sum(map(decoded.count, ",[{"))
-        if values > MOST_VALUES:
-            raise Refusal(f"{source} has some {values} values; at most {MOST_VALUES} are read")
+        if values > most:
+            raise Refusal(f"{source} has some {values} values; at most {most} are read")
         value = json.loads(decoded, parse_int=_integer, parse_float=_finite, parse_constant=_finite)
         if _depth(value) > DEEPEST:
             raise RecursionError

@@ -6,8 +6,10 @@ import io
 import json
 import shutil
 import tarfile
+import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -20,7 +22,7 @@ from dcrb_ros.sweep.execution import run_task
 from dcrb_ros.sweep.kinds import plan_of
 from dcrb_ros.sweep.loader import read_sweep, sweep_of
 from dcrb_ros.sweep.plan import Plan
-from dcrb_ros.sweep.shards import INDEX, remake_shard, shards, write_shards
+from dcrb_ros.sweep.shards import INDEX, Shard, pack, remake_shard, shards, write_shards
 from dcrb_ros.sweep.store import Store
 
 TREE: dict[str, Any] = {
@@ -87,6 +89,34 @@ def test_a_shard_is_made_again_from_the_index_alone(data_set: Path, tmp_path: Pa
     for name in names[:2]:
         remake_shard(index, name, tmp_path / name)
         assert (tmp_path / name).read_bytes() == (tmp_path / "shards" / name).read_bytes()
+
+
+def test_a_shard_is_written_run_by_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    runs, megabyte = tuple(SimpleNamespace(name=f"run{number:02d}") for number in range(16)), 1 << 20
+    (tmp_path / "runs").mkdir()
+    for run in runs:
+        (tmp_path / "runs" / f"{run.name}.npz").write_bytes(bytes(megabyte))
+    monkeypatch.setattr("dcrb_ros.sweep.shards.flaw", lambda store, run, digests: None)
+    monkeypatch.setattr("dcrb_ros.sweep.shards.read_label", lambda store, run: {"status": "done", "file": f"runs/{run}.npz"})
+    tracemalloc.start()
+    pack(Store(str(tmp_path)), Shard("a.tar", (runs,)), tmp_path / "a.tar")  # type: ignore[arg-type]
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert (tmp_path / "a.tar").stat().st_size > 16 * megabyte
+    assert peak < 4 * megabyte
+
+
+@pytest.mark.slow
+def test_the_index_of_a_million_runs_is_read(data_set: Path, tmp_path: Path) -> None:
+    write_shards(data_set, tmp_path / "shards", 3)
+    index = tmp_path / "shards" / INDEX
+    about = json.loads(index.read_text())
+    assert index.read_text() == json.dumps(about)  # without spaces to indent a line for each run
+    record = {"size": 10_000_000, "sha256": "0" * 64, "runs": ["0" * 20] * 10}
+    about["shards"] = {f"train-{number:06d}.tar": record for number in range(100_000)}
+    index.write_text(json.dumps(about))
+    with pytest.raises(Refusal, match=r"has no shard 'none': it has 100000"):
+        remake_shard(index, "none", tmp_path / "a.tar")
 
 
 def test_other_bytes_and_other_versions_are_refused(data_set: Path, tmp_path: Path) -> None:

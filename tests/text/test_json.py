@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.text import json as text_json
 from dcrb_ros.text.json import DEEPEST, MOST_DIGITS, parsed_json
 
 
@@ -15,11 +14,10 @@ def test_the_size_of_a_text_is_limited() -> None:
         parsed_json("[1]", "it", 2)
 
 
-def test_the_number_of_values_is_limited(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(text_json, "MOST_VALUES", 4)
-    assert parsed_json('[1, 2, {"a": 3}]', "it") == [1, 2, {"a": 3}]
+def test_the_number_of_values_is_limited() -> None:
+    assert parsed_json('[1, 2, {"a": 3}]', "it", most=4) == [1, 2, {"a": 3}]
     with pytest.raises(Refusal, match="it has some 5 values; at most 4 are read"):
-        parsed_json('[1, 2, {"a": [3]}]', "it")
+        parsed_json('[1, 2, {"a": [3]}]', "it", most=4)
 
 
 @pytest.mark.parametrize(("opening", "closing"), [("[", "]"), ('{"a": ', "}")])
