@@ -294,8 +294,9 @@ def _write_npz(path: Path, columns: Columns, extra: Columns, rate: float, about:
 
 
 def _write_csv(path: Path, columns: Columns, extra: Columns, rate: float, about: Mapping[str, Any], show: Show) -> None:
-    # Nine digits represent a float32 exactly; a time is given to the nanosecond.
-    forms = ["%d" if values.dtype.kind == "i" else "%.9f" if name == "time" else "%.9g" for name, values in columns.items()]
+    # Nine digits represent a float32 exactly, 17 a float64; a time is given to the nanosecond.
+    digits = {name: 17 if values.dtype == np.float64 else 9 for name, values in columns.items()}
+    forms = ["%d" if values.dtype.kind == "i" else "%.9f" if name == "time" else f"%.{digits[name]}g" for name, values in columns.items()]
     with path.open("w", encoding="utf-8") as stream:  # a pipe can be opened once; numpy opens a path twice
         stream.write(f"{','.join(columns)}\n")
         for piece in pieces(len(columns["index"]), show, WRITING):

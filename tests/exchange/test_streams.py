@@ -105,6 +105,13 @@ def imported(folder: Path, channels: dict[str, str], arrays: dict[str, Any], **m
     return Recording(folder / "bag")
 
 
+def test_a_csv_file_has_all_digits_of_a_temperature(tmp_path: Path) -> None:
+    old = imported(tmp_path, {"box_temperature": "b"}, {"b": np.random.default_rng(3).normal(40.0, 1.0, 30)})
+    beside = export(old, tmp_path / "wave.csv")
+    WaveformImport(tmp_path / "wave.csv", beside).write(tmp_path / "new")
+    assert Recording(tmp_path / "new").temperatures().box.tolist() == old.temperatures().box.tolist()
+
+
 def test_fewer_readings_than_samples_are_spread_over_the_file(tmp_path: Path) -> None:
     found = imported(tmp_path, {"box_temperature": "t"}, {"t": np.array([40.0, np.nan, 41.0, 42.0, 43.0, 44.0])}).temperatures()
     assert found.time.tolist() == [0.0, 1.0, 1.5, 2.0, 2.5]
