@@ -37,6 +37,7 @@ from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.arrays import Floats, Samples
 from dcrb_ros.schema.numbers import HIGHEST_RATE
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.schema.simulated_time import nanoseconds
 from dcrb_ros.settings.sensor_limits import LONGEST_BLOCK
 from dcrb_ros.stream.block import Block
 from dcrb_ros.text.files import open_regular
@@ -350,7 +351,8 @@ class WaveformImport:
         channels = {topic: channel_of(topic, NAMESPACE) for topic in topics}
         with bag.removed_on_failure():
             description, read = encode_text(json.dumps(self.sensor(), sort_keys=True)), deque(self._temperatures())
-            bag.write([(channels[SENSOR], 0, description)])
+            start_ns = min([nanoseconds(int(self.index[0]), self.rate), *(message.time_ns for message in list(read)[:1])])
+            bag.write([(channels[SENSOR], start_ns, description)])
             for block in self.blocks():
                 messages = [Message(SENSOR, block.stamp_ns, description)] if repeats_with(block) else []
                 messages.append(Message(VIBRATION, block.stamp_ns, encode_vibration(block, block.acceleration)))

@@ -15,7 +15,7 @@ import dcrb_ros
 from dcrb_ros.exchange.export import array_name, export
 from dcrb_ros.exchange.importing import WaveformImport
 from dcrb_ros.exchange.plausibility import implausible
-from dcrb_ros.messages.topics import AMBIENT_TEMPERATURE, BOX_TEMPERATURE, FEATURES, OUTER_RING_TEMPERATURE, TACHO, VIBRATION
+from dcrb_ros.messages.topics import AMBIENT_TEMPERATURE, BOX_TEMPERATURE, FEATURES, OUTER_RING_TEMPERATURE, SENSOR, TACHO, VIBRATION
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.schema.refusal import Refusal
@@ -110,6 +110,15 @@ def test_a_csv_file_has_all_digits_of_a_temperature(tmp_path: Path) -> None:
     beside = export(old, tmp_path / "wave.csv")
     WaveformImport(tmp_path / "wave.csv", beside).write(tmp_path / "new")
     assert Recording(tmp_path / "new").temperatures().box.tolist() == old.temperatures().box.tolist()
+
+
+@pytest.mark.parametrize(("reading", "start"), [(95.0, 95.0), (101.0, 100.0)])
+def test_a_recording_begins_with_its_first_sample_or_reading(reading: float, start: float, tmp_path: Path) -> None:
+    # Its description had the time 0, so that a replay waited for the first sample.
+    channels, arrays = {"box_temperature": "t", "temperature_time": "u"}, {"t": np.array([40.0]), "u": np.array([reading])}
+    messages = list(imported(tmp_path, channels, arrays, first_index=100 * RATE).messages())
+    assert messages[0].topic == SENSOR
+    assert messages[0].time_ns == min(message.time_ns for message in messages) == start * 1e9
 
 
 def test_fewer_readings_than_samples_are_spread_over_the_file(tmp_path: Path) -> None:
