@@ -7,12 +7,15 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+from yaml import YAMLError
+
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.sweep.design import GRID
 from dcrb_ros.sweep.kinds import plan_of
 from dcrb_ros.sweep.machine import flatten_axes
 from dcrb_ros.sweep.plan import Plan
 from dcrb_ros.sweep.sweep_file import EXTENDED, Extent
+from dcrb_ros.text.yaml import parsed
 
 
 def extended_plan(plan: Plan, known: Mapping[str, Any]) -> Plan:
@@ -76,9 +79,19 @@ def _cut(inputs: Mapping[str, Any], first: Mapping[str, int]) -> dict[str, list[
 
 
 def _with_history(text: str, extents: list[Extent]) -> str:
-    """Return the text of a sweep file with the earlier extents, from which the same splits follow."""
+    """Return the text of a sweep file with the earlier extents, from which the same splits follow.
+
+    Raises:
+        Refusal: a line with them cannot be added to the text.
+    """
     lines = [line for line in text.splitlines() if not line.startswith(f"{EXTENDED}:")]
-    first = next((line for line in lines if line.strip() and not line.lstrip().startswith("#")), "")
-    if first.startswith("{"):
-        raise Refusal("the sweep file is written in braces and cannot be extended: write one key per line")
-    return "\n".join([*lines, f"{EXTENDED}: {json.dumps(extents)}", ""])
+    changed = "\n".join([*lines, f"{EXTENDED}: {json.dumps(extents)}", ""])
+    try:
+        same = parsed(changed) == {**(parsed(text) or {}), EXTENDED: extents}
+    except YAMLError:
+        same = False
+    if not same:
+        raise Refusal(
+            f"the sweep file cannot be extended as it is written: write one key per line without braces, and '{EXTENDED}' in one line"
+        )
+    return changed

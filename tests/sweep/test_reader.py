@@ -25,6 +25,7 @@ from dcrb_ros import DataSet, Refusal
 from dcrb_ros.cli.app import app
 from dcrb_ros.sweep.data_set import open_data_set
 from dcrb_ros.sweep.execution import run_task
+from dcrb_ros.sweep.extension import _with_history
 from dcrb_ros.sweep.kinds import plan_of
 from dcrb_ros.sweep.loader import read_sweep, sweep_of
 from dcrb_ros.sweep.store import Store
@@ -425,6 +426,22 @@ def test_more_lives_keep_the_splits_of_the_others() -> None:
     assert more.sweep.text == "lives: 15\nextended: [10]\n"
     again = plan_of(sweep_of({**tree, "lives": 15, "extended": [10]}, "lives"))
     assert {run.name: (run.position, run.split) for run in again.runs()} == new
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "{base: dry, points: 8}",
+        "points: 8\nextended:\n- 2\n",  # without its first line, the list belongs to the key before
+        "points: 8\nextended: [2,\n  3]\n",
+        "points: 8\n...\n",  # the end of the document
+        "points: 8\nlicence: |\n  mine\n  extended: 3\n...\n",
+    ],
+)
+def test_a_text_to_which_no_line_can_be_added_is_not_extended(text: str) -> None:
+    with pytest.raises(Refusal, match="the sweep file cannot be extended as it is written: write one key per line without braces"):
+        _with_history(text, [2, 4])
+    assert _with_history("points: 8  # eight\nextended: [2]\n", [2, 4]) == "points: 8  # eight\nextended: [2, 4]\n"
 
 
 @pytest.mark.parametrize("tree", [{"extended": [4]}, {"extended": [9]}, {"extended": [3, 2]}, {"extended": [0]}])
