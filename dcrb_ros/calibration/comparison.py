@@ -45,7 +45,7 @@ class AxisComparison:
     levels: tuple[Floats, Floats]
     """Levels over 1 (m/s^2)^2 in them [dB]."""
     octaves: Floats
-    """Middles of the octaves, shape (octaves,) [Hz]."""
+    """Middles of the octaves, shape (octaves,), empty below a sampling rate of 393 Hz [Hz]."""
     kurtosis: tuple[Floats, Floats]
     """Kurtosis in each octave, 3 for noise [-]."""
     orders: Floats
@@ -78,7 +78,9 @@ class AxisComparison:
 
     @property
     def kurtosis_distance(self) -> float:
-        """Root mean square over the octaves of the difference of the logarithms of the kurtosis [-]."""
+        """Root mean square over the octaves of the difference of the logarithms of the kurtosis; NaN without an octave [-]."""
+        if not len(self.octaves):
+            return math.nan
         return float(np.sqrt(np.mean(np.log(self.kurtosis[1] / self.kurtosis[0]) ** 2)))
 
 
@@ -111,7 +113,7 @@ def _as_dict(axis: AxisComparison) -> dict[str, Any]:
         "level_distance_db": axis.level_distance,
         "shape_distance_db": axis.shape_distance,
         "envelope_distance": _number(axis.envelope_distance),
-        "kurtosis_distance": axis.kurtosis_distance,
+        "kurtosis_distance": _number(axis.kurtosis_distance),
         "third_octaves_hz": axis.frequency.round(2).tolist(),
         "levels_db": [levels.round(3).tolist() for levels in axis.levels],
         "octaves_hz": axis.octaves.round(2).tolist(),

@@ -116,9 +116,10 @@ def compare(
         return
     for axis in comparison.axes:
         envelope = "unknown" if not len(axis.orders) else f"{axis.envelope_distance:.2f}"
+        kurtosis = "unknown" if not len(axis.octaves) else f"{axis.kurtosis_distance:.2f}"
         print(
             f"{axis.axis}: third octaves {axis.level_distance:.1f} dB apart, {axis.shape_distance:.1f} dB without the mean; "
-            f"envelope spectra {envelope}; kurtosis by octave {axis.kurtosis_distance:.2f}"
+            f"envelope spectra {envelope}; kurtosis by octave {kurtosis}"
         )
     _print_fault_lines(comparison)
     for remark in comparison.remarks:

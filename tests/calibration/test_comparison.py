@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -61,6 +62,17 @@ def test_without_a_speed_levels_and_kurtosis_are_compared() -> None:
     assert found.features == {}
     assert found.as_dict()["axes"]["x"]["envelope_distance"] is None
     assert any("no speed" in remark for remark in found.remarks)
+
+
+@pytest.mark.filterwarnings("error")
+def test_low_rates_have_no_octave_and_an_unknown_kurtosis() -> None:
+    random = np.random.default_rng(1)
+    one, other = (Waveform.from_arrays(random.standard_normal((1600, 2)), 390) for _ in range(2))
+    comparison = compare(one, other)
+    assert math.isnan(comparison.axes[0].kurtosis_distance)
+    assert comparison.as_dict()["axes"]["x"]["kurtosis_distance"] is None
+    assert math.isfinite(comparison.axes[0].level_distance)
+    comparison_figure(comparison)
 
 
 def test_relative_units_are_remarked(tmp_path: Path) -> None:
