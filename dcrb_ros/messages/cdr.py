@@ -88,7 +88,9 @@ def decoded(data: bytes, type_name: str) -> Any:
 
 
 def stamps(messages: Sequence[bytes]) -> npt.NDArray[np.int64]:
-    """Return the stamps of messages that begin with a header, shape (messages,) [ns]."""
-    heads = np.frombuffer(b"".join(data[4:12] for data in messages), np.dtype([("sec", "<i4"), ("nanosec", "<u4")]))
-    found: npt.NDArray[np.int64] = heads["sec"].astype(np.int64) * 1_000_000_000 + heads["nanosec"]
+    """Return the stamps of messages that begin with a header, in either byte order, shape (messages,) [ns]."""
+    heads = np.frombuffer(b"".join(data[4:12] for data in messages), "<i4").reshape(-1, 2)
+    little = np.array([data[1] & 1 for data in messages], bool)
+    seconds, nanoseconds = np.where(little[:, None], heads, heads.byteswap()).T
+    found: npt.NDArray[np.int64] = seconds.astype(np.int64) * 1_000_000_000 + nanoseconds.astype(np.uint32)
     return found

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import struct
+
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
@@ -25,6 +27,11 @@ def test_similar_messages_are_decoded_together(times: list[int], names: list[str
     assert joined.names == tuple(names)
     for name in ("position", "velocity", "effort"):
         assert np.array_equal(getattr(joined, name), np.array([getattr(joints, name) for joints in singly]))
+
+
+def test_stamps_are_read_in_both_byte_orders() -> None:
+    little, big = b"\0\1\0\0" + struct.pack("<iI", 3, 5), b"\0\0\0\0" + struct.pack(">iI", 3, 5)
+    assert stamps([little, big, little]).tolist() == [3_000_000_005] * 3
 
 
 def test_messages_that_differ_are_not_decoded_together() -> None:
