@@ -93,6 +93,8 @@ class Compared(NamedTuple):
     """Name of that box; empty without one."""
     lead: float = 0.0
     """By how much earlier the impacts are here than in that box [s]; 0 where it does not matter."""
+    healthy: float = 0.0
+    """Evidence that the lines of a healthy bearing may have [dB]; a verdict needs more of it."""
 
 
 def compare(judgements: Mapping[str, Judgement], parameters: VehicleDetectorParameters) -> dict[str, dict[Component, Compared]]:
@@ -105,13 +107,20 @@ def compare(judgements: Mapping[str, Judgement], parameters: VehicleDetectorPara
 
 def _compared(name: str, component: Component, judged: Mapping[str, Judgement], parameters: VehicleDetectorParameters) -> Compared:
     own = judged[name]
-    usual, faint = _attributed(name, own.findings[component], judged, parameters), own.faint[component]
-    if faint.excess <= max(own.findings[component].excess, 0.0):
+    finding, faint = own.findings[component], own.faint[component]
+    usual = _attributed(name, finding, judged, parameters)._replace(healthy=_healthy(finding, own))
+    if faint.excess <= max(finding.excess, 0.0):
         return usual
-    alone = _attributed(name, faint, judged, parameters)
+    alone = _attributed(name, faint, judged, parameters)._replace(healthy=_healthy(faint, own))
     # Without another box, nothing shows how deep the lines of a healthy bearing are.
     clear = alone.rival and (alone.contrast >= parameters.contrast or alone.lead > 0.0)
-    return alone if clear and alone.excess > usual.excess else usual
+    return alone if clear and alone.excess - alone.healthy > usual.excess - usual.healthy else usual
+
+
+def _healthy(finding: Finding, own: Judgement) -> float:
+    """Return the evidence that a healthy bearing may have [dB]; a rule that blames another component has considered its own."""
+    rule = finding.rule
+    return rule.healthy_evidence(own.evidence.orders) if rule is not None and rule.component == finding.component else 0.0
 
 
 def _attributed(name: str, finding: Finding, judged: Mapping[str, Judgement], parameters: VehicleDetectorParameters) -> Compared:

@@ -286,7 +286,8 @@ class VehicleDetector:
                 return Status("waiting", f"the sensor is {quiet[name]:.0f} dB quieter than the others")
             return Status("waiting", diagnosis.reason)
         p, scores = self.box_parameters, judgement.scores
-        least = dict.fromkeys(COMPONENTS, least_evidence(p.confirm, diagnosis.time, p.alarm_evidence))
+        usual = least_evidence(p.confirm, diagnosis.time, p.alarm_evidence)
+        least = {component: max(usual, compared[component].healthy if component in compared else 0.0) for component in COMPONENTS}
         own = {component: compared[component].excess if component in compared else NOT_OWN for component in COMPONENTS}
         open_ = {component: compared[component].undecided if component in compared else NOT_OWN for component in COMPONENTS}
         verdict, doubtful = self._decided[name].verdict(own, least), self._undecided[name].verdict(open_, least)

@@ -101,6 +101,13 @@ def test_a_faint_roller_must_be_modulated_by_the_cage() -> None:
     assert compared(lines, {}).excess < 0.0
 
 
+@pytest.mark.parametrize(("depth", "named"), [(0.6, True), (0.1, False)])
+def test_lines_of_a_cage_need_more_than_those_of_unequal_rollers(depth: float, named: bool) -> None:
+    """Sixteen rollers whose energies scatter by 0.7 have a depth of 0.31; faint lines that no other box has are below it, too."""
+    found = compared({k * 0.42: depth for k in range(1, 14)}, {}, "cage")
+    assert (found.excess >= found.healthy) is named
+
+
 def test_what_noise_leaves_in_another_box_is_no_rival() -> None:
     """Lines of 0.05 over a background with a limit of 0.021; the other box has 0.022 at the first harmonic, a tenth of that in power."""
     own, noise = {k * 6.72: 0.05 for k in range(1, 7)}, {6.72: 0.022}

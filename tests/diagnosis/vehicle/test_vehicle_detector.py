@@ -13,6 +13,7 @@ from synthetic_bogie import BOXES, DESCRIPTION, FREQUENCY, LAG, SECONDS, Boxes, 
 from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.bearing.waveform import Piece
 from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.diagnosis.rules.outer_ring import OuterRing
 from dcrb_ros.diagnosis.vehicle.causes import correlated_lag
 from dcrb_ros.diagnosis.vehicle.contact import impacts_of
 from dcrb_ros.diagnosis.vehicle.detection import VehicleDetectionResult, detect_vehicle
@@ -47,6 +48,11 @@ def test_only_the_damaged_box_is_named(verdict: str, box: str) -> None:
     diagnosis = last(bogie({box: SPALLS[verdict]}))
     assert verdicts(diagnosis, "bearing") == {box: verdict}
     assert diagnosis.damaged() == {box: verdict}
+
+
+def test_lines_that_a_healthy_bearing_may_have_damage_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(OuterRing, "healthy_evidence", lambda rule, orders: 100.0)
+    assert verdicts(last(bogie({"axle_1/left": SPALLS["outer_ring"]})), "bearing") == {}
 
 
 def test_the_other_box_of_the_wheelset_alone_would_be_named_too() -> None:
