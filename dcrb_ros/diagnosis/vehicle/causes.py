@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dcrb_ros.diagnosis.hysteresis import probability
-from dcrb_ros.diagnosis.vehicle.contact import Contact, Impact
+from dcrb_ros.diagnosis.vehicle.contact import FEWEST_TURNS, Contact, Impact
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.stream.vehicle_description import SIDES, VehicleDescription
@@ -44,11 +44,15 @@ def silent_boxes(contacts: Mapping[str, Contact], parameters: VehicleDetectorPar
 
 
 def flats(contacts: Mapping[str, Contact], parameters: VehicleDetectorParameters) -> dict[str, Status]:
-    """Return the status of each wheel.
+    """Return the status of each wheel; it is ``waiting`` where too few turns are known.
 
     The box above a flat has it largest. If another box has it nearly as large, the wheel is undecided between them.
     """
-    statuses = {name: Status("healthy", f"no angle of the wheel is {parameters.flat:g} dB above the others") for name in contacts}
+    round_, unknown = (
+        f"no angle of the wheel is {parameters.flat:g} dB above the others",
+        f"a verdict needs {FEWEST_TURNS} turns of its angle",
+    )
+    statuses = {name: Status("healthy", round_) if contact.peak else Status("waiting", unknown) for name, contact in contacts.items()}
     struck = {name: contact for name, contact in contacts.items() if contact.level >= parameters.flat}
     if not struck:
         return statuses
@@ -121,8 +125,8 @@ def correlated_lag(first: Floats, second: Floats, rate: float, expected: float, 
     return Lag(expected, float(steps[best] + direction * np.clip(offset, -0.5, 0.5)) / rate, here, float(backward.max()))
 
 
-def swapped_sides(sides: Mapping[str, Lag]) -> tuple[str, ...]:
-    """Return the sides on which the trailing wheelset meets the rail first: its sensors are swapped."""
+def backward_sides(sides: Mapping[str, Lag]) -> tuple[str, ...]:
+    """Return the sides on which the trailing wheelset meets the rail first: its sensors are swapped if another side is forward."""
     return tuple(side for side, lag in sides.items() if lag.backward >= SAME_RAIL and lag.forward < 0.5 * lag.backward)
 
 
@@ -175,7 +179,7 @@ def kinks_of(
     if expected is None:
         return None
     lag = abs(expected)
-    measured = {name: contact for name, contact in contacts.items() if name not in wheels or wheels[name].verdict == "healthy"}
+    measured = {name: contact for name, contact in contacts.items() if name not in wheels or wheels[name].verdict in ("healthy", "waiting")}
     times = _together([impact.time for contact in measured.values() for impact in contact.impacts])
     first = np.array([time for time in times if np.any(np.abs(times - time - lag) <= tolerance)])
     loudness = [[_loudness(measured, time, side) for side in SIDES] for time in first]

@@ -18,7 +18,7 @@ from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.rule import LEAST_EXCESS
 from dcrb_ros.diagnosis.thermal_detector import with_trouble
 from dcrb_ros.diagnosis.vehicle.box_watch import BoxHop, BoxWatch, boxes_apart
-from dcrb_ros.diagnosis.vehicle.causes import Lag, crossed_rails, flats, kinks_of, lags, silent_boxes, swapped_sides, track
+from dcrb_ros.diagnosis.vehicle.causes import SAME_RAIL, Lag, backward_sides, crossed_rails, flats, kinks_of, lags, silent_boxes, track
 from dcrb_ros.diagnosis.vehicle.clocks import clock_differences, clocks
 from dcrb_ros.diagnosis.vehicle.comparison import NOT_OWN, Compared, Judgement, compare
 from dcrb_ros.diagnosis.vehicle.contact import Contact
@@ -233,12 +233,19 @@ class VehicleDetector:
     def _sensors(self, contacts: Mapping[str, Contact], measured: Mapping[str, Contact], sides: Mapping[str, Lag]) -> dict[str, Status]:
         """Return the status of each sensor that measures the rail, but another one or at another time."""
         q, statuses = self.parameters, clocks(self.description, contacts, self.parameters)
-        swapped = swapped_sides(sides)
-        crossed = not swapped and crossed_rails(self.description, measured, q.lag_tolerance)
+        backward = backward_sides(sides)
+        known = any(lag.forward >= SAME_RAIL for side, lag in sides.items() if side not in backward)
+        crossed = not backward and crossed_rails(self.description, measured, q.lag_tolerance)
         for box in self.description.boxes:
-            if box.side in swapped:
+            if box.side in backward and known:
                 reason = "the trailing wheelset follows the rail first: the sensors of this side are swapped"
                 statuses[box.name] = Status("swapped", reason, 0.9)
+            elif box.side in backward:
+                reason = (
+                    "the trailing wheelset follows the rail first on every side: the vehicle runs backwards and its angle has no sign, or "
+                    "all sensors are swapped"
+                )
+                statuses[box.name] = Status(UNDECIDED, reason)
             elif crossed:
                 reason = (
                     "boxes follow those across: left and right sensors of one wheelset are swapped, but the signals do not say of which"

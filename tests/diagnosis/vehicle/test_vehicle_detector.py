@@ -161,6 +161,23 @@ def test_swapped_sensors_are_found_by_the_lag_of_the_rail() -> None:
     assert verdicts(last(signals), "sensor") == {"axle_1/left": "swapped", "axle_2/left": "swapped"}
 
 
+def test_a_vehicle_that_may_run_backwards_has_no_swapped_sensors() -> None:
+    """A tachometer without a direction counts upwards in reverse, when the trailing wheelset leads."""
+    signals = bogie()
+    reverse = {name: signals[name.translate(str.maketrans("12", "21"))] for name in BOXES}
+    assert verdicts(last(reverse), "sensor") == dict.fromkeys(BOXES, "undecided")
+
+
+@pytest.mark.parametrize("speed", [np.nan, 0.0, 0.09])
+def test_a_wheel_that_hardly_turns_is_not_judged(speed: float) -> None:
+    """Without an angle, at standstill, and with five turns in 3 s."""
+    turned = {
+        name: (acceleration, (angle * 0.0 + np.arange(len(angle)) * speed * 20.0 / 51200 % 1.0 * 6.28).astype(np.float32))
+        for name, (acceleration, angle) in bogie().items()
+    }
+    assert verdicts(last(turned), "wheel") == dict.fromkeys(BOXES, "waiting")
+
+
 def test_the_lag_is_that_of_the_wheelbase() -> None:
     assert last(bogie()).indicators["left/lag"] == pytest.approx(LAG, abs=1.0 / 1600.0)
 
