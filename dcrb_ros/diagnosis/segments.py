@@ -59,17 +59,21 @@ class Counts:
 class Segmenter:
     """Cuts blocks into segments; the memory is bounded by one segment and the longest gap that is bridged."""
 
-    def __init__(self, hop: int, margin: int, longest_gap: int) -> None:
-        """Cut segments of ``hop`` samples plus twice the ``margin``; bridge gaps of up to ``longest_gap`` samples."""
-        self.hop, self.margin, self._longest_gap = hop, margin, longest_gap
+    def __init__(self, hop: int, margin: int, longest_gap: int, *, aligned: bool = False) -> None:
+        """Cut segments of ``hop`` samples plus twice the ``margin``; bridge gaps of up to ``longest_gap`` samples.
+
+        The first one begins with the first sample, or if ``aligned`` with the first one whose index is a multiple of ``hop``.
+        """
+        self.hop, self.margin, self._longest_gap, self._aligned = hop, margin, longest_gap, aligned
         self.counts = Counts()
         self._next: int | None = None
         self._late: int | None = None
         self._axes = 0
         """Axes of the signal [-], 0 before the first block."""
 
-    def _restart(self) -> None:
-        """Forget the samples; those before the next one count as missing."""
+    def _restart(self, index: int) -> None:
+        """Forget the samples before ``index``; those before the first segment count as missing."""
+        self._begin = -(-index // self.hop) * self.hop if self._aligned else index
         self._pieces: list[HeldSamples] = []
         self._held = 0
         self._first = True
@@ -90,9 +94,10 @@ class Segmenter:
             return
         if not self._axes:
             self._axes = acceleration.shape[1]
-            self._restart()
-        skip = self._continued(index, samples)
-        if skip < samples:
+            self._restart(index)
+        known = self._continued(index, samples)
+        if known < samples:
+            skip = max(known, self._begin - index)
             self._append(HeldSamples(acceleration[skip:], angle[skip:]), counted=True)
             self._next = index + samples
         while self._held >= self.hop + 2 * self.margin:
@@ -102,27 +107,27 @@ class Segmenter:
         """Bridge a gap before ``index``; return how many samples of the block are known already."""
         if self._next is None or index >= self._next:
             if self._next is not None and index > self._next:
-                self._bridge(index - self._next)
+                self._bridge(index, index - self._next)
             self._late = None
             return 0
         # Blocks may overtake each other, but not by this much: the source has restarted.
         if self._late == index and self._next - index > self.hop + self._longest_gap:
             self.counts.restarts += 1
             self._late = None
-            self._restart()
+            self._restart(index)
             return 0
         self._late = index + samples
         known = min(samples, self._next - index)
         self.counts.repeated += known
         return known
 
-    def _bridge(self, lost: int) -> None:
+    def _bridge(self, index: int, lost: int) -> None:
         self.counts.gaps += 1
         self.counts.lost += lost
         if lost > self._longest_gap:
-            self._restart()
+            self._restart(index)
             return
-        self._append(_nothing(lost, self._axes), counted=False)
+        self._append(_nothing(min(lost, max(0, index - self._begin)), self._axes), counted=False)
 
     def _append(self, piece: HeldSamples, *, counted: bool) -> None:
         acceleration = piece.acceleration.astype(np.float32)

@@ -50,6 +50,8 @@ class OwnWindow(NamedTuple):
 class BoxDetector(ThermalFaultDetector):
     """A `ThermalFaultDetector` that also keeps a window of the signal without what repeats in every turn."""
 
+    aligned = True
+
     def __init__(self, *arguments: Any, relief: float, **options: Any) -> None:
         """Prepare as `ThermalFaultDetector`; ``relief`` is by how much fainter the lines of faint findings may be [dB]."""
         super().__init__(*arguments, **options)

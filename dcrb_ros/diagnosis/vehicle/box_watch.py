@@ -97,9 +97,8 @@ class BoxWatch:
         return self.detector.judgement(window, self._share, kinks)
 
     def _latest(self, index: int) -> Contact | None:
-        """Return what was measured up to a sample, at most a hop earlier; later samples may have arrived or not."""
-        measured = [contact for contact in self._contacts if index - 2 * self.hop < contact.end <= index]
-        return measured[-1] if measured else None
+        """Return what was measured up to a sample."""
+        return next((contact for contact in reversed(self._contacts) if contact.end == index), None)
 
 
 def boxes_apart(watches: Mapping[str, BoxWatch], patience: int, rate: int) -> dict[str, str]:

@@ -114,7 +114,7 @@ class ContactMonitor:
         """
         self._rate, self._hop, self._event = rate, hop, event
         self._margin = margin_samples(rate, bands[0].low, MARGIN_PERIODS)
-        self._segmenter = Segmenter(hop, self._margin, longest_gap)
+        self._segmenter = Segmenter(hop, self._margin, longest_gap, aligned=True)
         self._demodulator = Demodulator(bands, rate, hop + 2 * self._margin)
         self._bins = max(1, round(hop / rate * BIN_RATE))
         self._windows: deque[_ContactHop] = deque(maxlen=hops)

@@ -173,8 +173,7 @@ class VehicleDetector:
             first = min(watch.hops[0].index for watch in ready)
             if waiting and newest - first <= self._patience:
                 return diagnosis
-            # Boxes that began at another sample end their hops at other times.
-            hops = {watch.name: watch.hops.popleft() for watch in ready if watch.hops[0].index < first + self._hop}
+            hops = {watch.name: watch.hops.popleft() for watch in ready if watch.hops[0].index == first}
             diagnosis = self._diagnosed(first, hops, apart)
 
     def _diagnosed(self, index: int, hops: Mapping[str, BoxHop], apart: Mapping[str, str]) -> VehicleDiagnosis:
@@ -196,13 +195,15 @@ class VehicleDetector:
         indicators: dict[str, float] = {}
         for name in self._boxes:
             hop = hops.get(name)
-            missing = apart.get(name, "no signal arrives")
+            begins = name not in apart and self._boxes[name].reached >= index
+            missing = "its signal began anew" if begins else apart.get(name, "no signal arrives")
             bearing = self._bearing(name, hop, judged.get(name), compared.get(name), quiet, missing)
             for finding in hop.troubles if hop is not None else ():
                 bearing = dataclasses.replace(with_trouble(bearing, finding), score=max(bearing.score, finding.excess))
             statuses[f"{name}/bearing"] = bearing
             statuses[f"{name}/wheel"] = wheels.get(name, Status("waiting", "no turn of the wheel is known yet"))
-            statuses[f"{name}/sensor"] = _sensor(hop, quiet.get(name), sensors.get(name), missing)
+            sensor = _sensor(hop, quiet.get(name), sensors.get(name), missing)
+            statuses[f"{name}/sensor"] = Status("waiting", missing) if begins and hop is None else sensor
             if hop is not None:
                 indicators |= {f"{name}/{line}": level for line, level in hop.diagnosis.levels.items()}
             for component, evidence in compared.get(name, {}).items():

@@ -182,6 +182,24 @@ def test_the_lag_is_that_of_the_wheelbase() -> None:
     assert last(bogie()).indicators["left/lag"] == pytest.approx(LAG, abs=1.0 / 1600.0)
 
 
+@pytest.mark.parametrize(("first", "gap"), [(1024, 0), (0, 16000)])
+def test_a_box_that_lost_samples_is_compared_over_the_same_time(first: int, gap: int) -> None:
+    """The first block of one box, or 0.31 s of it, which restarts its window of 1.5 s."""
+    signals, found, block = bogie(), [], 512
+    detector = VehicleDetector(DESCRIPTION, box_parameters=DetectorParameters(window=1.5, least_window=1.0))
+    for k in range(0, round(SECONDS * 51200), block):
+        blocks = {name: BoxBlock(k, a[k : k + block], angle[k : k + block]) for name, (a, angle) in signals.items()}
+        if k < first or 20000 <= k < 20000 + gap:
+            del blocks["axle_2/left"]
+        found.append(detector.add(blocks))
+    diagnoses = [one for one in found if one is not None]
+    assert diagnoses[-1].indicators["left/lag"] == pytest.approx(LAG, abs=1.0 / 1600.0)
+    assert {status.verdict for one in diagnoses for name, status in one.statuses.items() if name.endswith("sensor")} <= {
+        "healthy",
+        "waiting",
+    }
+
+
 @pytest.mark.parametrize("sign", [1, -1])
 def test_a_delayed_copy_has_its_lag(sign: int) -> None:
     values = np.random.default_rng(1).normal(size=4000)
