@@ -138,7 +138,7 @@ def vehicle_of(flat: Mapping[str, Any], source: str) -> Vehicle:
     for box, (name, _, _, given), (x, y) in zip(bare, parts, loads, strict=True):
         axle = axles[box.axle]
         turning = speed * (1.0 + axle.creep - axle.slide) / axle.radius
-        configuration, wheel, swapped = _box(source, name, {**common, **given}, journey, turning, x, -y)
+        configuration, wheel, swapped = _box(source, name, {**common, **given}, journey, turning, axle.radius, x, -y)
         boxes.append(Box(name, box.axle, box.side, configuration, wheel, swapped))
     _check_clock(source, boxes)
     return replace(vehicle, boxes=_connected(source, boxes))
@@ -246,7 +246,7 @@ def _axle(source: str, name: str, given: Any) -> tuple[Axle, dict[str, Mapping[s
 
 
 def _box(
-    source: str, name: str, given: Mapping[str, Any], journey: Journey, shaft_speed: float, x: float, load: float
+    source: str, name: str, given: Mapping[str, Any], journey: Journey, shaft_speed: float, radius: float, x: float, load: float
 ) -> tuple[Configuration, Wheel, str]:
     """Return configuration and wheel of a box, and the box whose accelerometer is connected to its channel."""
     flat = flatten(given)
@@ -272,6 +272,7 @@ def _box(
         "publishing.frame": f"{name.replace('.', '/')}/outer_ring",
         **flat,
         "operating.speed": shaft_speed,
+        "operating.wheel_diameter": 2.0 * radius,
         "operating.load": load,
         "operating.lateral_load": x,
         "operating.speed_fluctuation": 0.0,

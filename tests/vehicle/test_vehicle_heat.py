@@ -78,6 +78,12 @@ def test_trailing_and_lee_boxes_have_less_air() -> None:
     assert air_share(-1, 1e4, trailing=True) == 0.8
 
 
+def test_the_air_at_a_box_has_the_speed_of_the_vehicle() -> None:
+    vehicle = read_vehicle("healthy_bogie", {"axle_1.radius": 0.35, "vehicle.speed_kmh": 72.0})
+    operating = [box.configuration.operating for box in vehicle.boxes]
+    assert [each.speed * 0.5 * each.wheel_diameter for each in operating] == pytest.approx([20.0] * 4, rel=1e-12)
+
+
 @pytest.mark.slow
 def test_a_vehicle_of_one_box_with_a_network_is_the_bench() -> None:
     vehicle = vehicle_of({**SMOOTH, "axle_1.left.thermal.law": "network", "vehicle.speed_kmh": 100.0}, "one box")
