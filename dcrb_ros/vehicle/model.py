@@ -105,7 +105,7 @@ class VehicleModel:
         """What was commanded: speed [m/s] and its ramp [m/s^2], curvature [1/m], cant [m], wind [N], brake [m/s^2]."""
         self.slides = np.array([axle.slide for axle in vehicle.axles])
         """Share by which each wheelset is to slide, shape (axles,) [-]."""
-        self._slide, self._slid = self.slides.copy(), np.zeros(len(vehicle.axles))
+        self._slide, self._slid = self.slides.copy(), np.zeros(len(vehicle.axles), np.bool_)
         settled = int(SETTLING / (self._interval * TICKS)) + 1
         behind = settled * TICKS * self._interval * self.targets["speed"]
         self._speed, self._place = self.targets["speed"], -behind
@@ -234,10 +234,10 @@ class VehicleModel:
         events, time = [], self._rolled * FRAME / self.rate
         for p, axle in enumerate(self.vehicle.axles):
             wanted = float(self.slides[p])
-            if self._rolled >= 0 and wanted != self._slid[p]:
+            if self._rolled >= 0 and (wanted > 0.0) != self._slid[p]:
                 cause = "slide" if wanted > 0.0 else "slide_end"
                 events.append(TrackEvent(time, place + axle.x, axle.name, cause, wanted * float(speed[0])))
-                self._slid[p] = wanted
+                self._slid[p] = wanted > 0.0
         before, step = self._slide, SLIDING / speed[0] * self._interval * TICKS
         self._slide = before + np.clip(self.slides - before, -step, step)
         return events, self._creep - (before[:, None] + (self._slide - before)[:, None] * (np.arange(TICKS + 1) / TICKS))

@@ -326,6 +326,16 @@ def test_a_slide_slows_the_wheelset_and_the_truth_has_time_and_place() -> None:
     assert min(plan.creep[1] for plan in plans) == pytest.approx(-0.2)
 
 
+def test_a_slide_that_grows_begins_and_ends_once() -> None:
+    model = VehicleModel(smooth(vehicle__speed_kmh=72.0))
+    events = []
+    for slide in (0.0, *np.linspace(0.01, 0.2, 20), *np.linspace(0.19, 0.0, 20)):
+        model.slides[1] = slide
+        events += model.plan().events
+    events += model.plan().events
+    assert [event.cause for event in events] == ["slide", "slide_end"]
+
+
 @pytest.mark.parametrize(("kmh", "expected"), [(10.0, 0.24), (40.0, 0.46), (120.0, 0.46)])
 def test_a_flat_strikes_with_the_jump_of_both_regimes(kmh: float, expected: float) -> None:
     assert jump(0.04, 1.0, 0.46, kmh / 3.6, 46e3) == pytest.approx(expected, abs=0.006)
