@@ -220,6 +220,12 @@ def test_the_shipped_exam_covers_boxes_components_and_cross_talk() -> None:
         ({"scenarios": []}, "defines no scenario"),
         ({"set": {"time_scale": 2.0}}, "time_scale has no effect in an exam"),
         ({"scenarios": [{"name": ""}]}, "name"),
+        ({"set": {"publishing": {"burst_length": 1.0, "burst_period": 5.0}}}, "'x': publishing.burst_period = 5 causes gaps"),
+        ({"set": {"publishing.loss_probability": 0.1}}, "'x': publishing.loss_probability = 0.1 causes gaps, which the exam of a vehicle"),
+        (
+            {"scenarios": [{"name": "x", "set": {"axle_1.left.publishing.loss_probability": [0.0, 0.5]}}]},
+            "'x': publishing.loss_probability = 0.5 causes gaps",
+        ),
         ({"vehicle": "no_such"}, "no_such"),
         (
             {"scenarios": [{"name": "x", "boxes": ["axle_1.left", "axle_1.lefd"], "damaged": {"box": "sensor"}}]},

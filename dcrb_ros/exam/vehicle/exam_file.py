@@ -34,8 +34,8 @@ PLACEHOLDER = "box"
 DRAWN = ("vehicle.seed", "track.seed", "paths.seed")
 """Seeds of a vehicle that an exam draws."""
 CANT, CURVATURE = "vehicle.cant", "vehicle.curvature"
-FAULTY = re.compile(r"\.(bench|faults|sensor)\b")
-"""Keys of a box on which its correct verdict depends."""
+CHECKED = re.compile(r"(^|\.)(bench|faults|sensor|publishing)\b")
+"""Keys on which the correct verdict of a box depends, or whether its signal has gaps."""
 MOST_CASES = 2000
 """Vehicles of an exam at most [-]."""
 
@@ -200,7 +200,7 @@ def _cases(
         # The other values are checked when the vehicle is simulated.
         about: set[object] = {
             (point, variant),
-            canonical([damaged, [[key, str(value)] for key, value in own.items() if FAULTY.search(key)]]),
+            canonical([damaged, [[key, str(value)] for key, value in own.items() if CHECKED.search(key)]]),
         }
         if not about <= checked:
             checked |= about
@@ -226,12 +226,18 @@ def _check_entry(file: VehicleExamFile, entry: VehicleEntry, changes: Mapping[st
 
 
 def _check_verdicts(case: VehicleCase, where: str) -> None:
-    """Refuse an invalid vehicle, verdicts on boxes that it lacks, and verdicts that the faults of its boxes contradict."""
+    """Refuse an invalid vehicle, gaps, verdicts on boxes that it lacks, and verdicts that the faults of its boxes contradict."""
     boxes = {box.name: box for box in case.vehicle().boxes}
     stranger = next((name for name in case.damaged if name not in boxes), None)
     if stranger is not None:
         raise Refusal(f"{where}: damaged names the box '{stranger}'{nearest(stranger, boxes)} (known: {', '.join(boxes)})")
     for box in boxes.values():
+        publishing = box.configuration.publishing
+        for key in ("loss_probability", "burst_period"):
+            if value := getattr(publishing, key):
+                raise Refusal(
+                    f"{where}: publishing.{key} = {value:g} causes gaps, which the exam of a vehicle does not simulate: set it to 0"
+                )
         verdict, correct = case.damaged.get(box.name, "healthy"), class_of(box.configuration.described_faults())
         if contradicts(verdict, [correct]):
             raise Refusal(
