@@ -64,7 +64,8 @@ class TurnAverage:
         if bins > MOST_BINS:
             self._clear()
             return segment
-        if bins != self._bins:
+        # A speed at a power of two does not begin the average anew again and again.
+        if bins != self._bins != 2 * bins:
             self._clear()
             self._bins = bins
         forward = np.maximum.accumulate(turns if self._forward else -turns)

@@ -40,6 +40,14 @@ def test_whole_orders_are_removed_while_the_speed_rises(order: float, direction:
     assert rms(removed(turns, np.cos(TURN * order * turns))) < 0.02 * 0.5**0.5
 
 
+def test_the_average_goes_on_where_samples_per_turn_pass_a_power_of_two() -> None:
+    """There are 2048 samples in a turn at 25 Hz; the mean speed of the hops alternates between 24.9 and 25.1 Hz."""
+    turns = 25.0 * TIME - 0.2 / TURN * np.cos(TURN * TIME)
+    noise = np.random.default_rng(1).normal(size=len(TIME))
+    assert np.square(removed(turns, noise)[-HOP:]).mean() == pytest.approx(1.0 - 1.0 / 75.0, abs=0.03)  # six hops of 12.5 turns
+    assert rms(removed(turns, np.cos(TURN * 87.0 * turns))) < 0.02 * 0.5**0.5
+
+
 @pytest.mark.parametrize("order", [7.31, 87.44])
 def test_other_orders_are_kept(order: float) -> None:
     turns = 18.3 * TIME
