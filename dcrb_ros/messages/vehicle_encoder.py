@@ -42,6 +42,7 @@ class VehicleEncoder:
         self._frames = encode_frames(vehicle)
         self._pose = Pose(0.0, 0.0, 0.0)
         self._place: float | None = None
+        """Place at the last block [m]; the first one begins at 0, or in the middle of a run."""
 
     def start(self, time_ns: int = 0) -> list[Message]:
         """Return the messages that precede the first block, which begins at ``time_ns``."""
@@ -53,9 +54,8 @@ class VehicleEncoder:
         messages = [message for name, box in block.boxes.items() for message in self._encoders[name].encode(box)]
         truth = block.truth
         curvature = truth.commanded.get("curvature", 0.0)
-        if self._place is not None:
-            self._pose = self._pose.moved(truth.place - self._place, curvature)
-        self._place = truth.place
+        before = self._place if self._place is not None else truth.place if truth.time_ns else 0.0
+        self._pose, self._place = self._pose.moved(truth.place - before, curvature), truth.place
         if repeats_with(next(iter(block.boxes.values()))):
             messages.append(Message(VEHICLE_DESCRIPTION, truth.time_ns, self._description))
         messages.append(Message(VEHICLE_TRUTH, truth.time_ns, encode_vehicle_truth(truth)))
