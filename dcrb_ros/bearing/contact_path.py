@@ -16,8 +16,8 @@ from dcrb_ros.settings.loaded_contacts import heaviest, material_of
 
 FIRST_WEIGHTS = 32
 """Results of `contact_weight` in a process that are cached on disk [-]: more than a bearing with a dozen defects needs."""
-AVERAGING_FORCE = 20e3
-"""Force whose half-width averages the heights [N]."""
+AVERAGING_FORCE = 20e3 / (0.015 * 0.048)
+"""Force whose half-width averages the heights, over radius and length of a roller [N/m^2]: the same pressure in bearings of any size."""
 BRIDGED = 1e-9
 """Gap under a rigid roller from which on it bridges missing metal [m]."""
 EDGE_AVERAGE = 0.5
@@ -65,7 +65,7 @@ def half_width(configuration: Configuration, radius: float) -> float:
         curvature = inner if radius < bearing.roller_radius else outer
         return hertz.semiaxes(curvature, heaviest(configuration), bearing.effective_modulus)[1]
     along = radius / math.cos(bearing.contact_angle)
-    return math.sqrt(4.0 * along * AVERAGING_FORCE / (math.pi * bearing.roller_length * bearing.effective_modulus))
+    return math.sqrt(4.0 * along * AVERAGING_FORCE * bearing.roller_radius / (math.pi * bearing.effective_modulus))
 
 
 def reduced_radii(configuration: Configuration) -> tuple[float, float]:

@@ -7,7 +7,7 @@ from typing import Any
 
 from dcrb_ros.core.laws import LUBRICATION_LAWS, lugre
 from dcrb_ros.core.laws.film import MICRO_SLIP
-from dcrb_ros.core.laws.lubricants import LAYERS, lubricant_of
+from dcrb_ros.core.laws.lubricants import LAYERS, OIL_SHARES, lubricant_of
 from dcrb_ros.core.laws.site import Material
 from dcrb_ros.core.laws.viscosity import COLDEST, HOTTEST, Lubricant, dynamic_viscosity
 from dcrb_ros.settings.configuration import Configuration
@@ -15,6 +15,8 @@ from dcrb_ros.settings.oil_limits import most_viscosity
 
 LAST_LAYER = 0.02e-6
 """Layer of a bearing that has lost all lubricant [m] (a choice)."""
+LAST_SHARE = 1e-6
+"""Share of the oil about the rollers of such a bearing [-], above 0, which would stand for the usual one."""
 DRY_FRICTION = 0.30
 """Friction coefficient of steel without lubricant, at asperities, bars and lands [-] (a choice)."""
 SMEARING = 0.016
@@ -42,18 +44,18 @@ def held(lubricant: Lubricant, law: str, temperature: float) -> float:
 def remaining(configuration: Configuration, loss: float) -> dict[str, Any]:
     """Return the parameters of lubrication after the share ``loss`` of the lubricant is lost; all of it leaves `LAST_LAYER`.
 
-    With the share x, the layer is H (1 - x) + H_last x, the friction of asperities mu_b + (0.30 - mu_b) x^2, and their slip in rolling
-    0.004 + 0.016 x^3.
+    With the share x, the layer is H (1 - x) + H_last x, the oil at bars, lands and about the rollers goes with 1 - x, the friction of
+    asperities is mu_b + (0.30 - mu_b) x^2, and their slip in rolling 0.004 + 0.016 x^3. An overfill adds to the share about the rollers.
     """
     values = dict(configuration.lubrication)
-    overfilled = configuration.faults.condition.oil_share
-    if overfilled > 0.0:
-        values["oil_share"] = overfilled
+    filled = (values["oil_share"] or OIL_SHARES[values["lubricant"]]) + configuration.faults.condition.oil_share
     if loss == 0.0:
-        return values
+        return values | {"oil_share": filled}
     layer, boundary = values["layer"] or LAYERS[values["lubricant"]], values["boundary_friction"]
     return values | {
         "layer": layer * (1.0 - loss) + min(LAST_LAYER, layer) * loss,
+        "land_fill": values["land_fill"] * (1.0 - loss),
+        "oil_share": filled * max(1.0 - loss, LAST_SHARE),
         "pocket_layer": values["pocket_layer"] * (1.0 - loss),
         "boundary_friction": boundary + max(DRY_FRICTION - boundary, 0.0) * loss**2,
         "micro_slip": MICRO_SLIP + SMEARING * loss**3,

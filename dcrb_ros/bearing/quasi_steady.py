@@ -37,11 +37,11 @@ LEAST_FORCE = 1.0
 """Force below which a roller does not touch a raceway [N]."""
 
 
-def lost_in_grease(configuration: Configuration, orbit: float) -> float:
-    """Return the power that the rollers of a row lose in an overfill [W], 0.5 rho f C_d 2 r_R L v^3 each, as they orbit [rad/s]; 0 where
-    the law of lubrication has that drag in its motion."""
+def lost_in_grease(configuration: Configuration, orbit: float, loss: float) -> float:
+    """Return the power that the rollers of a row lose in an overfill [W], 0.5 rho f C_d 2 r_R L v^3 each, as they orbit [rad/s] after a
+    loss of lubricant [-]; 0 where the law of lubrication has that drag in its motion."""
     c, b = configuration, configuration.bearing
-    share = c.faults.condition.oil_share
+    share = c.faults.condition.oil_share * (1.0 - loss)
     if share == 0.0 or c.lubrication.law == "film_with_cages":
         return 0.0
     mass = density(lubricant_of(dict(c.lubrication)), c.lubrication.temperature) * share
@@ -116,7 +116,7 @@ class QuasiSteady:
             inlets = self.inlets(temperatures, row)
             oil = lubrication_at(self.configuration, self._material, loss, *inlets)
             raceways = [self._rolling(oil, running, number) for number in (0, 1)]
-            conductances.append((*raceways, self._rest(oil, running)))
+            conductances.append((*raceways, self._rest(oil, running, loss)))
         return conductances  # type: ignore[return-value]
 
     def inlets(self, temperatures: Sequence[float], row: int) -> tuple[float, float]:
@@ -173,10 +173,10 @@ class QuasiSteady:
             lost += count * 2.0 * film_memory(film, force).resistance * speed
         return float(lost) / len(forces)
 
-    def _rest(self, oil: Any, running: Running) -> float:
-        """Return what a row loses about its cage and in its seals [W]."""
+    def _rest(self, oil: Any, running: Running, loss: float) -> float:
+        """Return what a row loses about its cage and in its seals [W], after a loss of lubricant [-]."""
         c, b = self.configuration, self.configuration.bearing
-        rest = seal_heat(c, running.speed) + lost_in_grease(c, running.orbit)
+        rest = seal_heat(c, running.speed) + lost_in_grease(c, running.orbit, loss)
         if law_of(oil).has_cage_oil and has_cage_oil(oil):
             orbit = abs(running.orbit)
             radius = c.cage.land_radius or 0.5 * (b.pitch_radius + b.outer_raceway_radius)

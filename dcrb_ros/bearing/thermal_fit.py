@@ -38,6 +38,8 @@ class OilState(NamedTuple):
     """Temperature at the inlets of the inner raceway [deg C]."""
     outer: float
     """The same of the outer raceway."""
+    overfill: float
+    """Share of grease about the rollers of an overfilled bearing, otherwise 0 [-]."""
 
 
 class Growth(NamedTuple):
@@ -53,12 +55,13 @@ class Growth(NamedTuple):
         return self.outer - self.inner - 2.0 * self.roller
 
 
-def oil_state(loss: float, inner: float, outer: float) -> OilState:
-    """Return the state of the oil, rounded to the resolutions above."""
+def oil_state(loss: float, inner: float, outer: float, overfill: float) -> OilState:
+    """Return the state of the oil, loss and temperatures rounded to the resolutions above."""
     return OilState(
         round(loss / LOSS_RESOLUTION) * LOSS_RESOLUTION,
         round(inner / OIL_RESOLUTION) * OIL_RESOLUTION,
         round(outer / OIL_RESOLUTION) * OIL_RESOLUTION,
+        overfill,
     )
 
 

@@ -16,7 +16,7 @@ class OverfilledGrease(Fault):
     component = "lubrication"
 
     share: float = quantity(
-        0.0, "-", "Share of the space about the rollers that grease fills; 0 for a bearing that is not overfilled", 0.0, 0.5, run_time=True
+        0.0, "-", "Share of the space about the rollers that grease fills beyond the normal filling", 0.0, 0.5, run_time=True
     )
 
     @property
@@ -31,4 +31,4 @@ class OverfilledGrease(Fault):
     @classmethod
     def words(cls, name: str, fields: Mapping[str, float]) -> str:
         """Return the share."""
-        return f"overfilled with grease to {100.0 * fields['share']:.3g} %"
+        return f"overfilled with grease by {100.0 * fields['share']:.3g} %"

@@ -19,6 +19,12 @@ def impact_limits(c: ParameterGroups) -> Iterator[str]:
             f"impacts.element_share + impacts.shaft_share = {i.element_share + i.shaft_share:g} is above 1: they are shares of one "
             "variance; reduce one of them"
         )
+    for name in ("element_share", "shaft_share"):
+        if getattr(i, name) > 0.0 and i.spread == 0.0:
+            yield (
+                f"impacts.{name} = {getattr(i, name):g} is a share of the variance of impacts.spread, which is 0: set it, or leave "
+                f"impacts.{name} at 0"
+            )
     if LARGEST_AXIAL_SHARE < i.axial_share < OFF:
         yield (
             f"impacts.axial_share = {i.axial_share:g} is between {LARGEST_AXIAL_SHARE:g} and 1: give 0 .. {LARGEST_AXIAL_SHARE:g}, "

@@ -39,8 +39,6 @@ LARGEST_GROWTH = 0.02e-6
 LARGEST_LOSS = 2.0**-6
 """Largest change of the share of lost lubricant at once [-] (a choice): all of it goes within 0.16 s, in which rollers pass a place of a
 raceway some 20 times at 1200 rpm. Films that collapse within a step strike the rings."""
-LEAST_DURATION = 0.5
-"""Duration of a loss from which the change in a tick is made at once [s]: its blow is no louder than a bearing without lubricant."""
 HOTTEST = 600.0
 """Temperature at which the bearing is destroyed and the run ends [deg C]."""
 HOUR = 3600.0
@@ -142,8 +140,7 @@ class Heating:
                 self._warm(c, payload, state)
                 self._check_hottest(nanoseconds(steps, c.step_rate))
             self._aim = self._wanted(c)
-        largest = LARGEST_LOSS if c.faults.condition.duration < LEAST_DURATION else 1.0
-        self.loss = min(max(self._lost, self.loss - largest), self.loss + largest)
+        self.loss = min(max(self._lost, self.loss - LARGEST_LOSS), self.loss + LARGEST_LOSS)
         before = self._growth
         self._growth = Growth(
             *(present + min(max(aim - present, -LARGEST_GROWTH), LARGEST_GROWTH) for present, aim in zip(before, self._aim, strict=True))
@@ -262,7 +259,7 @@ class Heating:
             inner = powers[0][row] / both if both > 0.0 else 0.5
             raceways = sliding + resistance + contacts
             orbit = float(state.velocity[CAGE + row, 2])
-            rest = sum(about_cage) + seal_heat(c, speed) + lost_in_grease(c, orbit)
+            rest = sum(about_cage) + seal_heat(c, speed) + lost_in_grease(c, orbit, self.loss)
             heats.append([raceways * inner, raceways * (1.0 - inner), rest])
             conductances.append(
                 [
@@ -303,10 +300,10 @@ class Heating:
     def _oil_now(self, c: Configuration) -> OilState:
         """Return the state of the oil, at temperatures within the range of its formulas."""
         if not self.network_on:
-            return oil_state(self.loss, c.lubrication.temperature, c.lubrication.temperature)
+            return oil_state(self.loss, c.lubrication.temperature, c.lubrication.temperature, c.faults.condition.oil_share)
         lubricant, law = lubricant_of(dict(c.lubrication)), c.lubrication.law
         inner, outer = (held(lubricant, law, inlet) for inlet in self._inlets())
-        return oil_state(self.loss, inner, outer)
+        return oil_state(self.loss, inner, outer, c.faults.condition.oil_share)
 
     def _inlets(self) -> list[float]:
         """Return the temperatures of the oil at the inlets of inner and outer raceways, means of the rows [deg C]."""

@@ -31,6 +31,18 @@ def test_a_loss_takes_the_layers_and_adds_friction_and_slip(
     assert [found[name] for name in names] == pytest.approx([layer, pocket_layer, friction, slip], rel=1e-9)
 
 
+@pytest.mark.parametrize(("loss", "left"), [(0.0, 1.0), (0.5, 0.5), (1.0, 1e-6)])
+def test_a_loss_takes_the_oil_at_lands_and_orbit(loss: float, left: float) -> None:
+    found = remaining(bench("lubrication.land_fill=0.3"), loss)
+    assert found["land_fill"] == pytest.approx(0.3 * left, abs=1e-6)
+    assert found["oil_share"] == pytest.approx(0.005 * left, rel=1e-9)
+
+
+def test_an_overfill_adds_to_the_normal_filling() -> None:
+    overfilled = load_configuration("healthy", {"faults.overfilled.share": 0.05})
+    assert remaining(overfilled, 0.0)["oil_share"] == pytest.approx(0.055)
+
+
 def test_a_thin_layer_does_not_grow_and_high_friction_does_not_fall() -> None:
     found = remaining(bench("lubrication.layer=1e-8", "lubrication.boundary_friction=0.4"), 1.0)
     assert (found["layer"], found["boundary_friction"]) == pytest.approx((1e-8, 0.4), rel=1e-9)

@@ -17,6 +17,7 @@ from dcrb_ros.bearing.surfaces import build_surfaces, raceway_waves, short_waves
 from dcrb_ros.core.contacts.heights import Profile, Smooth, curve, marked, packed, place_of, unpacked
 from dcrb_ros.core.layout.records import Integers
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import load_configuration
 
 SPREADS = ("roller_spread", "clearance_spread", "row_spread", "run_out", "pocket_spread", "pocket_clearance_spread", "cage_unbalance")
 EVEN: dict[str, Any] = {"law": "profile", "waviness": 0, "waviness_spread": 0, "roundness": 0} | dict.fromkeys(SPREADS, 0)
@@ -111,6 +112,16 @@ def test_the_average_of_edges_affects_their_slope_but_not_the_depth(
         other, steeper = path_with(share)
         assert other == pytest.approx(depth, rel=1e-4)
         assert steeper / slope - 1.0 == pytest.approx(change, abs=0.006)
+
+
+def test_a_smaller_bearing_averages_over_the_half_width_of_the_same_pressure() -> None:
+    """p = E* b/(2 R): half-widths have the ratio of the reduced radii, however long the rollers."""
+    small = load_configuration("spherical_22205")
+    widths, radii = [], []
+    for c in (Configuration(), small):
+        radii.append(c.bearing.roller_radius)
+        widths.append(half_width(c, 0.5 * c.bearing.roller_radius))
+    assert widths[1] / widths[0] == pytest.approx(radii[1] / radii[0] / math.sqrt(math.cos(small.bearing.contact_angle)), rel=0.01)
 
 
 def test_waviness_has_its_root_mean_square_and_falls_with_the_order() -> None:

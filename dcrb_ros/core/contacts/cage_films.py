@@ -20,9 +20,9 @@ from dcrb_ros.core.layout.workspace import Workspace
 from dcrb_ros.core.payload import Payload, mobilities
 from dcrb_ros.core.solver.classification import bar_at
 
-NORMAL_X, NORMAL_Y, DAMPING, TORQUE, FORCE = range(5)
-"""Columns of ``Workspace.land_film``: direction from the lands' centre to the cage's [-], damping [N s/m], torque over the speed of the
-cage [N m s], and radial force of the last sweep [N]."""
+NORMAL_X, NORMAL_Y, OUTWARDS, INWARDS, TORQUE, FORCE = range(6)
+"""Columns of ``Workspace.land_film``: direction from the lands' centre to the cage's [-], damping of motion along and against it [N s/m],
+torque over the speed of the cage [N m s], and radial force of the last sweep [N]."""
 CONCENTRIC = 1e-15
 """Least distance of two centres, so that there is a direction from one to the other [m]."""
 
@@ -107,9 +107,10 @@ def write_land_films(payload: Payload, state: State, work: Workspace) -> None:
         dx, dy = state.position[CAGE + row, 0] - state.position[OUTER, 0], state.position[CAGE + row, 1] - state.position[OUTER, 1]
         distance = max(math.sqrt(dx * dx + dy * dy), CONCENTRIC)
         film[row, NORMAL_X], film[row, NORMAL_Y] = dx / distance, dy / distance
-        film[row, DAMPING] = land_damping(law, distance, payload.land_clearance, payload.land_radius)
+        film[row, OUTWARDS], film[row, INWARDS] = land_damping(law, distance, payload.land_clearance, payload.land_radius)
         film[row, TORQUE] = land_torque(law, payload.land_clearance, payload.land_radius)
-        film[row, FORCE] = film[row, DAMPING] * moving_out(work, row)
+        speed = moving_out(work, row)
+        film[row, FORCE] = film[row, OUTWARDS if speed > 0.0 else INWARDS] * speed
 
 
 @piece
@@ -138,14 +139,17 @@ def add_land_films(payload: Payload, work: Workspace) -> None:
 def resist_cage(payload: Payload, work: Workspace, row: int, x: float, y: float) -> tuple[float, float]:
     """Solve for the force of the lands' oil implicitly; return the mean velocity of a cage that would be (x, y) under the last force.
 
-    The oil is stiff against a light cage. Let v be its speed away from the lands' centre under the last force N, d the damping, and
-    mu = h (1/m_C + 1/m_O)/2. The new force is N + (d v - N)/(1 + mu d). Its change acts at once on cage and outer ring; that on the turn of
-    a cage whose centre of mass lies off its centre follows in the next sweep.
+    The oil is stiff against a light cage. Let v be its speed away from the lands' centre under the last force N, and
+    mu = h (1/m_C + 1/m_O)/2. Without the oil the speed would be v + mu N, whose sign selects the damping d. The new force is
+    d (v + mu N)/(1 + mu d). Its change acts at once on cage and outer ring; that on the turn of a cage whose centre of mass lies off its
+    centre follows in the next sweep.
     """
     film, outer = work.land_film, work.mean_velocity[OUTER]
     by_cage, by_outer = 0.5 * payload.step * payload.train_inverse[row, 0], 0.5 * payload.step / payload.outer_mass
     speed = (x - outer[0]) * film[row, NORMAL_X] + (y - outer[1]) * film[row, NORMAL_Y]
-    change = (film[row, DAMPING] * speed - film[row, FORCE]) / (1.0 + film[row, DAMPING] * (by_cage + by_outer))
+    free = speed + (by_cage + by_outer) * film[row, FORCE]
+    damping = film[row, OUTWARDS if free > 0.0 else INWARDS]
+    change = damping * free / (1.0 + damping * (by_cage + by_outer)) - film[row, FORCE]
     film[row, FORCE] += change
     outer[0] += by_outer * change * film[row, NORMAL_X]
     outer[1] += by_outer * change * film[row, NORMAL_Y]

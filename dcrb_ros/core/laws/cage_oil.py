@@ -9,13 +9,14 @@ the roller's surface past the bar:
 
     F = eta L pi sqrt(2 r_R) (q^(-1/2) - H^(-1/2)) s
 
-Two lands of the width B, short bearings whose clearance c_l is filled to a share (Ocvirk and DuBois 1953; full film, e the eccentricity
-over c_l, at most 0.95): damping of radial motion, and torque of the turning cage (Petroff)
+Two lands of the width B, short bearings whose clearance c_l is filled to a share (Ocvirk and DuBois 1953): damping of radial motion, and
+torque of the turning cage (Petroff); e is the eccentricity over c_l, at most 0.95, with the sign of the motion, so below 0 for a cage
+that comes back to the centre:
 
-    c = 2 pi eta R B^3 (1 + 2 e^2)/(c_l^3 (1 - e^2)^(5/2)) share,   T = 2 pi eta omega R^3 2 B/c_l share
+    c = 2 eta R B^3 I(e)/c_l^3 share,   I(e) = ((1 + 2 e^2) (pi/2 + arcsin e) + 3 e (1 - e^2)^(1/2))/(1 - e^2)^(5/2)
+    T = 2 pi eta omega R^3 2 B/c_l share
 
-c is the integral of eta R B^3 cos^2(phi)/gap^3 around both lands. With the sine it is the damping of motion across the eccentricity, with
-the factor (1 - e^2)^(-3/2).
+I is the integral of cos^2(phi)/(1 - e cos(phi))^3 over the half of the land that the cage approaches. In the other half the film cavitates.
 
 Drag on an orbiting roller in a mist of oil (Harris 2001):
 
@@ -28,6 +29,7 @@ import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+from dcrb_ros.core.arithmetic import HALF_PI
 from dcrb_ros.core.jit import kernel
 from dcrb_ros.core.laws.lubricants import OIL_SHARES, lubricant_of
 from dcrb_ros.core.laws.site import Material
@@ -36,8 +38,8 @@ from dcrb_ros.core.laws.viscosity import density
 
 BAR_FLOOR = 2e-6
 """Gap between roller and bar below which the film's resistance grows no more [m] (a choice: both are rough)."""
-LAND_WIDTH = 0.01
-"""Width B of each of the two lands of a cage [m]."""
+LAND_SHARE = 10.0 / 15.0
+"""Width B of each of the two lands of a cage over the radius of a roller [-] (a choice)."""
 MOST_ECCENTRICITY = 0.95
 """Of a cage in its lands [-]; nearer the elastic contact takes over."""
 DRAG_COEFFICIENT = 1.1
@@ -56,7 +58,7 @@ class CageOil(NamedTuple):
     shear: float
     """eta L pi sqrt(2 r_R) [N s m^(-1/2)]; 0 without a layer."""
     land_squeeze: float
-    """2 pi eta B^3 times the share that is filled [N s m^2]; 0 without a squeeze film."""
+    """2 eta B^3 times the share that is filled [N s m^2]; 0 without a squeeze film."""
     land_shear: float
     """2 pi eta 2 B times that share [N s/m]."""
     churning: float
@@ -82,15 +84,15 @@ def bar_shear(law: Any, gap: float) -> float:
 
 
 @kernel
-def land_damping(law: Any, offset: float, clearance: float, radius: float) -> float:
-    """Return the damping of the radial motion of a cage [N s/m] that is off the centre of its lands by ``offset`` [m]."""
-    oil = law.cage
+def land_damping(law: Any, offset: float, clearance: float, radius: float) -> tuple[float, float]:
+    """Return the damping [N s/m] of a cage that moves away from the centre of its lands, and of one that comes back, at an offset [m]."""
     eccentricity = min(offset / clearance, MOST_ECCENTRICITY)
     square = eccentricity * eccentricity
-    left = 1.0 - square
-    by_gap = 1.0 / (clearance * clearance * clearance * left * left * math.sqrt(left))
-    damping: float = oil.land_squeeze * radius * (1.0 + 2.0 * square) * by_gap
-    return damping
+    left, factor = 1.0 - square, 1.0 + 2.0 * square
+    root = math.sqrt(left)
+    scale = law.cage.land_squeeze * radius / (clearance * clearance * clearance * left * left * root)
+    even, odd = factor * HALF_PI, factor * math.asin(eccentricity) + 3.0 * eccentricity * root
+    return scale * (even + odd), scale * (even - odd)
 
 
 @kernel
@@ -114,13 +116,13 @@ def cage_oil(values: Mapping[str, Any], material: Material, viscosity: float, im
     # A layer thinner than the floor has no effect.
     layer, squeezes = max(values["pocket_layer"], BAR_FLOOR), float(values["squeeze"])
     squeeze = squeeze_coefficient(viscosity, length, radius)
-    share = values["oil_share"] or OIL_SHARES[values["lubricant"]]
+    share, width = values["oil_share"] or OIL_SHARES[values["lubricant"]], LAND_SHARE * radius
     return CageOil(
         squeeze=squeeze * squeezes,
         floor=min(max(BAR_FLOOR, float(squeeze_floor(squeeze, impedance, layer))), layer),
         layer=layer,
         shear=math.pi * viscosity * length * math.sqrt(2.0 * radius),
-        land_squeeze=2.0 * math.pi * viscosity * LAND_WIDTH**3 * values["land_fill"] * squeezes,
-        land_shear=2.0 * math.pi * viscosity * 2.0 * LAND_WIDTH * values["land_fill"],
+        land_squeeze=2.0 * viscosity * width**3 * values["land_fill"] * squeezes,
+        land_shear=2.0 * math.pi * viscosity * 2.0 * width * values["land_fill"],
         churning=DRAG_COEFFICIENT * density(lubricant_of(values), values["temperature"]) * share * radius * length,
     )

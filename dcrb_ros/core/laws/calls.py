@@ -181,8 +181,8 @@ def bar_shear(law: Any, gap: float) -> float:  # type: ignore[empty-body]
 
 
 @by_law
-def land_damping(law: Any, offset: float, clearance: float, radius: float) -> float:  # type: ignore[empty-body]
-    """Return the damping [N s/m] of the radial motion of a cage that lies off its lands' centre by an offset [m]."""
+def land_damping(law: Any, offset: float, clearance: float, radius: float) -> tuple[float, float]:  # type: ignore[empty-body]
+    """Return the damping [N s/m] of a cage that moves away from its lands' centre, and of one that comes back, at an offset [m]."""
 
 
 @by_law

@@ -42,8 +42,8 @@ OFFSET_FORCE = 10e3
 """Force at which the thickness of the film is taken that lifts the bodies [N]; over 1 to 30 kN it changes by a seventh."""
 WEDGE = 4.9
 """Martin's factor [-]."""
-IMPACT_STIFFNESS = 1.2e9
-"""Stiffness of a contact in a blow [N/m], for the largest damping of a squeeze film."""
+IMPACT_STIFFNESS = 1.2e9 / 0.048
+"""Stiffness of a contact in a blow over the length of a roller [N/m^2], for the largest damping of a squeeze film."""
 MENISCUS_LAYERS = 2.0
 """Height of the inlet meniscus over the thickness of the layer [-]: both surfaces bring oil."""
 HYSTERESIS = 0.007
@@ -308,7 +308,7 @@ def warmed(values: Mapping[str, Any], material: Material, inner: float, outer: f
         resists=float(values["rolling_resistance"]),
         modulus=2.0 * material.effective_modulus,
         length=material.roller_length * math.cos(material.contact_angle),
-        impedance=math.sqrt(material.roller_mass * IMPACT_STIFFNESS),
+        impedance=math.sqrt(material.roller_mass * IMPACT_STIFFNESS * material.roller_length),
         inner=raceway_oil(material, inner_site(material), lubricant, inner),
         outer=raceway_oil(material, outer_site(material), lubricant, outer),
     )

@@ -116,8 +116,8 @@ def _no_bar_film(law: Any, gap: float) -> float:
     return 0.0
 
 
-def _no_land_film(law: Any, offset: float, clearance: float, radius: float) -> float:
-    return 0.0
+def _no_land_film(law: Any, offset: float, clearance: float, radius: float) -> tuple[float, float]:
+    return 0.0, 0.0
 
 
 def _no_land_torque(law: Any, clearance: float, radius: float) -> float:
@@ -180,8 +180,9 @@ class LubricationLaw:
     """Kernel (law, gap): damping [N s/m] of a roller that approaches a bar at a gap [m]."""
     bar_shear: Callable[..., float] = _no_bar_film
     """Kernel (law, gap): drag of a bar over the speed of the roller's surface past it [N s/m]."""
-    land_damping: Callable[..., float] = _no_land_film
-    """Kernel (law, offset, clearance, radius): damping of a cage's radial motion in its lands [N s/m]; lengths in [m]."""
+    land_damping: Callable[..., tuple[float, float]] = _no_land_film
+    """Kernel (law, offset, clearance, radius): damping of a cage that moves away from its lands' centre, and of one that comes
+    back [N s/m]; lengths in [m]."""
     land_torque: Callable[..., float] = _no_land_torque
     """Kernel (law, clearance, radius): torque of the lands over the speed of the cage [N m s]."""
     churning: Callable[..., float] = _no_range

@@ -38,7 +38,7 @@ class Workspace(NamedTuple):
     force_of_bound: Floats
     """The same from bound rollers and between cages and lands."""
     land_film: Floats
-    """The oil of each cage's lands, shape (rows, 5); see `dcrb_ros.core.contacts.cage_films`."""
+    """The oil of each cage's lands, shape (rows, 6); see `dcrb_ros.core.contacts.cage_films`."""
     pair_force: Floats
     """Force, and torque over r_R, on free rollers from other rollers, shape (rows, rollers, 3) [N]."""
     inner_notch_direction: Floats
@@ -61,7 +61,7 @@ def workspace(payload: Payload) -> Workspace:
         train_moment=np.zeros((rows, 2)),
         force_of_free=np.zeros((2 + rows, 3)),
         force_of_bound=np.zeros((2 + rows, 3)),
-        land_film=np.zeros((rows, 5)),
+        land_film=np.zeros((rows, 6)),
         pair_force=np.zeros((rows, rollers, 3)),
         inner_notch_direction=np.zeros((payload.inner_notches.row.size, 2)),
         outer_notch_direction=np.zeros((payload.outer_notches.row.size, 2)),

@@ -137,6 +137,11 @@ def test_a_mark_on_a_ball_is_hit_as_often_as_an_axis_of_any_direction_says() -> 
     [
         ("ball_bearing_6205", "impacts.axial_share=0.9", r"impacts\.axial_share = 0\.9 is between 0\.8 and 1: give 0 \.\. 0\.8"),
         ("healthy", "impacts.spin_memory=1.0", r"impacts\.spin_memory = 1 s belongs to balls, and contact\.law = johnson"),
+        (
+            "healthy",
+            "impacts.element_share=0.5",
+            r"element_share = 0\.5 is a share of the variance of impacts\.spread, which is 0",
+        ),
         ("paper", "impacts.spread=0.5", r"impacts\.spread = 0\.5 needs surfaces\.law = profile, and it is smooth"),
     ],
 )

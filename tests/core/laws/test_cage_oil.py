@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dcrb_ros.core.laws.cage_oil import LAND_WIDTH
+from dcrb_ros.core.laws.cage_oil import LAND_SHARE
 from dcrb_ros.core.laws.calls import bar_damping, bar_shear, churning, has_cage_oil, land_damping, land_torque
 from dcrb_ros.core.laws.dry import Dry
 from dcrb_ros.core.laws.film_with_cages import FilmWithCages, build
@@ -54,19 +54,34 @@ def test_shear_at_a_bar_is_couette_flow_in_its_gap() -> None:
 
 
 def test_lands_damp_and_drag_as_short_bearings() -> None:
-    """Two lands filled with oil: Reynolds' equation of a short bearing whose gap changes along the eccentricity."""
+    """Two lands 10 mm wide, filled with oil: Reynolds' equation of a short bearing, without the half in which the film cavitates."""
     found, turn = oil(), np.linspace(0.0, 2.0 * math.pi, 200001)
     for eccentricity in (0.0, 0.5, 0.9):
-        gap = LAND_CLEARANCE * (1.0 + eccentricity * np.cos(turn))
-        # The pressure is 6 eta dh/dt (z^2 - B^2/4)/h^3 at the distance z from the middle of a land, and dh/dt is the cosine at 1 m/s.
-        exact = 2.0 * VISCOSITY * LAND_WIDTH**3 * LAND_RADIUS * np.trapezoid(np.cos(turn) ** 2 / gap**3, turn)
-        assert land_damping(found, eccentricity * LAND_CLEARANCE, LAND_CLEARANCE, LAND_RADIUS) == pytest.approx(exact, rel=1e-3)
+        gap = LAND_CLEARANCE * (1.0 - eccentricity * np.cos(turn))
+        for sign, damping in zip((1.0, -1.0), land_damping(found, eccentricity * LAND_CLEARANCE, LAND_CLEARANCE, LAND_RADIUS), strict=True):
+            opening = -sign * np.cos(turn)
+            # At the distance z from the middle of a land and 1 m/s: p = 6 eta dh/dt (z^2 - B^2/4)/h^3.
+            force = np.where(opening < 0.0, VISCOSITY * (LAND_SHARE * RADIUS) ** 3 * opening * np.cos(turn) / gap**3, 0.0)
+            exact = 2.0 * LAND_RADIUS * abs(np.trapezoid(force, turn))
+            assert damping == pytest.approx(exact, rel=1e-3)
     assert land_damping(found, 2.0 * LAND_CLEARANCE, LAND_CLEARANCE, LAND_RADIUS) == land_damping(
         found, 0.95 * LAND_CLEARANCE, LAND_CLEARANCE, LAND_RADIUS
     )
     assert 52.7 * land_torque(found, LAND_CLEARANCE, LAND_RADIUS) == pytest.approx(0.54, rel=0.01)
     half = oil(land_fill=0.5)
     assert land_torque(half, LAND_CLEARANCE, LAND_RADIUS) == 0.5 * land_torque(found, LAND_CLEARANCE, LAND_RADIUS)
+
+
+def test_lands_and_blows_of_other_rollers_are_in_proportion() -> None:
+    made = Configuration.model_validate({"lubrication": {"law": "film_with_cages"}})
+    usual = material_of(made.bearing)
+    values = dict(made.lubrication)
+    large, thin, short = (
+        build(values, usual._replace(**size)) for size in ({}, {"roller_radius": RADIUS / 4}, {"roller_length": LENGTH / 4})
+    )
+    away, thin_away = (land_damping(law, 1e-4, LAND_CLEARANCE, LAND_RADIUS)[0] for law in (large, thin))
+    assert thin_away == pytest.approx(away / 4.0**3)
+    assert short.raceways.impedance == pytest.approx(0.5 * large.raceways.impedance)
 
 
 def test_a_mist_of_oil_takes_some_watts_from_orbiting_rollers() -> None:
@@ -79,6 +94,7 @@ def test_a_mist_of_oil_takes_some_watts_from_orbiting_rollers() -> None:
 def test_without_oil_nothing_acts_on_cages() -> None:
     assert has_cage_oil(oil())
     assert not has_cage_oil(Dry())
-    assert bar_damping(oil(squeeze=False), 1e-5) == land_damping(oil(squeeze=False), 0.0, LAND_CLEARANCE, LAND_RADIUS) == 0.0
+    assert bar_damping(oil(squeeze=False), 1e-5) == 0.0
+    assert land_damping(oil(squeeze=False), 0.0, LAND_CLEARANCE, LAND_RADIUS) == (0.0, 0.0)
     assert bar_shear(oil(pocket_layer=0.0), 1e-7) == 0.0
     assert bar_damping(Dry(), 1e-7) == bar_shear(Dry(), 1e-7) == churning(Dry()) == 0.0
