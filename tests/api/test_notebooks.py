@@ -58,6 +58,7 @@ def test_home_pages_show_the_five_lines(page: str) -> None:
     assert f"```python\n{five_lines()}```" in (ROOT / page).read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_five_lines_show_a_first_fault(tmp_path: Path) -> None:
     command, environment = [sys.executable, str(ROOT / "examples" / "first_fault.py")], {**os.environ, "MPLBACKEND": "Agg"}
     done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=600)

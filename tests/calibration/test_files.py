@@ -14,6 +14,8 @@ from dcrb_ros.calibration.files import intervals_of
 from dcrb_ros.cli.app import app
 from dcrb_ros.settings.files import load_configuration
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def machine(tmp_path_factory: pytest.TempPathFactory) -> Path:

@@ -13,10 +13,11 @@ from made_up_blocks import recorded
 from same_process import dcrb
 from separate_process import stopped_dcrb
 
+pytestmark = pytest.mark.slow
+
 ABOUT = {"channels": {"ax": "de"}, "unit": "g", "speed_rpm": 1797, "sampling_rate": 12000}
 ORDERS = {"FTF": 0.39828, "BPFO": 3.5848, "BPFI": 5.4152, "BSF": 2.35695}
 BEARING = ("-F", "59.5", "-E", "81.5", "-Z", "16", "--roller-diameter", "11", "--roller-length", "16", "--rpm", "1500")
-FAST = ("export", "config", "collect")
 # The command, the wait for the disk during which it is stopped, and what it writes.
 COMMANDS = (
     (("plot", "bag", "-o", "a.png"), 1, ["a.png"]),
@@ -55,7 +56,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.mark.timeout(400)
 @pytest.mark.parametrize(
     ("command", "at", "written"),
-    [pytest.param(*case, marks=() if case[0][0] in FAST else pytest.mark.slow, id=" ".join(case[0][:3])) for case in COMMANDS],
+    [pytest.param(*case, id=" ".join(case[0][:3])) for case in COMMANDS],
 )
 def test_a_stopped_command_can_be_repeated(command: tuple[str, ...], at: int, written: list[str], folder: Path) -> None:
     before = contents(folder)
@@ -77,7 +78,7 @@ def test_what_a_killed_command_left_is_not_an_entry(folder: Path, capsys: pytest
     assert "entries has no .json file" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("at", [1, pytest.param(3, marks=pytest.mark.slow), pytest.param(4, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("at", [1, 3, 4])
 def test_an_import_that_is_stopped_at_its_start_or_end_leaves_nothing(at: int, folder: Path) -> None:
     before = set(folder.iterdir())
     stopped = stopped_dcrb("SIGTERM", at, "import", "a.npz", "--about", "about.yaml", "-o", "imported")

@@ -54,6 +54,7 @@ def test_each_set_of_kernels_is_announced_with_its_laws() -> None:
     assert said == [OF_LAWS.format(laws=laws) for laws in ("johnson, lugre", "power, film")]
 
 
+@pytest.mark.slow
 def test_the_first_worker_announces_what_it_compiles(tmp_path: Path) -> None:
     code = "import numba, sys\nfrom dcrb_ros.core.announcement import announce_laws\n"
     code += "for laws in sys.argv[1:]:\n    announce_laws(laws)\n    numba.njit(lambda number: number + 1)(1)"

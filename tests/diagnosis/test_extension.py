@@ -36,6 +36,7 @@ def test_a_rule_is_one_file_and_one_line() -> None:
     assert effort(PAGE) == (1, 1)
 
 
+@pytest.mark.slow
 def test_the_new_rule_reaches_a_verdict(tmp_path_factory: pytest.TempPathFactory) -> None:
     found = json.loads(run(copied_package(tmp_path_factory.mktemp("package"), PAGE), DIAGNOSE))
     verdict, reason, score = found["rubbing"]

@@ -30,6 +30,7 @@ def a_mat_with_a_structure(path: Path) -> None:
     savemat(path, {"s": {"x": np.zeros(60_000_000)}}, do_compression=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("write", "name"), [(a_parquet_of_lists, "x.parquet"), (a_mat_with_a_structure, "x.mat")])
 def test_nested_values_are_bounded_before_they_are_loaded(write: object, name: str, tmp_path: Path) -> None:
     path = tmp_path / name
@@ -57,6 +58,7 @@ def test_channels_beside_nested_values_are_read(tmp_path: Path) -> None:
         assert len(channel(read_external(tmp_path / "x.mat"), tmp_path / "x.mat", "s.x")) == 100_000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", list(MOST_PER_SAMPLE))
 def test_the_memory_of_a_conversion_is_bounded_by_that_of_its_samples(command: str, tmp_path: Path) -> None:
     samples = 2_000_000

@@ -42,6 +42,7 @@ def test_a_stage_is_one_file_and_one_line() -> None:
     assert effort(PAGE) == (1, 1)
 
 
+@pytest.mark.slow
 def test_the_new_stage_changes_the_samples_as_described(environment: dict[str, str]) -> None:
     found = json.loads(run(environment, MEASURE))
     assert found["without"] == pytest.approx([10.0, 10.0])

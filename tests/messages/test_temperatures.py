@@ -18,6 +18,7 @@ from dcrb_ros.stream.block import Truth
 TOPICS = (OUTER_RING_TEMPERATURE, BOX_TEMPERATURE, AMBIENT_TEMPERATURE)
 
 
+@pytest.mark.slow
 def test_a_recording_has_the_readings_of_each_second_and_is_made_again_bit_for_bit(tmp_path: Path) -> None:
     bag, again = tmp_path / "warm", tmp_path / "again"
     said = CliRunner().invoke(app, ["simulate", "healthy", "-o", str(bag), "--duration", "1.1", "--set", "thermal.law=network"])

@@ -15,6 +15,7 @@ SUPPORT = Path(__file__).parents[1] / "support"
 CRASH, FAIL, PASS = "import os; os._exit(139)", "assert False", "pass"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("bodies", "status"),
     [((PASS,), 0), ((FAIL, PASS), 1), ((CRASH, PASS), CRASHED), ((CRASH, FAIL, PASS), 1)],

@@ -142,6 +142,7 @@ def test_the_picture_of_the_levels_begins_with_the_first_judgement(monkeypatch: 
         assert np.isfinite(np.asarray(line.get_ydata(), float)).tolist() == judged
 
 
+@pytest.mark.slow
 def test_two_runs_of_the_command_write_the_same_bytes(tmp_path: Path) -> None:
     bags = [str(BAGS / "outer_ring_defect"), str(BAGS / "run_up")]
     pages = []

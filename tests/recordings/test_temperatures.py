@@ -24,6 +24,7 @@ def run() -> SimulationResult:
     return dcrb_ros.simulate("healthy", DURATION, settings={"thermal.law": "network"})
 
 
+@pytest.mark.slow
 def test_a_recording_has_the_readings_of_its_run(run: SimulationResult, tmp_path: Path) -> None:
     simulation = Simulation(run.configuration)
     with Recorder(tmp_path / "warm", run.configuration, simulation.bodies) as recorder:

@@ -77,6 +77,7 @@ def output_of(program: Path, cache: Path) -> str:
     return subprocess.run([sys.executable, str(program)], env=environment, capture_output=True, text=True, timeout=600.0, check=True).stdout
 
 
+@pytest.mark.slow
 def test_a_loaded_kernel_starts_no_compiler_and_can_still_be_inlined(tmp_path: Path) -> None:
     (tmp_path / "program.py").write_text(LOADED)
 

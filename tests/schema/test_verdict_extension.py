@@ -45,6 +45,7 @@ def test_a_verdict_is_one_line() -> None:
     assert effort(PAGE) == (0, 1)
 
 
+@pytest.mark.slow
 def test_the_new_verdict_is_scored_and_drawn(tmp_path_factory: pytest.TempPathFactory) -> None:
     environment = copied_package(folder := tmp_path_factory.mktemp("package"), PAGE)
     (text,) = EXAM.findall(PAGE.read_text(encoding="utf-8"))

@@ -24,6 +24,7 @@ def test_it_is_the_rms_of_the_same_machine_without_fault_background_and_sensor_e
     assert healthy_level("healthy", 0.3, settings={**machine, **spoiled}) == pytest.approx(expected, rel=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate", [84611, 65536, 120002])
 def test_it_has_the_band_up_to_20_khz_at_every_rate_of_a_recording(rate: int) -> None:
     """The rates of steps of these recordings have no divisor from 48 to 60 kHz with a preview; other ones are 802, 32 768 and 8276 Hz."""

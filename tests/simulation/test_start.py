@@ -22,6 +22,7 @@ print(block.acceleration.tobytes().hex()[:4096], *(name for name in unused if na
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("bench", ["healthy", "outer_ring_defect"])
 def test_a_second_start_imports_neither_scipy_nor_the_compiler_and_yields_the_same_samples(bench: str) -> None:
     starts = [

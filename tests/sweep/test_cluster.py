@@ -105,6 +105,7 @@ with cluster.cluster_workers(sys.argv[1]) as workers:
 """
 
 
+@pytest.mark.slow
 def test_a_lost_scheduler_is_named_without_a_traceback(tmp_path: Path) -> None:
     file = tmp_path / "scheduler.json"
     command = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(file)]

@@ -87,6 +87,7 @@ def test_remaining_lives_need_a_data_set_of_lives(tmp_path: Path) -> None:
         loaded("remaining_life").main(tmp_path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("command", "sentence"),
     [

@@ -69,6 +69,7 @@ def descendants(process: int) -> list[int]:
     return [process, *(found for child in children for found in descendants(child))]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/net/tcp").exists(), reason="reads the sockets of Linux")
 def test_nothing_listens_while_a_sweep_runs(tmp_path: Path, workers: LocalWorkers) -> None:
     before, seen = listening_sockets(descendants(os.getpid())), list[tuple[int, set[str]]]()
@@ -91,6 +92,7 @@ def test_a_listening_socket_would_be_found() -> None:
         assert len(listening_sockets([os.getpid()]) - before) == 1
 
 
+@pytest.mark.slow
 def test_tasks_of_killed_workers_are_run_again(tmp_path: Path, workers: LocalWorkers) -> None:
     killed: list[int] = []
     with open_data_set(plan_of(24, 0.1), Store(str(tmp_path / "set"))) as data_set:
@@ -123,6 +125,7 @@ def test_a_task_whose_workers_exceed_their_memory_ends_in_an_error(tmp_path: Pat
     assert list(tally.reasons) == ["its worker needed more than 0.001 GB of memory: increase --memory, or shorten the runs"]
 
 
+@pytest.mark.slow
 def test_workers_leave_signals_to_their_parent_and_end_with_it(tmp_path: Path) -> None:
     code = (
         "import sys; from pathlib import Path; from dcrb_ros.sweep import local_workers as here\n"

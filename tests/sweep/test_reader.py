@@ -309,6 +309,7 @@ def test_unknown_names_and_impossible_windows_are_refused(call: Callable[[DataSe
 # Extension
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("design", ["latin_hypercube", "random"])
 def test_more_points_add_runs_and_keep_the_others(design: str, tmp_path: Path) -> None:
     first = made({**TREE, "design": design, "seeds": 2}, tmp_path / "set")

@@ -66,6 +66,7 @@ def waves(*changes: str) -> set[str]:
     return {row.quantity.split(",")[0] for row in rows if not row.holds}
 
 
+@pytest.mark.slow
 def test_the_level_of_waviness_is_noticed_and_what_an_axle_box_takes_of_it() -> None:
     assert waves() == set()
     assert waves("surfaces.waviness=1.5e-7") == {"RMS by waviness of 0.1 um alone"}

@@ -17,6 +17,7 @@ import sim_to_real_trainings
 from dcrb_ros.exam import replica
 
 
+@pytest.mark.slow
 def test_a_bearing_is_scored_by_a_forest_of_the_others() -> None:
     random = np.random.default_rng(1)
     faults = {"healthy": ["well_0"], "outer_ring": ["a_0", "a_1", "b_0"], "inner_ring": ["c_0", "d_0"], "roller": ["e_0", "e_1"]}

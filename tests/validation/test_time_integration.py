@@ -12,6 +12,7 @@ from dcrb_ros.validation import shorter_steps, time_integration
 from dcrb_ros.validation.runs import PaperRunSpec, simulate
 
 
+@pytest.mark.slow
 def test_energy_is_kept_and_a_loss_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     kept = [row.holds for row in time_integration.energy_rows()]
     assert kept == [True] * len(time_integration.BLOWS)
@@ -27,7 +28,8 @@ def test_the_scheme_is_of_second_order_and_another_order_falls_short(monkeypatch
     assert not time_integration.order_row().holds
 
 
-@pytest.mark.parametrize("joint", [pytest.param("revolute", marks=pytest.mark.slow), "pocket"])
+@pytest.mark.slow
+@pytest.mark.parametrize("joint", ["revolute", "pocket"])
 def test_forces_and_waveforms_of_a_defect_are_those_of_short_steps(joint: str, monkeypatch: pytest.MonkeyPatch) -> None:
     assert shorter_steps.waveform_row(joint).holds
     traced = shorter_steps.traced

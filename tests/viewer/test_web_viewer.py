@@ -79,6 +79,7 @@ def test_web_viewer_accepts_local_connections_only(bag: Path) -> None:
             assert listeners(int(port)) == {"0100007F"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [signal.SIGTERM, signal.SIGINT, signal.SIGKILL])
 def test_the_server_ends_with_the_command(kind: signal.Signals, bag: Path) -> None:
     with served(bag) as (address, process):

@@ -88,6 +88,7 @@ def test_the_page_adds_a_file_and_a_line_per_law() -> None:
     assert effort(PAGE) == (2, 2)
 
 
+@pytest.mark.slow
 def test_laws_with_memories_run_and_keep_them(environment: dict[str, str]) -> None:
     # The property needs no speed, and the compiler takes longer for a further combination of laws than Python for 40 steps.
     slipping, largest_deflection, closed, deepest = (float(number) for number in run(environment | {"NUMBA_DISABLE_JIT": "1"}, RUN).split())
@@ -97,6 +98,7 @@ def test_laws_with_memories_run_and_keep_them(environment: dict[str, str]) -> No
     assert deepest == pytest.approx(30e3 / 1.5e9, rel=0.2)  # the loaded roller bears 30 kN, see tests/bearing/test_equilibrium.py
 
 
+@pytest.mark.slow
 def test_compiled_laws_are_those_of_python(environment: dict[str, str]) -> None:
     compiled, expected = (np.array(line.split(), float).reshape(3, 6) for line in run(environment, COMPILED).splitlines())
     assert compiled == pytest.approx(expected, rel=1e-12)

@@ -81,7 +81,8 @@ def test_a_path_without_gain_and_sections_changes_nothing() -> None:
     assert stage(MeasuredPath, path_spread=1.0).active
 
 
-@pytest.mark.parametrize("spread", [1.0, pytest.param(3.0, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("spread", [1.0, 3.0])
 def test_deviations_have_the_standard_deviation_that_is_asked_for(spread: float) -> None:
     frequency = np.geomspace(250.0, 10000.0, 40)
     levels = [

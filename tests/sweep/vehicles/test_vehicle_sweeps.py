@@ -62,6 +62,7 @@ def test_runs_have_names_of_their_own_and_the_boxes_of_a_vehicle_one_task() -> N
     assert len({run.twin for run in runs}) == len(runs) / 2  # healthy and damaged
 
 
+@pytest.mark.slow
 def test_the_samples_are_those_of_the_vehicle(tmp_path: Path) -> None:
     plan = plan_of(sweep_of(tree(), "sweep.yaml"))
     with open_data_set(plan, Store(str(tmp_path))) as data_set:
