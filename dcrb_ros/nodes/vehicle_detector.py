@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from dcrb_ros.messages.topics import AMBIENT_TEMPERATURE, ENVELOPE_SPECTRUM, OUTER_RING_TEMPERATURE, VIBRATION, Message, Topic
+from dcrb_ros.messages.topics import AMBIENT_TEMPERATURE, ENVELOPE_SPECTRUM, OUTER_RING_TEMPERATURE, SENSOR, VIBRATION, Message, Topic
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DETECTED, VEHICLE_DIAGNOSIS, VEHICLE_INDICATORS
 from dcrb_ros.messages.vehicle import BASE, encode_indicators, encode_vehicle_diagnosis
 from dcrb_ros.nodes.base import BenchNode
@@ -60,6 +60,7 @@ class VehicleDetectorNode(BenchNode):
             self._receive(name, topic, take)
             for name in reversed(names)
             for topic, take in (
+                (SENSOR, self._input.sensor),
                 (AMBIENT_TEMPERATURE, self._input.ambient),
                 (OUTER_RING_TEMPERATURE, self._input.temperature),
                 (VIBRATION, self._input.block),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.vehicle.detector import BoxBlock, VehicleDetector
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
+from dcrb_ros.messages.description import decode_range, decode_sensor
 from dcrb_ros.messages.points import decode_vibration
 from dcrb_ros.messages.vehicle import decode_description
 from dcrb_ros.nodes.detector_input import MessageInput, Response, check_rate
@@ -44,6 +45,16 @@ class VehicleDetectorInput(MessageInput[VehicleDiagnosis]):
             return self.refuse(refusal)
         names = ", ".join(box.name for box in description.boxes)
         return Response(information=f"watching {names} at {description.sampling_rate} Hz")
+
+    def sensor(self, data: bytes, box: str) -> Response[VehicleDiagnosis]:
+        """Take the description of the sensor of a box, whose range may have changed since that of the vehicle."""
+        try:
+            decode_sensor(data)
+            if self._detector is not None:
+                self._detector.take_range(box, decode_range(data))
+        except Refusal as refusal:
+            return self.refuse(refusal)
+        return Response()
 
     def block(self, data: bytes, box: str) -> Response[VehicleDiagnosis]:
         """Take a block of the waveform of a box."""

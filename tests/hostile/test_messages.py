@@ -111,6 +111,7 @@ def test_the_comparing_detector_answers_any_sequence_of_messages(sound: dict[str
         description = description if draw.random() < 0.5 else changed_text(draw, description)
         found["description", number] = sentence(lambda data=description: detector.describe(data))  # type: ignore[misc]
         for topic, take in (
+            (SENSOR, detector.sensor),
             (VIBRATION, detector.block),
             (AMBIENT_TEMPERATURE, detector.ambient),
             (OUTER_RING_TEMPERATURE, detector.temperature),

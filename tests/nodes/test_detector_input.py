@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from made_up_blocks import blocks
 from ros2_bag_record import messages_of
+from synthetic_bogie import DESCRIPTION as BOGIE
 
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.messages.description import sensor_text
@@ -16,6 +17,7 @@ from dcrb_ros.messages.points import SPECTRUM, UNTRACKED_SAMPLE, decode_vibratio
 from dcrb_ros.messages.topics import SENSOR, VIBRATION
 from dcrb_ros.nodes import detector_input
 from dcrb_ros.nodes.detector_input import AMBIENT_AGE, DetectorInput, Response
+from dcrb_ros.nodes.vehicle_detector_input import VehicleDetectorInput, VehicleDetectorSettings
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.diagnosis import Diagnosis
 
@@ -41,6 +43,18 @@ def reason(response: Response) -> str:
     assert diagnosis.verdict == "waiting"
     assert response.warning
     return diagnosis.reason
+
+
+def test_the_range_of_a_box_follows_the_description_of_its_sensor() -> None:
+    detector, box = VehicleDetectorInput(VehicleDetectorSettings()), "axle_1/left"
+    assert detector.sensor(described(range=50.0), box) == Response()  # before the description of the vehicle
+    detector.describe(encode_text(BOGIE.to_json()))
+    assert detector._detector is not None
+    watch = detector._detector._boxes[box].detector
+    for stated, taken in ((50.0, 50.0), (None, 50.0), (80.0, 80.0)):
+        assert detector.sensor(described(range=stated), box) == Response()
+        assert watch.sensor_range == taken
+    assert detector.sensor(b"", box).warning
 
 
 def test_blocks_without_a_description_are_answered() -> None:

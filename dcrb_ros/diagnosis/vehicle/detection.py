@@ -111,6 +111,8 @@ def detect_vehicle(
     rate, history, held = signals.description.sampling_rate, [], 0.0
     for each in itertools.zip_longest(*(signal.pieces() for signal in boxes.values())):
         pieces = {name: piece for name, piece in zip(boxes, each, strict=True) if piece is not None}
+        for name, piece in pieces.items():
+            detector.take_range(name, piece.sensor_range)
         diagnosis = detector.add({name: _block(piece) for name, piece in pieces.items()})
         for name, piece in pieces.items():
             held = max(held, piece.end_index / rate)

@@ -152,6 +152,17 @@ class VehicleDetector:
         """
         self._known(box).detector.take_temperature(time, temperature, ambient)
 
+    def take_range(self, box: str, sensor_range: float) -> None:
+        """Take the range of the sensor of a box [m/s^2] from the next samples on; 0, if it is not known, keeps the previous one.
+
+        Raises
+        ------
+        Refusal
+            The box is unknown.
+        """
+        detector = self._known(box).detector
+        detector.sensor_range = sensor_range or detector.sensor_range
+
     def _known(self, name: str) -> BoxWatch:
         """Return the watch of a box."""
         if name not in self._boxes:

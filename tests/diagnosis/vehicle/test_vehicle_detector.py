@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -353,6 +355,22 @@ def test_the_sensor_of_a_hot_box_may_be_faulty() -> None:
     diagnosis = heated({**signals, hot: (np.full_like(signals[hot][0], 3.0), signals[hot][1])}, hot)
     assert verdicts(diagnosis, "bearing") == {hot: "overheating"}
     assert verdicts(diagnosis, "sensor") == {hot: "sensor"}
+
+
+@pytest.mark.parametrize(("stated", "verdict"), [(5000.0, "sensor"), (8.0, None), (0.0, "sensor")])
+def test_the_range_of_a_sensor_may_change_in_a_recording(stated: float, verdict: str | None) -> None:
+    signals, box = bogie(), "axle_2/right"
+    clipped = {**signals, box: (np.clip(signals[box][0], -8.0, 8.0), signals[box][1])}
+    known = replace(DESCRIPTION, boxes=tuple(replace(each, sensor_range=5000.0) for each in DESCRIPTION.boxes))
+
+    def pieces(name: str) -> list[Piece]:
+        acceleration, angle = clipped[name]
+        limit = stated if name == box else 5000.0
+        return [Piece(k, acceleration[k : k + 5120], angle[k : k + 5120], limit) for k in range(0, len(angle), 5120)]
+
+    boxes = {name.replace("/", "."): SimpleNamespace(pieces=partial(pieces, name)) for name in clipped}
+    diagnosis = detect_vehicle(SimpleNamespace(description=known, boxes=boxes)).last  # type: ignore[arg-type]
+    assert verdicts(diagnosis, "sensor") == ({box: verdict} if verdict else {})
 
 
 @pytest.mark.parametrize(
