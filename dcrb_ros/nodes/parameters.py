@@ -12,7 +12,7 @@ from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescri
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from dcrb_ros.messages.topics import BENCH, COMMANDS, DETECTED, SIMULATED, WAYSIDE, Topic
+from dcrb_ros.messages.topics import BENCH, COMMANDS, DETECTED, ENVELOPE_SPECTRUM, SIMULATED, WAYSIDE
 from dcrb_ros.messages.topics.vehicle import VEHICLE, VEHICLE_COMMANDS
 from dcrb_ros.nodes.qos_overrides import check_overrides, is_override
 from dcrb_ros.nodes.refusal_counts import shortened
@@ -21,9 +21,15 @@ from dcrb_ros.schema.parameter_field import ParameterField, wrong_type
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import flatten, parameter_fields, validated
 from dcrb_ros.settings.sections import OF_ROS
+from dcrb_ros.stream.vehicle_description import SIDES
 from dcrb_ros.text.yaml import parsed
+from dcrb_ros.vehicle.file import DEFAULT_X
 
 Model = TypeVar("Model", bound=Group)
+OF_BOXES = tuple(
+    topic.below(f"{axle}/{side}") for axle in DEFAULT_X for side in SIDES for topic in (*SIMULATED, *COMMANDS, ENVELOPE_SPECTRUM)
+)
+"""Topics of the axle boxes of a vehicle."""
 LONGEST_NUMBER = 100
 """Longest text that is read as a number [characters]."""
 
@@ -45,7 +51,7 @@ class ParameterNode(Node):
         super().__init__(name, namespace=namespace, automatically_declare_parameters_from_overrides=True)
         given: Mapping[str, Any] = self.get_parameters_by_prefix("")
         overrides = {key: parameter.value for key, parameter in given.items() if is_override(key)}
-        topics = (*SIMULATED, *DETECTED, *WAYSIDE, *BENCH, *COMMANDS, *VEHICLE, *VEHICLE_COMMANDS.values(), *self.more_topics())
+        topics = (*SIMULATED, *DETECTED, *WAYSIDE, *BENCH, *COMMANDS, *VEHICLE, *VEHICLE_COMMANDS.values(), *OF_BOXES)
         check_overrides(overrides, (self.resolve_topic_name(topic.name) for topic in topics))
         for key in overrides:  # declared again, read-only, by the publisher or subscription
             self.undeclare_parameter(key)
@@ -62,10 +68,6 @@ class ParameterNode(Node):
             if about and about[0] is None:
                 raise Refusal(f"parameters: {name} has no value, as an empty list: give one, or leave it out")
         return super().declare_parameters(namespace, parameters, ignore_override)
-
-    def more_topics(self) -> Iterable[Topic]:
-        """Return the topics of the node beside those of a bench."""
-        return ()
 
     def on_parameters(self, changes: dict[str, Any]) -> None:
         """Apply a requested change of parameters; a node that overrides this method accepts the declared ones.

@@ -14,7 +14,7 @@ from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.parameter import Parameter
 
 from dcrb_ros.messages.bundle import Bundle
-from dcrb_ros.messages.topics import COMMANDS, LOAD_COMMAND, SIMULATED, SPEED_COMMAND, VIBRATION, Message, Topic
+from dcrb_ros.messages.topics import LOAD_COMMAND, SPEED_COMMAND, VIBRATION, Message, Topic
 from dcrb_ros.messages.topics.vehicle import VEHICLE_COMMANDS, VEHICLE_DESCRIPTION, VEHICLE_DETECTED, VEHICLE_DIAGNOSIS
 from dcrb_ros.messages.vehicle import box_path
 from dcrb_ros.messages.vehicle_encoder import VehicleEncoder, simulated_topics
@@ -32,11 +32,9 @@ from dcrb_ros.schema.refusal import Refusal, nearest_key
 from dcrb_ros.schema.simulated_time import checked_duration
 from dcrb_ros.settings.files import fields_by_key, flatten, parameter_fields, validated
 from dcrb_ros.simulation.scenario import read_scenario_file
-from dcrb_ros.stream.vehicle_description import SIDES
 from dcrb_ros.vehicle.description import Wheel
 from dcrb_ros.vehicle.file import (
     COMMON,
-    DEFAULT_X,
     DRIVE,
     GROUPS,
     MOST_SLIDING,
@@ -131,10 +129,6 @@ class VehicleSimulatorNode(SimulatingNode):
             description=VEHICLE_DESCRIPTION,
             answers=self.follow_detector(VEHICLE_DIAGNOSIS),
         )
-
-    def more_topics(self) -> list[Topic]:
-        """Return the topics of the boxes."""
-        return [topic.below(f"{axle}/{side}") for axle in DEFAULT_X for side in SIDES for topic in (*SIMULATED, *COMMANDS)]
 
     def _declare_run_time(self) -> None:
         """Declare the parameters that can be set while the node runs."""

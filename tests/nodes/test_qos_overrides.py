@@ -16,12 +16,16 @@ from made_up_blocks import recorded
 from rclpy.parameter import Parameter
 from rclpy.qos import ReliabilityPolicy
 
-from dcrb_ros.messages.topics import VIBRATION
+from dcrb_ros.messages.plain import encode_text
+from dcrb_ros.messages.topics import ENVELOPE_SPECTRUM, VIBRATION
 from dcrb_ros.nodes.fault_detector import FaultDetectorNode
 from dcrb_ros.nodes.replayer import ReplayerNode
+from dcrb_ros.nodes.vehicle_detector import VehicleDetectorNode
 from dcrb_ros.recordings.replay import ReplayParameters
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.vehicle.description import described
+from dcrb_ros.vehicle.file import read_vehicle
 
 Start = Callable[..., None]
 VIBRATION_KEY = "qos_overrides./dcrb/outer_ring/vibration"
@@ -54,6 +58,17 @@ def test_parameters_set_depth_and_reliability_of_both_ends(start: Start, tmp_pat
     assert not replayer.set_parameters_atomically([Parameter(present.name, value=8)]).successful
     for node in (replayer, detector):
         node.destroy_node()
+
+
+def test_topics_of_axle_boxes_can_be_overridden(start: Start) -> None:
+    box = "qos_overrides./dcrb/axle_1/left"
+    start(**{f"{box}/outer_ring/sensor.subscription.reliability": "best_effort", f"{box}/envelope_spectrum.publisher.depth": 7})
+    detector = VehicleDetectorNode()
+    detector._describe(encode_text(described(read_vehicle("bogie")).to_json()))
+    subscribed = {subscription.topic_name: subscription.qos_profile for subscription in detector.subscriptions}
+    assert subscribed["/dcrb/axle_1/left/outer_ring/sensor"].reliability == ReliabilityPolicy.BEST_EFFORT
+    assert detector._spectra._publishers[ENVELOPE_SPECTRUM.below("axle_1/left")].qos_profile.depth == 7
+    detector.destroy_node()
 
 
 @pytest.mark.parametrize(
