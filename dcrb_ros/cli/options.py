@@ -147,26 +147,26 @@ def refuse_node_settings(settings: Sequence[str] | None) -> None:
             raise Refusal(f"--set {key} has no effect without nodes: leave it out, {OF_NODES[key]}")
 
 
-def warn_of_digest(recording: Recording, name: str) -> None:
+def warn_of_digest(recording: Recording, name: str, *, samples: bool = True) -> None:
     """Warn if the samples of a recording do not match the digest that it states, and note if it states none of its manifest.
 
-    The samples are read unless the waveform was. A mismatch that was found while it was read is not printed a second time.
+    The samples are read unless the waveform was; without ``samples``, they are not compared. A mismatch that was found while it was read is not printed a second time.
     """
     from dcrb_ros.recordings.verification import digest_mismatch, unsigned
 
-    if sentence := digest_mismatch(recording):
+    if samples and (sentence := digest_mismatch(recording)):
         warnings.warn(f"{name}: {sentence}", AlteredSamples, stacklevel=2)
     if sentence := unsigned(recording):
         typer.echo(f"note: {name}: {sentence}", err=True)
 
 
-def warn_of_digests(bag: Path) -> None:
+def warn_of_digests(bag: Path, *, samples: bool = True) -> None:
     """Do the same as `warn_of_digest` for a recording, or for each box in that of a vehicle."""
     from dcrb_ros.recordings.reader import Recording
     from dcrb_ros.recordings.vehicle_folder import vehicle_boxes
 
     for path in [bag / name for name in vehicle_boxes(bag)] or [bag]:
-        warn_of_digest(Recording(path), str(path))
+        warn_of_digest(Recording(path), str(path), samples=samples)
 
 
 def size_text(size: float) -> str:

@@ -43,7 +43,6 @@ class ReplayerNode(BenchNode):
         super().__init__("replayer")
         self._settings = self.declare(ReplayParameters, run_time=RUN_TIME, adjust=lambda given: parameters or given)
         self._replay = Replay(self._settings)
-        self._warns = parameters is None  # otherwise the command does, also of a replay that is stopped before its end
         if parameters is None:  # otherwise the command did
             self._replay.check()
         clock = [CLOCK] if self._settings.clock else []
@@ -86,7 +85,7 @@ class ReplayerNode(BenchNode):
         if finished:
             self._publisher.flush()
         self._warn_of_damage()
-        if self._replay.mismatch and self._warns:
+        if self._replay.mismatch:
             self.get_logger().warning(f"{self._replay.recording.path}: {self._replay.mismatch}")
 
     def on_parameters(self, changes: dict[str, Any]) -> None:

@@ -83,6 +83,17 @@ def test_node_and_command_warn_once_of_samples_that_do_not_match(tmp_path: Path)
         assert done.stderr.count(sentence) == warnings
 
 
+def test_a_stopped_replay_does_not_read_the_rest_of_the_samples(tmp_path: Path) -> None:
+    bag = altered(recorded(tmp_path / "bag", 20), tmp_path / "altered")
+    command = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()", "replay", str(bag), "--wait", str(PATIENCE)]
+    with subprocess.Popen(command, env=environment(domain()), stderr=subprocess.PIPE, text=True) as process:
+        assert process.stderr is not None
+        assert any("waiting for 1 subscriber" in line for line in process.stderr)
+        process.send_signal(signal.SIGINT)
+        _, output = process.communicate(timeout=PATIENCE)
+    assert (process.returncode, output) == (0, "")
+
+
 def test_a_replay_of_a_recording_that_was_cut_off_says_so_once(tmp_path: Path) -> None:
     bag = recorded(tmp_path / "bag", 20)
     file = bag / "bag_0.mcap"
