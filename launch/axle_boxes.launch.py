@@ -13,9 +13,10 @@ from launch import LaunchContext, LaunchDescription
 
 BOXES = 4
 FAULTY = 3
+NUMBERED = "simulation.seed is the number of the box, and recording.path has a folder for each box"
 ARGUMENTS = {
-    "config": replace(launching.CONFIG, description="configuration of the healthy boxes: a YAML file or a shipped one"),
-    "fault": launching.Argument("outer_ring_defect", f"configuration of box {FAULTY}"),
+    "config": replace(launching.CONFIG, description=f"configuration of the healthy boxes: a YAML file or a shipped one; {NUMBERED}"),
+    "fault": launching.Argument("outer_ring_defect", f"configuration of box {FAULTY}; {NUMBERED}"),
     "time_scale": launching.TIME_SCALE,
     "clock": launching.Argument("false", "whether box 1 publishes /clock: true or false", bool),
     "wait": launching.WAIT,
@@ -28,7 +29,6 @@ PARAMETERS = {"time_scale": "time_scale", "wait": "publishing.wait"}
 def nodes(context: LaunchContext) -> list[Any]:
     """Return simulator and fault detector of every box."""
     given, actions = launching.values_of(context, ARGUMENTS), launching.suspicions(context, ARGUMENTS)
-    detector = launching.detector_parameters(given["detector"])
     for box in range(1, BOXES + 1):
         namespace, argument = f"{given['namespace']}/box{box}", "fault" if box == FAULTY else "config"
         parameters = {
@@ -38,9 +38,10 @@ def nodes(context: LaunchContext) -> list[Any]:
             "publishing.frame": f"{namespace}/outer_ring".lstrip("/"),
             # A graph has one /clock; the boxes start together and have the same time scale.
             "publishing.clock": box == 1 and bool(given["clock"]),
-            "publishing.listeners": 1,
         }
-        actions += [launching.node("simulator", namespace, parameters), launching.node("fault_detector", namespace, detector)]
+        if path := parameters.get("recording.path"):
+            parameters["recording.path"] = f"{path}/box{box}"
+        actions += [launching.node("simulator", namespace, parameters), launching.detector_node(namespace, given["detector"])]
     return actions
 
 

@@ -16,14 +16,14 @@ ARGUMENTS = {
 
 def nodes(context: LaunchContext) -> list[Any]:
     """Return the nodes of the bench, with the viewer if it is requested."""
-    given = launching.run_values(context, ARGUMENTS)
+    given = launching.values_of(context, ARGUMENTS)
     namespace = given["namespace"]
     parameters = launching.simulator_parameters("config", given, launching.RUN, given["scenario"])
     return [
         *launching.suspicions(context, ARGUMENTS),
         *([launching.node("viewer", namespace, required=False)] if given["rerun"] else []),
         launching.node("simulator", namespace, parameters, extra=launching.run_options(given)),
-        launching.node("fault_detector", namespace, launching.detector_parameters(given["detector"])),
+        launching.detector_node(namespace, given["detector"]),
     ]
 
 

@@ -1,4 +1,4 @@
-"""Replayer and fault detector: ros2 launch dcrb_ros replay.launch.py bag:=/tmp/bag."""
+"""Replayer and the detector of a bearing or a vehicle: ros2 launch dcrb_ros replay.launch.py bag:=/tmp/bag."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from typing import Any
 
 from dcrb_ros.nodes import launching
 from dcrb_ros.recordings.replay import Replay, ReplayParameters
+from dcrb_ros.recordings.vehicle import VehicleRecording
 from dcrb_ros.settings.files import validated
 from launch import LaunchContext, LaunchDescription
 
@@ -16,14 +17,14 @@ ARGUMENTS = {
     "offset": launching.Argument("0.0", "recorded time to skip at the beginning [s]", float),
     "clock": launching.Argument("false", "whether to publish /clock: true or false", bool),
     "topics": launching.Argument("", "topics to publish, such as 'outer_ring/vibration, diagnosis'; empty for those of the simulator"),
-    "listeners": launching.Argument("1", launching.LISTENERS, int),
-    "wait": launching.WAIT,
+    "listeners": launching.Argument("1", "subscribers to wait for before the first block", int),
+    "wait": launching.Argument("30.0", "longest wall time to wait for them [s]", float),
     **launching.common("dcrb"),
 }
 
 
 def nodes(context: LaunchContext) -> list[Any]:
-    """Return the replayer and the fault detector."""
+    """Return the replayer and the detector."""
     given = launching.values_of(context, ARGUMENTS)
     namespace = given["namespace"]
     parameters = {name: given[name] for name in ReplayParameters.model_fields if given[name] is not None}
@@ -35,7 +36,7 @@ def nodes(context: LaunchContext) -> list[Any]:
     return [
         *launching.suspicions(context, ARGUMENTS),
         launching.node("replayer", namespace, parameters),
-        launching.node("fault_detector", namespace, launching.detector_parameters(given["detector"])),
+        launching.detector_node(namespace, given["detector"], of_vehicle=isinstance(replay.recording, VehicleRecording)),
     ]
 
 

@@ -19,16 +19,15 @@ ARGUMENTS = {
 
 def nodes(context: LaunchContext) -> list[Any]:
     """Return simulator and detector of the vehicle, with the viewer if it is requested."""
-    given = launching.run_values(context, ARGUMENTS)
+    given = launching.values_of(context, ARGUMENTS)
     namespace = given["namespace"]
     parameters = launching.vehicle_parameters("vehicle", given, launching.RUN, given["scenario"])
     extra = ["--vehicle", given["vehicle"], *launching.run_options(given)]
-    detector = {f"boxes.{key}": value for key, value in launching.detector_parameters(given["detector"]).items()}
     return [
         *launching.suspicions(context, ARGUMENTS),
         *([launching.node("viewer", namespace, extra=["--vehicle"], required=False)] if given["rerun"] else []),
         launching.node("vehicle_simulator", namespace, parameters, extra=extra),
-        launching.node("vehicle_detector", namespace, detector),
+        launching.detector_node(namespace, given["detector"], of_vehicle=True),
     ]
 
 

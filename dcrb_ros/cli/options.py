@@ -150,7 +150,8 @@ def refuse_node_settings(settings: Sequence[str] | None) -> None:
 def warn_of_digest(recording: Recording, name: str, *, samples: bool = True) -> None:
     """Warn if the samples of a recording do not match the digest that it states, and note if it states none of its manifest.
 
-    The samples are read unless the waveform was; without ``samples``, they are not compared. A mismatch that was found while it was read is not printed a second time.
+    The samples are read unless the waveform was; without ``samples``, they are not compared. A mismatch that was found while it was read is
+    not printed a second time.
     """
     from dcrb_ros.recordings.verification import digest_mismatch, unsigned
 

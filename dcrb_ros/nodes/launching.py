@@ -17,11 +17,13 @@ from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 
 from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.nodes.ros import DISCOVERY, check_bench_discovery
 from dcrb_ros.schema.numbers import duration_within
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.schema.simulated_time import MAX_DURATION
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration, read_parameters, validated
+from dcrb_ros.settings.sections import OF_ROS
 from dcrb_ros.settings.shipped import find_configuration, shipped_folder
 from dcrb_ros.simulation.scenario import read_scenario, read_scenario_file
 from dcrb_ros.stream.late_scenario import refuse_late
@@ -32,7 +34,6 @@ from dcrb_ros.vehicle.file import read_vehicle, vehicle_of
 from dcrb_ros.vehicle.scenario import starting_parameters, vehicle_scenario
 
 PACKAGE = "dcrb_ros"
-RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 TRUE, FALSE = ("true", "yes", "on", "1"), ("false", "no", "off", "0")
 NAMESPACE = re.compile(r"/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)
 OF_LAUNCH = ("ros_namespace", "ros_remaps", "ros_params", "global_params")
@@ -54,9 +55,9 @@ class Argument:
 
 CONFIG = Argument("healthy", "configuration: a YAML file or a shipped one")
 TIME_SCALE = Argument("", "simulated over wall time, 0 as fast as possible; empty for the configuration's", float)
-WAIT = Argument("30.0", "longest wall time to wait for subscribers before the first block [s]", float)
+WAIT = Argument("", "longest wall time to wait for subscribers before the first block [s]; empty for the configuration's", float)
 DURATION = Argument("", "simulated time after which the launch ends [s], for tests; empty for an endless run", float)
-LISTENERS = "subscribers to the waveform to wait for; empty for the nodes that this file starts"
+LISTENERS = "subscribers to the waveform to wait for; empty for the configuration's, at least one for each node that this file starts"
 RUN = {
     "time_scale": "time_scale",
     "record": "recording.path",
@@ -70,8 +71,8 @@ Read = TypeVar("Read")
 
 def common(namespace: str) -> dict[str, Argument]:
     """Return the arguments of every launch file, with the default namespace."""
-    environment = EnvironmentVariable(RANGE, default_value="LOCALHOST")
-    ranges = ("LOCALHOST", "SUBNET", "OFF", "SYSTEM_DEFAULT")
+    environment = EnvironmentVariable(DISCOVERY, default_value="LOCALHOST")
+    ranges = ("LOCALHOST", "SUBNET", "SYSTEM_DEFAULT")
     return {
         "namespace": Argument(namespace, "namespace of topics and nodes"),
         "detector": Argument("detector", "parameters of the fault detector: a YAML file or the shipped ones"),
@@ -99,15 +100,16 @@ def declarations(arguments: Mapping[str, Argument], start: Any) -> list[Any]:
         DeclareLaunchArgument(name, default_value=argument.default, description=argument.description)
         for name, argument in arguments.items()
     ]
-    return [*declared, SetEnvironmentVariable(RANGE, LaunchConfiguration("discovery")), OpaqueFunction(function=start)]
+    return [*declared, SetEnvironmentVariable(DISCOVERY, LaunchConfiguration("discovery")), OpaqueFunction(function=start)]
 
 
 def values_of(context: Any, arguments: Mapping[str, Argument]) -> dict[str, Any]:
     """Return the values of arguments by name; None for those left empty.
 
     Raises:
-        Refusal: a value has the wrong type, or is not among the choices.
+        Refusal: a value has the wrong type, or is not among the choices, or discovery is off.
     """
+    check_bench_discovery(str(LaunchConfiguration("discovery").perform(context)))
     values = {name: _value(name, str(LaunchConfiguration(name).perform(context)), argument) for name, argument in arguments.items()}
     if not NAMESPACE.fullmatch(values["namespace"] or ""):
         raise Refusal(
@@ -145,14 +147,6 @@ def _number(name: str, text: str, kind: type) -> Any:
         wanted, example = ("a whole number", "1") if kind is int else ("a finite number", "1.0")
         raise Refusal(f"{name}:={text} is not {wanted}: write one, such as {name}:={example}")
     return number
-
-
-def run_values(context: Any, arguments: Mapping[str, Argument]) -> dict[str, Any]:
-    """Return the values of `run_arguments`, by default with a subscriber for each node that is started; see `values_of`."""
-    given = values_of(context, arguments)
-    if given["listeners"] is None:
-        given["listeners"] = 2 if given["rerun"] else 1
-    return given
 
 
 def run_options(given: Mapping[str, Any]) -> list[str]:
@@ -195,11 +189,11 @@ def simulator_parameters(argument: str, given: Mapping[str, Any], keys: Mapping[
             read_scenario(Path(scenario), configuration)
             _check_effect(read_scenario_file(Path(scenario)), given)
     _check_recording(configuration, argument, given)
-    return {**_parameters(find_configuration(given[argument]), "simulator"), **overrides(given, keys)}
+    return {**_parameters(find_configuration(given[argument]), "simulator"), **_set_by(given, keys, configuration)}
 
 
 def vehicle_parameters(argument: str, given: Mapping[str, Any], keys: Mapping[str, str], scenario: str | None = None) -> dict[str, Any]:
-    """Return the parameters that other arguments set on top of a vehicle, if both are valid; see `simulator_parameters`."""
+    """Return the parameters of ROS of a vehicle, and those that other arguments set, if all are valid; see `simulator_parameters`."""
     with naming(argument, given[argument]):
         vehicle = read_vehicle(given[argument])
     vehicle = _with_arguments(vehicle, partial(read_vehicle, given[argument]), given, keys)
@@ -210,7 +204,8 @@ def vehicle_parameters(argument: str, given: Mapping[str, Any], keys: Mapping[st
             vehicle_scenario(tree, vehicle_of(start, given[argument]), scenario)
             _check_effect(tree, given)
     _check_recording(vehicle.boxes[0].configuration, argument, given)
-    return overrides(given, keys)
+    of_ros = {key: value for key, value in parameters_of_vehicle(given[argument], of_ros=True).items() if _is_of_ros(key) and value != {}}
+    return {**of_ros, **_set_by(given, keys, vehicle.boxes[0].configuration)}
 
 
 def _check_effect(tree: Any, given: Mapping[str, Any]) -> None:
@@ -257,9 +252,18 @@ def _parameters(path: Path, name: str) -> dict[str, Any]:
     return {key: value for key, value in read_parameters(path, name, of_ros=True).items() if value != {}}
 
 
-def overrides(given: Mapping[str, Any], keys: Mapping[str, str]) -> dict[str, Any]:
-    """Return the parameters that arguments set, without those of empty arguments."""
-    return {key: given[name] for name, key in keys.items() if given[name] is not None}
+def _set_by(given: Mapping[str, Any], keys: Mapping[str, str], configuration: Configuration) -> dict[str, Any]:
+    """Return the parameters that arguments set on top of a configuration, without those of empty arguments.
+
+    Unless an argument sets it, the number of subscribers to wait for is at least that of the nodes that are started.
+    """
+    listeners = max(configuration.publishing.listeners, 2 if given.get("rerun") else 1)
+    return {"publishing.listeners": listeners, **{key: given[name] for name, key in keys.items() if given[name] is not None}}
+
+
+def _is_of_ros(key: str) -> bool:
+    """Return whether a dotted key is a parameter that every node of ROS has."""
+    return key.partition(".")[0] in OF_ROS
 
 
 def detector_parameters(detector: str) -> dict[str, Any]:
@@ -280,6 +284,15 @@ def detector_parameters(detector: str) -> dict[str, Any]:
     with naming("detector", detector):
         validated(read_parameters(path, "fault_detector"), DetectorParameters, str(path))
         return _parameters(path, "fault_detector")
+
+
+def detector_node(namespace: str, detector: str, *, of_vehicle: bool = False) -> Any:
+    """Return the fault detector, or the one that compares the boxes of a vehicle, with the parameters of `detector_parameters`."""
+    parameters = detector_parameters(detector)
+    if not of_vehicle:
+        return node("fault_detector", namespace, parameters)
+    below = {key if _is_of_ros(key) else f"boxes.{key}": value for key, value in parameters.items()}
+    return node("vehicle_detector", namespace, below)
 
 
 def _ending(name: str) -> Callable[[Any, Any], Any]:

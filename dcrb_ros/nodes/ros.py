@@ -56,14 +56,14 @@ def check_domain() -> None:
         raise Refusal(f"{DOMAIN} = {text} is not a whole number within 0 .. {HIGHEST_DOMAIN}: unset it, or give such a number")
 
 
-def check_bench_discovery() -> None:
-    """Check that the nodes of a bench can find each other.
+def check_bench_discovery(discovery: str | None = None) -> None:
+    """Check that the nodes of a bench can find each other, with a range of discovery, by default that of the environment.
 
     Raises:
-        Refusal: the environment switches discovery off.
+        Refusal: discovery is off, or the domain is impossible.
     """
     check_domain()
-    if os.environ.get(DISCOVERY) == "OFF":
+    if (discovery or os.environ.get(DISCOVERY)) == "OFF":
         raise Refusal(f"{DISCOVERY} = OFF hides the nodes of the bench from each other: unset it, or set LOCALHOST or SUBNET")
 
 

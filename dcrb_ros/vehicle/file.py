@@ -76,8 +76,11 @@ def read_vehicle(source: str | Path, settings: Sequence[str] | Mapping[str, Any]
     return vehicle_of(read_parameters(source, settings), str(source))
 
 
-def read_parameters(source: str | Path, settings: Sequence[str] | Mapping[str, Any] = ()) -> dict[str, Any]:
-    """Return the parameters of a file or a shipped name by dotted keys, with settings on top, unchecked; see `read_vehicle`."""
+def read_parameters(source: str | Path, settings: Sequence[str] | Mapping[str, Any] = (), *, of_ros: bool = False) -> dict[str, Any]:
+    """Return the parameters of a file or a shipped name by dotted keys, with settings on top, unchecked; see `read_vehicle`.
+
+    With ``of_ros``, those that every node of ROS has are included.
+    """
     of_type(str, os.PathLike)("source", source)
     if not isinstance(settings, Mapping):
         texts("settings", settings)
@@ -87,7 +90,7 @@ def read_parameters(source: str | Path, settings: Sequence[str] | Mapping[str, A
         raise Refusal(
             f"{source} is not a vehicle: give groups such as 'vehicle: {{speed_kmh: 100.0}}' and 'axle_1: {{left: {{}}, right: {{}}}}'"
         )
-    sections, wrong = read_sections(tree, NODE)
+    sections, wrong = read_sections(tree, NODE, of_ros=of_ros)
     if wrong:
         raise Refusal(f"{source}: {wrong[0]}{more(len(wrong))}")
     return layered({key: value for section in sections for key, value in flatten(section).items()}, settings)

@@ -18,10 +18,12 @@ from dcrb_ros.messages.topics import TRANSFORMS
 from dcrb_ros.messages.topics.transforms import encode_transforms
 from dcrb_ros.nodes.vehicle_detector_input import VehicleDetectorSettings
 from dcrb_ros.recordings.replay import ReplayParameters
+from dcrb_ros.recordings.vehicle_recorder import VehicleRecorder
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import validated
-from dcrb_ros.vehicle.file import read_vehicle
+from dcrb_ros.vehicle.file import read_parameters, read_vehicle, vehicle_of
+from dcrb_ros.vehicle.simulation import VehicleSimulation
 
 pytestmark = pytest.mark.slow
 
@@ -189,6 +191,36 @@ def test_parameters_of_every_node_are_kept(monkeypatch: pytest.MonkeyPatch, tmp_
     assert given_to(simulator)["use_sim_time"] is True
 
 
+OF_ROS = {"use_sim_time": True, "qos_overrides": {"/dcrb/vehicle/diagnosis": {"publisher": {"depth": 7}}}}
+
+
+def test_parameters_of_every_node_are_kept_for_a_vehicle(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    mine, judging = tmp_path / "mine.yaml", tmp_path / "judging.yaml"
+    mine.write_text(yaml.safe_dump({"/**": {"ros__parameters": {**OF_ROS, "axle_1": {"left": {}, "right": {}}}}}))
+    judging.write_text(yaml.safe_dump({"/**": {"ros__parameters": {**OF_ROS, "learn": 10.0}}}))
+    simulator, detector = started("vehicle", monkeypatch, vehicle=str(mine), detector=str(judging))
+    of_ros = {"use_sim_time": True, "qos_overrides./dcrb/vehicle/diagnosis.publisher.depth": 7}
+    assert given_to(simulator) == {**of_ros, "publishing.listeners": 1}
+    assert given_to(detector) == {**of_ros, "boxes.learn": 10.0}
+
+
+@pytest.mark.parametrize("file", ["bench", "vehicle", "axle_boxes"])
+def test_listeners_and_wait_of_the_file_are_kept(file: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    mine, own = tmp_path / "mine.yaml", {"publishing": {"listeners": 3, "wait": 60.0}}
+    mine.write_text(yaml.safe_dump({**own, "axle_1": {"left": {}, "right": {}}} if file == "vehicle" else own))
+    argument = "vehicle" if file == "vehicle" else "config"
+    simulator = next(node for node in started(file, monkeypatch, **{argument: str(mine)}) if node.executable.endswith("simulator"))
+    found = read_vehicle(mine, given_to(simulator)).boxes[0].configuration if file == "vehicle" else configuration(simulator)
+    assert (found.publishing.listeners, found.publishing.wait) == (3, 60.0)
+
+
+def test_boxes_of_one_configuration_record_to_folders_of_their_own(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    mine = tmp_path / "mine.yaml"
+    mine.write_text("recording: {path: /tmp/drive}")
+    boxes = [node for node in started("axle_boxes", monkeypatch, config=str(mine)) if node.executable == "simulator"]
+    assert [configuration(box).recording.path for box in boxes] == ["/tmp/drive/box1", "/tmp/drive/box2", "", "/tmp/drive/box4"]
+
+
 def test_frames_do_not_begin_with_a_slash(monkeypatch: pytest.MonkeyPatch) -> None:
     boxes = [node for node in started("axle_boxes", monkeypatch, namespace="/wagon") if node.executable == "simulator"]
     assert [configuration(box).publishing.frame for box in boxes] == [f"wagon/box{box}/outer_ring" for box in (1, 2, 3, 4)]
@@ -262,6 +294,17 @@ def test_replay_takes_its_parameters_from_the_arguments(monkeypatch: pytest.Monk
     assert (replayer.namespace, detector.namespace) == ("dcrb", "dcrb")
 
 
+def test_the_replay_of_a_vehicle_is_compared(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    bag, parameters = tmp_path / "bag", read_parameters("bogie", {"vehicle.bench": "dry"})
+    simulation = VehicleSimulation(vehicle_of(parameters, "test"))
+    with VehicleRecorder(bag, parameters, simulation) as recorder:
+        for block in simulation.blocks(0.02):
+            recorder.write(block)
+    _, detector = started("replay", monkeypatch, bag=str(bag))
+    assert detector.executable == "vehicle_detector"
+    assert validated(given_to(detector), VehicleDetectorSettings, "vehicle_detector").boxes == DetectorParameters()
+
+
 def test_axle_boxes_have_different_seeds_and_faults(monkeypatch: pytest.MonkeyPatch) -> None:
     nodes = started("axle_boxes", monkeypatch, clock="true")
     assert [node.namespace for node in nodes] == [f"wagon/box{box}" for box in (1, 2, 3, 4) for _ in range(2)]
@@ -299,6 +342,7 @@ BAG = str(ROOT / "bags" / "healthy")
         ("bench", {"wait": "-1"}, "^wait:=-1.0: settings: publishing.wait = -1.0 s is outside"),
         ("bench", {"namespace": "my bench"}, "namespace:=my bench is not a ROS namespace"),
         ("bench", {"discovery": "SUBNETS"}, "discovery:=SUBNETS is not one of .*did you mean 'SUBNET'"),
+        ("bench", {"discovery": "OFF"}, "= OFF hides the nodes of the bench from each other: unset it, or set LOCALHOST or SUBNET"),
         ("axle_boxes", {"fault": "cage_fractur"}, "fault:=cage_fractur: there is no configuration.*did you mean 'cage_fracture'"),
         ("axle_boxes", {"clock": "2"}, "clock:=2 is neither true nor false"),
         ("replay", {"bag": "/nowhere"}, "bag:=/nowhere: there is no recording"),
