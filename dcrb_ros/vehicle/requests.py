@@ -45,10 +45,10 @@ class VehicleRequests:
             self._pending.extend((name, float(value)) for name, value in commands.items())
 
     def change(self, changes: Mapping[str, Any], simulations: Mapping[str, Simulation]) -> None:
-        """Keep changes of wheels and slides by their keys, and give those of parameters of boxes to their simulations.
+        """Keep changes of wheels and slides by their keys, and give those of parameters of boxes to their ``simulations``, if these run.
 
         Raises:
-            Refusal: a key or a value is invalid, a box refuses its changes, or too many requests are waiting; nothing is changed.
+            Refusal: a key or a value is invalid, a box has failed or refuses its changes, or too many requests wait; nothing is changed.
         """
         keyed("changes", changes)
         asked = sorted_changes(self._vehicle, self._wheels, changes)
@@ -57,6 +57,8 @@ class VehicleRequests:
             if model:
                 self._check_room()
             for name, changed in asked.boxes.items():
+                if name not in simulations:
+                    raise Refusal(f"{name}: its model failed, so it takes no changes: begin a new run")
                 try:
                     simulations[name].check_change(changed)
                 except Refusal as refusal:

@@ -164,9 +164,10 @@ class VehicleSimulation:
         Raises
         ------
         Refusal
-            A key names no box or wheelset, belongs to the vehicle or cannot change, or a box refuses the change; nothing is changed.
+            A key names no box or wheelset, belongs to the vehicle or cannot change, or a box has failed or refuses the change; nothing is
+            changed.
         """
-        self._requests.change(changes, self.simulations)
+        self._requests.change(changes, {name: box for name, box in self.simulations.items() if name not in self._silent})
 
     def blocks(self, duration: float | None = None) -> Iterator[VehicleBlock]:
         """Yield blocks until ``duration`` [s] of samples is reached, endlessly without one.

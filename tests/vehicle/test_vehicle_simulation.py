@@ -311,6 +311,9 @@ def test_the_others_go_on_where_the_file_asks_for_it(swapped: dict[str, str], le
     assert set(blocks[0].boxes) == {"axle_1.left", "axle_1.right", "axle_2.left", "axle_2.right"}
     assert set(blocks[-1].boxes) == left
     assert blocks[-1].truth.silent == ("axle_2.left",)
+    with pytest.raises(Refusal, match=r"axle_2\.left: its model failed"):
+        simulation.change({"axle_2.left.faults.outer_1.width": 0.002, "axle_2.right.faults.outer_1.width": 0.002})
+    simulation.change({"axle_2.right.faults.outer_1.width": 0.002})
 
 
 def test_simulate_names_the_boxes_that_failed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
