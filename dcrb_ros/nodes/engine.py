@@ -118,6 +118,13 @@ class Engine:
         """Start the thread."""
         self._thread.start()
 
+    def reset(self, timeout: float) -> bool:
+        """Return to the start, before `start` in the caller's thread; return whether it is done within ``timeout`` of wall time [s]."""
+        if self.started:
+            return self.gate.reset(timeout)
+        self.prepare()
+        return True
+
     def close(self) -> None:
         """Send nothing any more and wait for the thread, up to `CLOSE_TIMEOUT`."""
         self.gate.close()

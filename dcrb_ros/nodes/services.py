@@ -106,7 +106,7 @@ class Services:
 
     def restart(self) -> bool:
         """Reset the engine; return whether it finished within `TIMEOUT`. If not, it follows as soon as the model is ready."""
-        done = self._engine.gate.reset(TIMEOUT)
+        done = self._engine.reset(TIMEOUT)
         self._node.update_parameters()
         return done
 
@@ -119,5 +119,6 @@ class Services:
             if path is None:
                 return "no recording runs"
             return f"{path} is finished at {self._now()}" if path.exists() else f"{path} is removed: it has no block"
+        self._refuse_if_over("record")
         wanted = wanted_path(self._node.configuration.recording.path, self._node.get_namespace())
         return f"recording to {self._recording.record(wanted)}"

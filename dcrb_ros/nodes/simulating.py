@@ -23,7 +23,7 @@ from dcrb_ros.nodes.publisher import Publisher
 from dcrb_ros.nodes.recording_switch import CreateRecorder, RecordingSwitch
 from dcrb_ros.nodes.refusal_counts import Refusals
 from dcrb_ros.nodes.ros import installed
-from dcrb_ros.nodes.services import Services
+from dcrb_ros.nodes.services import OVER, Services
 from dcrb_ros.nodes.simulation_interfaces import PACKAGE, SimulationInterfaces
 from dcrb_ros.nodes.subscriber_wait import SubscriberWait
 from dcrb_ros.recordings.recorder import chosen_topics
@@ -147,13 +147,15 @@ class SimulatingNode(BenchNode):
     def update_parameters(self) -> None:
         """Set the node's parameters to the present configuration, which a reset or a scenario may have changed."""
 
-    def refuse_during_reset(self, what: str) -> None:
-        """Refuse a command or a change of parameters while a reset is pending; ``what`` names it in the refusal.
+    def refuse_untimely(self, what: str, *, discarded: bool = True) -> None:
+        """Refuse a command or a change of parameters, named ``what``, that comes too late or is ``discarded`` by a pending reset.
 
         Raises:
-            Refusal: the simulation that would take it is about to be discarded.
+            Refusal: the simulation that would take it has ended, or is about to be discarded.
         """
-        if self.engine.gate.resetting:
+        if self.engine.ended:
+            raise Refusal(f"{what}: {OVER}")
+        if discarded and self.engine.gate.resetting:
             raise Refusal(f"{what}: a reset is pending, which would discard the change: give it again once the simulation is at its start")
 
     @property

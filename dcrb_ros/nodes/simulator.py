@@ -117,7 +117,7 @@ class SimulatorNode(SimulatingNode):
 
     def _on_command(self, topic: Topic, data: bytes) -> None:
         with self.refusals.suppressed(topic.name):
-            self.refuse_during_reset(topic.name)
+            self.refuse_untimely(topic.name)
             value, simulation = decoded_by(topic.name, topic.decoded, data), self._source.simulation
             simulation.command_speed(value) if topic is SPEED_COMMAND else simulation.command_load(*value)
 
@@ -127,8 +127,7 @@ class SimulatorNode(SimulatingNode):
             for key in changes:
                 if key in COMMANDED and not wrong_type(self._fields[key], changes[key]):
                     raise changed_by_topic(key, COMMANDED[key])
-            if changes.keys() != {"time_scale"}:
-                self.refuse_during_reset("parameters")
+            self.refuse_untimely("parameters", discarded=changes.keys() != {"time_scale"})
             after = altered(self._source.simulation.configuration, changes)
             for sentence in sorted({*implausible_notches(after)} - {*implausible_notches(self._source.simulation.configuration)}):
                 self.get_logger().info(sentence)

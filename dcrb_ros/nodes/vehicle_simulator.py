@@ -197,7 +197,7 @@ class VehicleSimulatorNode(SimulatingNode):
 
         def take(data: bytes) -> None:
             with self.refusals.suppressed(topic.name):
-                self.refuse_during_reset(topic.name)
+                self.refuse_untimely(topic.name)
                 decoded_by(topic.name, give, data)
 
         self.subscribe(topic, take)
@@ -225,8 +225,7 @@ class VehicleSimulatorNode(SimulatingNode):
             scale = changes.get("time_scale")
             if scale is not None:
                 validated({"time_scale": scale}, type(self.configuration), "parameters")
-            if changes.keys() != {"time_scale"}:
-                self.refuse_during_reset("parameters")
+            self.refuse_untimely("parameters", discarded=changes.keys() != {"time_scale"})
             self._source.simulation.change({key: value for key, value in changes.items() if key != "time_scale"})
             if scale is not None:
                 self.engine.gate.rescale(scale)

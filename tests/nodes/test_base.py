@@ -225,6 +225,26 @@ def test_a_vehicle_is_not_changed_while_a_reset_is_pending(vehicle: VehicleSimul
     check_pending_reset(vehicle, "axle_1__left__faults__outer_1__width")
 
 
+def check_ended(node: SimulatorNode | VehicleSimulatorNode, key: str) -> None:
+    """Check that a node whose simulation has ended refuses to set parameters."""
+    node.engine.close()
+    for given in ({key: 0.002}, {"time_scale": 0.5}):
+        assert answer(node, **given) == (False, "parameters: the simulation has ended or is quitting: start the node again")
+
+
+def test_a_vehicle_is_not_changed_after_its_end(vehicle: VehicleSimulatorNode) -> None:
+    check_ended(vehicle, "axle_1__left__faults__outer_1__width")
+
+
+def test_a_bench_is_neither_changed_nor_commanded_after_its_end(ros: None) -> None:
+    node = SimulatorNode()
+    node.engine.prepare()
+    check_ended(node, "faults__outer_1__width")
+    node._on_command(SPEED_COMMAND, bytes(serialize_message(Float64(data=100.0))))
+    assert node.refusals.count("command/speed") == 1
+    node.destroy_node()
+
+
 def test_a_bench_is_neither_changed_nor_commanded_while_a_reset_is_pending(ros: None) -> None:
     node = SimulatorNode()
     node.engine.prepare()

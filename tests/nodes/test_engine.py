@@ -82,6 +82,17 @@ def test_a_reset_starts_the_source_and_the_sinks_again() -> None:
     assert source.open_iterators == 0
 
 
+def test_a_reset_before_the_start_is_done_at_once() -> None:
+    source, log = Blocks(3), Log()
+    engine = engine_of(source, log)
+    engine.prepare()
+    assert engine.reset(0.0)
+    assert (log.received, source.starts, engine.gate.resetting) == ([SENSOR.name, SENSOR.name], 2, False)
+    engine.start()
+    wait_for(lambda: engine.ended)
+    assert log.blocks == [0, 1, 2]
+
+
 def test_close_interrupts_a_long_wait() -> None:
     source, log = Blocks(10), Log()
     engine = engine_of(source, log, scale=1e-6)  # the second block is due after five hours

@@ -242,12 +242,12 @@ def test_a_simulation_that_has_ended_is_quitting_and_takes_no_requests(monkeypat
         assert bench.refusals.count(name) == 1
 
 
-@pytest.mark.parametrize("name", ["pause", "step", "reset"])
+@pytest.mark.parametrize("name", ["pause", "step", "reset", "record"])
 def test_the_services_of_the_node_take_no_requests_after_the_end(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     definitions.install(monkeypatch)
     bench = Bench(count=1)
     wait_for(lambda: bench.engine.ended)
-    answer = bench.ask(name, SetBool.Request(data=True) if name == "pause" else None)
+    answer = bench.ask(name, SetBool.Request(data=True) if name in ("pause", "record") else None)
     assert (answer.success, answer.message) == (False, f"{name}: the simulation has ended or is quitting: start the node again")
     assert bench.refusals.count(name) == 1
 
