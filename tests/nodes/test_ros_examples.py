@@ -63,6 +63,7 @@ def places(name: str) -> set[str]:
     ("name", "expected"),
     [
         (f"{NAMESPACE}/simulator", {"Bearings/Simulators", "Bearings/Places/Bench"}),
+        (f"{NAMESPACE}/vehicle_simulator", {"Bearings/Simulators", "Bearings/Places/Bench"}),
         (f"{NAMESPACE}/replayer", {"Bearings/Replayers", "Bearings/Places/Bench"}),
         ("/wagon/box3/simulator", {"Bearings/Simulators", "Bearings/Places/Wagon"}),
         ("/other/motor", set()),
@@ -91,6 +92,7 @@ def test_the_policy_allows_the_nodes_their_topics_and_services() -> None:
     assert allowed("simulator", "topic", "publish") == simulated | {topic.name for topic in BENCH} | rosout
     assert allowed("simulator", "topic", "subscribe") == commands | recorded | time
     assert allowed("simulator", "service", "reply") >= {f"{NAMESPACE}/{name}" for name in SERVICES}
+    assert allowed("simulator", "action", "execute") == allowed("operator", "action", "call") == {f"{NAMESPACE}/simulate_steps"}
     assert allowed("fault_detector", "topic", "publish") == detected | rosout | {f"{NAMESPACE}/fault_detector/transition_event"}
     assert allowed("fault_detector", "topic", "subscribe") == received | time
     assert allowed("operator", "topic", "publish") == commands | rosout

@@ -17,7 +17,7 @@ pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[2]
 POLICY = ROOT / "examples" / "ros" / "sros2_policy.xml"
 PAGE = (ROOT / "docs" / "how-to" / "secure-with-sros2.md").read_text(encoding="utf-8")
-PERMISSIONS = {"topics": {"publish", "subscribe"}, "services": {"request", "reply"}}
+PERMISSIONS = {"topics": {"publish", "subscribe"}, "services": {"request", "reply"}, "actions": {"call", "execute"}}
 
 
 def enclaves() -> list[ElementTree.Element]:
