@@ -204,12 +204,16 @@ def _origin(recording: Recording) -> str:
 
 
 def _samples(recording: Recording) -> str:
-    """Return number and time of the samples of a recording without an outcome, read block by block."""
+    """Return number and time of the samples of a recording without an outcome, read block by block, or why they are not read."""
     from dcrb_ros.messages.topics import VIBRATION
+    from dcrb_ros.schema.refusal import Refusal
 
     if next(recording.messages((VIBRATION,)), None) is None:
         return "no waveform"
-    spans = [(piece.first_index, len(piece.shaft_angle)) for piece in recording.pieces()]
+    try:
+        spans = [(piece.first_index, len(piece.shaft_angle)) for piece in recording.pieces()]
+    except Refusal as refusal:
+        return str(refusal)
     first, last = min(first for first, _ in spans), max(first + count for first, count in spans)
     rate = recording.sampling_rate
     return f"{sum(count for _, count in spans)} samples from {first / rate:.3f} to {last / rate:.3f} s"

@@ -24,7 +24,7 @@ ENDING = f"/{SENSOR.name}"
 WINDOW_NS = 1_000_000_000
 """Signal in which messages are put in order [ns]."""
 RESET_NS = 5_000_000_000
-"""Step back in time that is a reset of the simulation [ns]."""
+"""Step back in time that is a reset of the simulation [ns]; to the start of a run, `WINDOW_NS` is enough."""
 MAX_WAITING = 10_000
 """Messages that are held back at most; the bench sends some 500 in `WINDOW_NS`."""
 
@@ -106,7 +106,7 @@ def in_order(messages: Iterable[Message]) -> Iterator[Message]:
     for number, message in enumerate(messages):
         if message.topic != SENSOR:
             time_ns = header_time(message)
-        if time_ns < newest - RESET_NS:
+        if begins_again(time_ns, newest):
             yield from (heappop(waiting)[-1] for _ in range(len(waiting)))
             newest = 0
         heappush(waiting, (time_ns, number, Message(message.topic, time_ns, message.data)))
@@ -114,6 +114,11 @@ def in_order(messages: Iterable[Message]) -> Iterator[Message]:
         while waiting[0][0] < newest - WINDOW_NS or len(waiting) > MAX_WAITING:
             yield heappop(waiting)[-1]
     yield from (heappop(waiting)[-1] for _ in range(len(waiting)))
+
+
+def begins_again(time_ns: int, newest_ns: int) -> bool:
+    """Return whether a message is of a later run than one with the newest stamp [ns]."""
+    return time_ns < newest_ns - (RESET_NS if time_ns else WINDOW_NS)
 
 
 def header_time(message: Message) -> int:

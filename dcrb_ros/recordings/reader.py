@@ -41,7 +41,7 @@ from dcrb_ros.recordings.arrays import (
 )
 from dcrb_ros.recordings.digest import SampleDigests, samples_in, stated_samples
 from dcrb_ros.recordings.foreign_files import refuse_foreign
-from dcrb_ros.recordings.latched import RESET_NS, in_order, of_one_bench
+from dcrb_ros.recordings.latched import begins_again, in_order, of_one_bench
 from dcrb_ros.recordings.manifest import DAMAGE, OUTCOME, Outcome, not_understood, stated_bearing, stated_range
 from dcrb_ros.recordings.recorded_files import RecordedFiles
 from dcrb_ros.recordings.vehicle_folder import box_of, record_name
@@ -250,7 +250,7 @@ class Recording:
                 sensor_range = decode_range(message.data)
                 continue
             block = decode_vibration(message.data)
-            if block.stamp_ns < end_ns - RESET_NS:
+            if begins_again(block.stamp_ns, end_ns):
                 raise Refusal(
                     f"{self.path} contains two runs one after the other: after {end_ns * 1e-9:.3f} s, the time continues at "
                     f"{block.stamp_ns * 1e-9:.3f} s; record them separately"
