@@ -70,6 +70,8 @@ class BoxWatch:
         """Hops that have not been compared yet."""
         self.reached = -1
         """Index of the last sample that arrived since the start or the last restart."""
+        self.since = 0
+        """Index of the last sample of the last hop, or of the first sample since the start or the last restart."""
         self.missed: Counter[str] = Counter()
         """Samples of each other box that have arrived since the last one of this box."""
 
@@ -81,9 +83,12 @@ class BoxWatch:
         restarted = self.detector.restarts > restarts
         if restarted:
             self.forget()
+        if self.reached < 0:
+            self.since = index
         self.reached = max(self.reached, index + len(acceleration) - 1)
         if diagnosis is not None:
             own, contact = self.detector.own_window(), self._latest(diagnosis.index)
+            self.since = diagnosis.index
             self.hops.append(BoxHop(diagnosis, own, contact, self.detector.troubles, self.detector.flaw))
         return restarted
 

@@ -206,8 +206,9 @@ class VehicleDetector:
         indicators: dict[str, float] = {}
         for name in self._boxes:
             hop = hops.get(name)
-            begins = name not in apart and self._boxes[name].reached >= index
-            missing = "its signal began anew" if begins else apart.get(name, "no signal arrives")
+            arrives = name not in apart and self._boxes[name].reached >= index
+            begins = arrives and index - self._boxes[name].since <= self._patience + 2 * self._hop
+            missing = "its signal began anew" if begins else apart.get(name, "its signal has gaps" if arrives else "no signal arrives")
             bearing = self._bearing(name, hop, judged.get(name), compared.get(name), quiet, missing)
             for finding in hop.troubles if hop is not None else ():
                 bearing = dataclasses.replace(with_trouble(bearing, finding), score=max(bearing.score, finding.excess))

@@ -202,6 +202,20 @@ def test_a_box_that_lost_samples_is_compared_over_the_same_time(first: int, gap:
     }
 
 
+def test_a_box_that_loses_samples_in_every_hop_has_a_faulty_sensor() -> None:
+    """A gap of 0.3 s in every 0.6 s, so that no hop of 0.5 s is whole."""
+    signals, found, block = bogie(), [], 512
+    detector = VehicleDetector(DESCRIPTION, VehicleDetectorParameters(patience=0.5))
+    for k in range(0, round(SECONDS * 51200), block):
+        blocks = {name: BoxBlock(k, a[k : k + block], angle[k : k + block]) for name, (a, angle) in signals.items()}
+        if k // 15360 % 2:
+            del blocks["axle_2/left"]
+        found.append(detector.add(blocks))
+    sensors = [one.statuses["axle_2/left/sensor"] for one in found if one is not None]
+    assert (sensors[0].verdict, sensors[0].reason) == ("waiting", "its signal began anew")
+    assert (sensors[-1].verdict, sensors[-1].reason) == ("sensor", "its signal has gaps")
+
+
 @pytest.mark.parametrize("sign", [1, -1])
 def test_a_delayed_copy_has_its_lag(sign: int) -> None:
     values = np.random.default_rng(1).normal(size=4000)
