@@ -11,7 +11,7 @@ import dataclasses
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -55,9 +55,6 @@ class FaultDetector:
     that `update` returns only the last one of a block that is longer than a hop.
     """
 
-    aligned: ClassVar[bool] = False
-    """Whether hops begin at multiples of their length, so that those of several detectors are of the same samples."""
-
     @checked_arguments(orders=of_type(Orders), parameters=of_type(DetectorParameters), baseline=of_type(HealthyBaseline, type(None)))
     def __init__(
         self,
@@ -91,7 +88,7 @@ class FaultDetector:
         self._highest_order = (1.0 + p.slip) * (
             HARMONICS[-1] * max(2.0 * orders.bpfo, 2.0 * orders.bpfi, 2.0 * orders.bsf) + SHAFT_SIDEBANDS[-1]
         )
-        self._segmenter = Segmenter(self._hop, self._margin, round(min(p.longest_gap, 0.5 * p.hop) * rate), aligned=self.aligned)
+        self._segmenter = Segmenter(self._hop, self._margin, round(min(p.longest_gap, 0.5 * p.hop) * rate))
         demodulator = Demodulator(self._bands, rate, self._hop + 2 * self._margin, p.whitening)
         bins, hops = math.ceil(BINS_PER_ORDER * self._highest_order), max(1, round(p.window / p.hop))
         self._window = Window(demodulator, rate, self._hop, self._margin, bins, hops, p.speed_exponent)

@@ -59,21 +59,23 @@ class Counts:
 class Segmenter:
     """Cuts blocks into segments; the memory is bounded by one segment and the longest gap that is bridged."""
 
-    def __init__(self, hop: int, margin: int, longest_gap: int, *, aligned: bool = False) -> None:
-        """Cut segments of ``hop`` samples plus twice the ``margin``; bridge gaps of up to ``longest_gap`` samples.
-
-        The first one begins with the first sample, or if ``aligned`` with the first one whose index is a multiple of ``hop``.
-        """
-        self.hop, self.margin, self._longest_gap, self._aligned = hop, margin, longest_gap, aligned
+    def __init__(self, hop: int, margin: int, longest_gap: int) -> None:
+        """Cut segments of ``hop`` samples plus twice the ``margin``; bridge gaps of up to ``longest_gap`` samples."""
+        self.hop, self.margin, self._longest_gap = hop, margin, longest_gap
+        self._origin: int | None = None
         self.counts = Counts()
         self._next: int | None = None
         self._late: int | None = None
         self._axes = 0
         """Axes of the signal [-], 0 before the first block."""
 
+    def align(self, origin: int) -> None:
+        """Begin the hops of a signal that has not begun at whole hops from the sample ``origin``, not at the first sample."""
+        self._origin = origin
+
     def _restart(self, index: int) -> None:
         """Forget the samples before ``index``; those before the first segment count as missing."""
-        self._begin = -(-index // self.hop) * self.hop if self._aligned else index
+        self._begin = index if self._origin is None else index + (self._origin - index) % self.hop
         self._pieces: list[HeldSamples] = []
         self._held = 0
         self._first = True

@@ -82,16 +82,17 @@ def test_a_long_gap_restarts_the_segments() -> None:
     assert [segment.first for segment in found] == [True, True]
 
 
-@given(parts=st.lists(st.tuples(st.integers(0, 2 * GAP), st.integers(1, 1500)), min_size=1, max_size=8))
-def test_aligned_segments_are_those_of_the_whole_signal(parts: list[tuple[int, int]]) -> None:
-    """Blocks, each after a gap that may be bridged or not: every segment ends at a multiple of the hop, and has its samples."""
-    segmenter, index, found = Segmenter(HOP, MARGIN, GAP, aligned=True), 0, []
+@given(st.lists(st.tuples(st.integers(0, 2 * GAP), st.integers(1, 1500)), min_size=1, max_size=8), st.integers(0, 2 * HOP))
+def test_aligned_segments_are_those_of_the_whole_signal(parts: list[tuple[int, int]], origin: int) -> None:
+    """Blocks, each after a gap that may be bridged or not: every segment ends a multiple of the hop after the origin."""
+    segmenter, index, found = Segmenter(HOP, MARGIN, GAP), 0, []
+    segmenter.align(origin)
     for lost, samples in parts:
         found += list(segmenter.add(index + lost, *signal(index + lost, samples)))
         index += lost + samples
     assert segmenter.counts.lost == sum(lost for lost, _ in parts[1:])
     for segment in found:
-        assert (segment.last + 1) % HOP == 0
+        assert (segment.last + 1 - origin) % HOP == 0
         at = np.arange(segment.last + 1 - HOP - 2 * MARGIN, segment.last + 1)
         np.testing.assert_array_equal(segment.acceleration[:, 0], np.where(segment.missing, 0, at))
 

@@ -50,8 +50,6 @@ class OwnWindow(NamedTuple):
 class BoxDetector(ThermalFaultDetector):
     """A `ThermalFaultDetector` that also keeps a window of the signal without what repeats in every turn."""
 
-    aligned = True
-
     def __init__(self, *arguments: Any, relief: float, **options: Any) -> None:
         """Prepare as `ThermalFaultDetector`; ``relief`` is by how much fainter the lines of faint findings may be [dB]."""
         super().__init__(*arguments, **options)
@@ -70,6 +68,10 @@ class BoxDetector(ThermalFaultDetector):
         super().take_bearing(bearing)
         for rule in self._faint_rules:
             rule.take_bearing(bearing)
+
+    def align(self, origin: int) -> None:
+        """Begin hops as `Segmenter.align`."""
+        self._segmenter.align(origin)
 
     def _diagnosed(self, segment: Segment) -> Diagnosis:
         """Take a segment into both windows."""

@@ -75,6 +75,11 @@ class BoxWatch:
         self.missed: Counter[str] = Counter()
         """Samples of each other box that have arrived since the last one of this box."""
 
+    def align(self, origin: int) -> None:
+        """Begin hops as `Segmenter.align`, so that those of all boxes are of the same samples."""
+        self.detector.align(origin)
+        self._monitor.align(origin)
+
     def take(self, index: int, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any] | None) -> bool:
         """Take samples, at most as many as a hop has; return whether the signal restarts with them."""
         restarts = self.detector.restarts

@@ -114,12 +114,16 @@ class ContactMonitor:
         """
         self._rate, self._hop, self._event = rate, hop, event
         self._margin = margin_samples(rate, bands[0].low, MARGIN_PERIODS)
-        self._segmenter = Segmenter(hop, self._margin, longest_gap, aligned=True)
+        self._segmenter = Segmenter(hop, self._margin, longest_gap)
         self._demodulator = Demodulator(bands, rate, hop + 2 * self._margin)
         self._bins = max(1, round(hop / rate * BIN_RATE))
         self._windows: deque[_ContactHop] = deque(maxlen=hops)
         self._spectrum = TurnSpectrum(hop, self._margin, hops)
         self._turned = self._began = 0.0
+
+    def align(self, origin: int) -> None:
+        """Begin hops as `Segmenter.align`."""
+        self._segmenter.align(origin)
 
     def add(self, index: int, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any] | None) -> list[Contact]:
         """Take a block; return what was measured at the end of each hop that it completes."""

@@ -111,6 +111,7 @@ class VehicleDetector:
         self._decided, self._undecided = hystereses(), hystereses()
         self._hop = max(1, round(p.hop * description.sampling_rate))
         self._patience = round(parameters.patience * description.sampling_rate)
+        self._aligned = False
         self._confirmed: dict[tuple[str, str], Suspicion] = {}
         """How long each wheel or gear has had a verdict, by both."""
 
@@ -130,6 +131,10 @@ class VehicleDetector:
             self._known(name)
             if not all(hasattr(block, field) for field in BoxBlock.__annotations__):
                 raise Refusal(f"{block!r} is not a block of {name}: give a BoxBlock with {', '.join(BoxBlock.__annotations__)}")
+        if blocks and not self._aligned:
+            self._aligned, origin = True, min(int(block.index) for block in blocks.values())
+            for watch in self._boxes.values():
+                watch.align(origin)
         diagnosis = None
         for pieces in _divided(blocks, self._hop):
             restarted = [self._boxes[name].take(*piece) for name, piece in pieces.items()]

@@ -202,6 +202,15 @@ def test_a_box_that_lost_samples_is_compared_over_the_same_time(first: int, gap:
     }
 
 
+def test_five_hops_are_judged_wherever_they_begin() -> None:
+    signals, samples = bogie(), round(2.5 * 51200)
+    diagnosis = VehicleDetector(DESCRIPTION).add(
+        {name: BoxBlock(1000, a[:samples], angle[:samples]) for name, (a, angle) in signals.items()}
+    )
+    assert diagnosis is not None
+    assert {diagnosis.statuses[f"{name}/bearing"].verdict for name in BOXES} == {"healthy"}
+
+
 def test_a_box_that_loses_samples_in_every_hop_has_a_faulty_sensor() -> None:
     """A gap of 0.3 s in every 0.6 s, so that no hop of 0.5 s is whole."""
     signals, found, block = bogie(), [], 512
