@@ -27,7 +27,7 @@ class TrackEvent:
     cause: str
     """joint, crossing, flat, slide or slide_end."""
     jump: float
-    """Jump of velocity at a kink, or speed at which the wheels are to slide as the slide begins [m/s]."""
+    """Jump of velocity at a kink, or speed at which the wheels are to slide: the first one, at the end the largest [m/s]."""
 
 
 @dataclass(frozen=True)

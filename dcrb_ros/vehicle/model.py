@@ -105,7 +105,7 @@ class VehicleModel:
         """What was commanded: speed [m/s] and its ramp [m/s^2], curvature [1/m], cant [m], wind [N], brake [m/s^2]."""
         self.slides = np.array([axle.slide for axle in vehicle.axles])
         """Share by which each wheelset is to slide, shape (axles,) [-]."""
-        self._slide, self._slid = self.slides.copy(), np.zeros(len(vehicle.axles), np.bool_)
+        self._slide, self._slid = self.slides.copy(), np.zeros(len(vehicle.axles))
         settled = int(SETTLING / (self._interval * TICKS)) + 1
         behind = settled * TICKS * self._interval * self.targets["speed"]
         self._speed, self._place = self.targets["speed"], -behind
@@ -233,11 +233,11 @@ class VehicleModel:
         """Return the slides that begin or end with the frame to be rolled, and the creep of each wheelset at its ticks."""
         events, time = [], self._rolled * FRAME / self.rate
         for p, axle in enumerate(self.vehicle.axles):
-            wanted = float(self.slides[p])
-            if self._rolled >= 0 and (wanted > 0.0) != self._slid[p]:
-                cause = "slide" if wanted > 0.0 else "slide_end"
-                events.append(TrackEvent(time, place + axle.x, axle.name, cause, wanted * float(speed[0])))
-                self._slid[p] = wanted > 0.0
+            wanted = float(self.slides[p] * speed[0]) if self._rolled >= 0 else 0.0
+            largest = max(wanted, float(self._slid[p]))
+            if (wanted > 0.0) != (self._slid[p] > 0.0):
+                events.append(TrackEvent(time, place + axle.x, axle.name, "slide" if wanted > 0.0 else "slide_end", largest))
+            self._slid[p] = largest if wanted > 0.0 else 0.0
         before, step = self._slide, SLIDING / speed[0] * self._interval * TICKS
         self._slide = before + np.clip(self.slides - before, -step, step)
         return events, self._creep - (before[:, None] + (self._slide - before)[:, None] * (np.arange(TICKS + 1) / TICKS))

@@ -333,7 +333,7 @@ def test_a_slide_that_grows_begins_and_ends_once() -> None:
         model.slides[1] = slide
         events += model.plan().events
     events += model.plan().events
-    assert [event.cause for event in events] == ["slide", "slide_end"]
+    assert [(event.cause, event.jump) for event in events] == [("slide", pytest.approx(0.2)), ("slide_end", pytest.approx(4.0))]
 
 
 @pytest.mark.parametrize(("kmh", "expected"), [(10.0, 0.24), (40.0, 0.46), (120.0, 0.46)])
