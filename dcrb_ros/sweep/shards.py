@@ -40,8 +40,8 @@ from dcrb_ros.text.writing import check_empty, whole_file, whole_folder
 from dcrb_ros.text.yaml import read_yaml
 
 INDEX = "index.json"
-LARGEST_INDEX, MOST_VALUES = 64 * 1024 * 1024, 2_000_000
-"""Longest index that is read [bytes], and its most values [-]; a million runs in shards of ten have 35 MB and 1.4 million values."""
+LARGEST_INDEX, MOST_VALUES = 256 * 1024 * 1024, 6_000_000
+"""Longest index that is read [bytes], and its most values [-]; a million shards of one run have 152 MB and 5 million values."""
 RECIPE = (COPY, KEPT_BASE, ABOUT)
 """Files of a data set from which its plan is made again."""
 
