@@ -260,8 +260,8 @@ class VehicleDetector:
                 statuses[box.name] = Status("swapped", reason, 0.9)
             elif box.side in backward:
                 reason = (
-                    "the trailing wheelset follows the rail first on every side: the vehicle runs backwards and its angle has no sign, or "
-                    "all sensors are swapped"
+                    "the trailing wheelset follows the rail first on each side that can be judged: the vehicle runs backwards and its "
+                    "angle has no sign, or all sensors are swapped"
                 )
                 statuses[box.name] = Status(UNDECIDED, reason)
             elif crossed:
