@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -84,8 +85,9 @@ def _with_history(text: str, extents: list[Extent]) -> str:
     Raises:
         Refusal: a line with them cannot be added to the text.
     """
-    lines = [line for line in text.splitlines() if not line.startswith(f"{EXTENDED}:")]
-    changed = "\n".join([*lines, f"{EXTENDED}: {json.dumps(extents)}", ""])
+    lines = "".join(f"{line}\n" for line in text.splitlines())
+    others = re.sub(rf"^{EXTENDED}:.*\n([- ].*\n)*", "", lines, flags=re.MULTILINE)
+    changed = f"{others}{EXTENDED}: {json.dumps(extents)}\n"
     try:
         same = parsed(changed) == {**(parsed(text) or {}), EXTENDED: extents}
     except YAMLError:

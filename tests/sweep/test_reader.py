@@ -433,8 +433,6 @@ def test_more_lives_keep_the_splits_of_the_others() -> None:
     "text",
     [
         "{base: dry, points: 8}",
-        "points: 8\nextended:\n- 2\n",  # without its first line, the list belongs to the key before
-        "points: 8\nextended: [2,\n  3]\n",
         "points: 8\n...\n",  # the end of the document
         "points: 8\nlicence: |\n  mine\n  extended: 3\n...\n",
     ],
@@ -442,7 +440,11 @@ def test_more_lives_keep_the_splits_of_the_others() -> None:
 def test_a_text_to_which_no_line_can_be_added_is_not_extended(text: str) -> None:
     with pytest.raises(Refusal, match="the sweep file cannot be extended as it is written: write one key per line without braces"):
         _with_history(text, [2, 4])
-    assert _with_history("points: 8  # eight\nextended: [2]\n", [2, 4]) == "points: 8  # eight\nextended: [2, 4]\n"
+
+
+@pytest.mark.parametrize("history", ["[2]\n", "\n- 2\n", "[2,\n  3]\n", "\n  - operating.speed: 2\n    operating.load: 1\n"])
+def test_a_text_is_extended_however_its_history_is_written(history: str) -> None:
+    assert _with_history(f"extended: {history}points: 8  # eight\n", [2, 4]) == "points: 8  # eight\nextended: [2, 4]\n"
 
 
 @pytest.mark.parametrize("tree", [{"extended": [4]}, {"extended": [9]}, {"extended": [3, 2]}, {"extended": [0]}])
