@@ -40,3 +40,10 @@ def test_messages_that_differ_are_not_decoded_together() -> None:
     assert decode_alike([]) is None
     assert decode_alike([one, other]) is None
     assert decode_alike([one, one + bytes(4)]) is None
+
+
+def test_big_endian_messages_are_not_decoded_together() -> None:
+    names = struct.pack(">2I4s", 1, 2, b"a")
+    messages = [struct.pack(">4x2iI4s", 0, 0, 2, b"f") + names + struct.pack(">IdII", 1, value, 0, 0) for value in (0.0, 1.0)]
+    assert [decode_joints(data).position.tolist() for data in messages] == [[0.0], [1.0]]
+    assert decode_alike(messages) is None
