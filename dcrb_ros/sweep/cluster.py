@@ -49,11 +49,11 @@ class ClusterWorkers:
 
         scheduler = str(getattr(self._client.scheduler, "address", ""))
         known: dict[Future[Any], Task] = {}
-        queue = as_completed()
+        queue = as_completed(loop=self._client.loop)
 
         def submit(count: int) -> None:
             for task in itertools.islice(tasks, count):
-                future = self._client.submit(run_task, common, task, key=f"sweep-{task[0].name}", pure=False)
+                future = self._client.submit(run_task, common, task, pure=False)
                 known[future] = task
                 queue.add(future)
 

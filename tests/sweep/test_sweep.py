@@ -50,6 +50,7 @@ from dcrb_ros.sweep.loader import read_sweep, sweep_of
 from dcrb_ros.sweep.plan import Plan, PlannedRun
 from dcrb_ros.sweep.store import Store, StoreFailed
 from dcrb_ros.sweep.sweep_file import Shares, Windows
+from dcrb_ros.sweep.verification import read_label
 from dcrb_ros.sweep.windows import cut_windows, window_starts
 
 pytestmark = pytest.mark.slow
@@ -426,6 +427,14 @@ def test_the_number_of_generated_tasks_is_bounded(tmp_path: Path, client: Client
     for done, _ in enumerate(ClusterWorkers(client).dispatched(common, counted()), 1):
         assert len(asked) <= 2 * TASKS_PER_WORKER + done
     assert done == len(asked) == 10
+
+
+def test_two_sweeps_of_equal_runs_share_no_task(tmp_path: Path, client: Client) -> None:
+    plan, stores = plan_of(VARIED), [Store(str(tmp_path / name)) for name in ("first", "second")]
+    both = [ClusterWorkers(client).dispatched(common_settings(plan.sweep, store), plan.tasks(set(), 0.0)) for store in stores]
+    tasks = [next(both[0]), *both[1], *both[0]]
+    assert [outcome for _, outcome in tasks if isinstance(outcome, Exception)] == []
+    assert all(read_label(store, run.name) for store in stores for run in plan.runs())
 
 
 # The command
