@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Sequence
 from itertools import groupby
 from pathlib import Path
@@ -14,7 +15,7 @@ from pydantic import Field, ValidationError
 from dcrb_ros.exam.breakdown import areas_of, difficulty, family_areas, overall_area
 from dcrb_ros.exam.credit import Credit
 from dcrb_ros.exam.exam_score import Contribution, ExamScore, exam_scores
-from dcrb_ros.exam.profile import PROFILES
+from dcrb_ros.exam.profile import PROFILES, Profile
 from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.scoring import NO_ANSWER, WAITING
 from dcrb_ros.messages.received_diagnosis import LATEST, ReceivedDiagnosis
@@ -36,6 +37,8 @@ AGREEMENT = 1e-4
 """Largest difference between the exam scores stated in an entry and those computed again from its scenarios [-]."""
 EXACT = 1e-6
 """Largest such difference of the area [-]."""
+BOX = re.compile(r"/axle_\d+/(left|right)$")
+"""End of the name of a scenario that is a box of a vehicle."""
 LONGEST_FAILURE = 4000
 """Longest reason of a failure that is kept [characters]."""
 
@@ -238,6 +241,9 @@ def _check(entry: Entry, path: Path) -> None:
     if (twice := repeated(scenario.name for scenario in entry.scenarios)) is not None:
         raise Refusal(f"{path} has the scenario '{twice}' twice: make it again with dcrb score --entry")
     profiles = {profile.name for profile in PROFILES}
+    given: dict[str, set[str]] = {}
+    for scenario in entry.scenarios:
+        given.setdefault(BOX.sub("", scenario.name), set()).update(scenario.diagnoses.verdicts if scenario.diagnoses else ())
     for scenario in entry.scenarios:
         faulty = scenario.family != "healthy"
         invalid = set(scenario.credit) != (profiles if faulty else set()) or not all(
@@ -245,7 +251,9 @@ def _check(entry: Entry, path: Path) -> None:
         )
         if invalid or scenario.spoiled > scenario.periods:
             raise Refusal(f"{path} has an impossible credit in the scenario '{scenario.name}': make it again with dcrb score --entry")
-        contradiction = _contradiction(scenario) or (_contradicted_answer(scenario) if entry.last_verdict else "")
+        contradiction = _contradiction(scenario, given[BOX.sub("", scenario.name)]) or (
+            _contradicted_answer(scenario) if entry.last_verdict else ""
+        )
         if contradiction:
             raise Refusal(
                 f"{path} contradicts itself in the scenario '{scenario.name}': {contradiction}; make it again with dcrb score --entry"
@@ -261,8 +269,11 @@ def _check(entry: Entry, path: Path) -> None:
         )
 
 
-def _contradiction(scenario: EntryScenario) -> str:
-    """Return what in a scenario does not follow from the rest of it; the empty string if everything does."""
+def _contradiction(scenario: EntryScenario, verdicts: set[str]) -> str:
+    """Return what in a scenario does not follow from the rest of it; the empty string if everything does.
+
+    ``verdicts`` are those of the scenario, or of all boxes of its vehicle.
+    """
     faulty, delay = scenario.family != "healthy", scenario.delay_turns
     if scenario.diagnoses is not None and scenario.diagnoses.flaw:
         return scenario.diagnoses.flaw
@@ -273,8 +284,8 @@ def _contradiction(scenario: EntryScenario) -> str:
     if scenario.found != (faulty and delay is not None and scenario.answer == scenario.family):
         return f"found is {scenario.found}, with the answer {scenario.answer} and the delay {delay}"
     for profile in PROFILES if faulty else ():
-        credit, most = scenario.credit[profile.name], _most_credit(scenario, profile.naming)
-        if credit > most + EXACT or (delay is None and profile.naming > 0.0 and credit > 1.0 - EXACT):
+        credit = scenario.credit[profile.name]
+        if credit > _most_credit(scenario, verdicts, profile) + EXACT:
             return f"a credit of {credit:g} ({profile.name}) for a fault that was not detected in time"
     return ""
 
@@ -291,9 +302,13 @@ def _contradicted_answer(scenario: EntryScenario) -> str:
     return "" if last == scenario.answer or any_fault else f"the answer is {scenario.answer}, but the last verdict is {last}"
 
 
-def _most_credit(scenario: EntryScenario, naming: float) -> float:
-    """Return the largest credit that the verdicts of a scenario allow; 1 without its diagnoses."""
+def _most_credit(scenario: EntryScenario, verdicts: set[str], profile: Profile) -> float:
+    """Return the largest credit that the verdicts of a scenario allow, or without them its delay."""
     if scenario.diagnoses is None:
-        return 1.0
-    verdicts = set(scenario.diagnoses.verdicts)
-    return (1.0 - naming) * any(map(is_alarm, verdicts)) + naming * (scenario.family in verdicts)
+        # A late detection costs nothing where the half-life is infinite.
+        late = scenario.delay_turns is None and profile.naming > 0.0 and math.isfinite(profile.half_life)
+        return 1.0 - 2.0 * EXACT if late else 1.0
+    alarm = any(map(is_alarm, verdicts))
+    # An alarm on the damaged box of a vehicle earns a part of the share of the name without its component.
+    named = alarm if BOX.search(scenario.name) else scenario.family in verdicts
+    return (1.0 - profile.naming) * alarm + profile.naming * named

@@ -84,6 +84,15 @@ def test_an_entry_of_the_first_format_has_no_credit_for_a_fault_that_was_never_d
         read_entry(file)
 
 
+def test_an_entry_has_full_credit_for_a_late_detection_where_delays_cost_nothing(tmp_path: Path) -> None:
+    criteria = Criteria.model_validate({"delay": {"outer_ring": 2.0}})
+    given = [ReceivedDiagnosis(t, "outer_ring" if t >= 7.0 else "healthy") for t in np.arange(0.0, 10.5, 0.5)]
+    results = tuple(score_scenario(expectation, given if expectation.faulty else given[:1], criteria) for expectation in EXPECTATIONS)
+    assert (results[0].delay, results[0].credit.detection["cost"]) == (None, 1.0)
+    write_entry(entry_of(Report("made up", "late", criteria, "0" * 64, results)), tmp_path / "e.json")
+    assert read_entry(tmp_path / "e.json").scenarios[0].credit["cost"] == 1.0
+
+
 def test_diagnoses_survive_their_columns() -> None:
     given = [ReceivedDiagnosis(0.5, "healthy"), ReceivedDiagnosis(1.0, "healthy", 2.5), ReceivedDiagnosis(1.5, "cage", None, "", 3.0)]
     assert StoredDiagnoses.of(given).received() == given

@@ -20,6 +20,7 @@ from dcrb_ros.exam.exam_file import read_exam
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.leaderboard_entry import entry_of, read_entry, write_entry
 from dcrb_ros.exam.limits import Limits
+from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.running_detector import BoxSamples, checked_statuses
 from dcrb_ros.exam.vehicle import signals
 from dcrb_ros.exam.vehicle.evaluation import (
@@ -75,6 +76,20 @@ def test_a_wrong_box_is_a_false_alarm() -> None:
     results = scored_boxes(CASE, DESCRIPTION, outcome(axle_1_left="outer_ring", axle_1_right="outer_ring"), CRITERIA)
     assert {result.expectation.name: len(result.false_alarms) for result in results if result.false_alarms} == {"case/axle_1/right": 1}
     assert [result.credit.failed for result in results] == [0, 1, 0, 0]
+
+
+@pytest.mark.parametrize("verdict", ["outer_ring", "roller"])
+@pytest.mark.parametrize("box", ["axle_1_left", "axle_2_right"])
+def test_the_entry_of_an_alarm_on_any_box_is_read(verdict: str, box: str, tmp_path: Path) -> None:
+    results = scored_boxes(CASE, DESCRIPTION, outcome(**{box: verdict}), CRITERIA)
+    entry = entry_of(Report("one", "alarming", CRITERIA, "0" * 64, tuple(results)))
+    write_entry(entry, tmp_path / "entry.json")
+    assert read_entry(tmp_path / "entry.json") == entry
+    silent = entry_of(Report("one", "healthy", CRITERIA, "0" * 64, tuple(scored_boxes(CASE, DESCRIPTION, outcome(), CRITERIA))))
+    forged = silent.scenarios[0].model_copy(update={"credit": entry.scenarios[0].credit})
+    write_entry(silent.model_copy(update={"scenarios": [forged, *silent.scenarios[1:]]}), tmp_path / "silent.json")
+    with pytest.raises(Refusal, match="contradicts itself in the scenario 'case/axle_1/left': a credit of"):
+        read_entry(tmp_path / "silent.json")
 
 
 def test_no_alarm_earns_nothing() -> None:
