@@ -322,6 +322,18 @@ def test_the_exam_of_a_bearing_does_not_read_that_of_a_vehicle() -> None:
         read_exam("bogie")
 
 
+def test_an_edited_bench_changes_digest_and_signal(tmp_path: Path) -> None:
+    bench = tmp_path / "bench.yaml"
+    scenarios = [{"name": "common", "set": {"vehicle.bench": str(bench)}}, {"name": "own", "set": {"axle_1.left.bench": str(bench)}}]
+    digests: list[str] = []
+    for density in (1e-3, 2e-3, 2e-3):
+        bench.write_text(yaml.safe_dump({"sensor": {"noise_density": density}}), encoding="utf-8")
+        exam = vehicle_exam_of({"exam": "x", "vehicle": "healthy_bogie", "scenarios": scenarios}, "the test")
+        digests += [exam.digest, *(signal_path(case.parameters, 3.0, tmp_path).name for case in exam.cases)]
+    assert len(set(digests)) == 6
+    assert digests[3:6] == digests[6:]
+
+
 def swapped(file: Path) -> None:
     kept_signal({"other": 1}, 1.0, file.parent)
     other = next(one for one in file.parent.glob("*.signal") if one != file)

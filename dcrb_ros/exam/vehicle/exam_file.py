@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import itertools
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -23,11 +23,11 @@ from dcrb_ros.schema.fields import Group, choice, quantity
 from dcrb_ros.schema.parameter_field import first_problem
 from dcrb_ros.schema.refusal import Refusal, nearest, repeated
 from dcrb_ros.schema.verdicts import FaultClass, contradicts
-from dcrb_ros.settings.files import flatten, validated
+from dcrb_ros.settings.files import flatten, load_configuration, validated
 from dcrb_ros.settings.shipped import find_shipped
 from dcrb_ros.text.yaml import read_yaml
-from dcrb_ros.vehicle.description import Journey, Vehicle
-from dcrb_ros.vehicle.file import SEEDS, as_floats, read_parameters, seed_of, vehicle_of
+from dcrb_ros.vehicle.description import Journey, Vehicle, Wheel
+from dcrb_ros.vehicle.file import DRIVE, GROUPS, SEEDS, as_floats, read_parameters, seed_of, vehicle_of
 
 PLACEHOLDER = "box"
 """In the keys of a scenario, the box in question."""
@@ -125,14 +125,26 @@ class VehicleExam:
 
     @property
     def digest(self) -> str:
-        """SHA-256 of all cases; names and order do not enter it."""
+        """SHA-256 of all cases, with everything that their parameters resolve to; names and order do not enter it."""
         cases = sorted(canonical([dict(case.parameters), case.duration, dict(case.damaged), case.required]) for case in self.cases)
-        return hashlib.sha256(canonical(cases).encode()).hexdigest()
+        return hashlib.sha256(canonical([cases, resolved(case.parameters for case in self.cases)]).encode()).hexdigest()
 
     @property
     def seeds(self) -> tuple[int, ...]:
         """Seeds of the vehicles in increasing order."""
         return tuple(sorted({case.journey.seed for case in self.cases}))
+
+
+def resolved(vehicles: Iterable[Mapping[str, Any]]) -> list[Any]:
+    """Return what the samples of vehicles depend on beside their parameters: the configuration of each bench by name, and the defaults.
+
+    Raises:
+        Refusal: a bench is invalid.
+    """
+    given = ({"vehicle.bench": Journey().bench, **parameters} for parameters in vehicles)
+    benches = sorted({str(value) for parameters in given for key, value in parameters.items() if key.endswith(".bench")})
+    defaults = {name: group().model_dump() for name, group in {**GROUPS, **DRIVE, "wheel": Wheel}.items()}
+    return [{bench: load_configuration(bench).model_dump() for bench in benches}, defaults]
 
 
 def read_vehicle_exam(source: str | Path) -> VehicleExam:

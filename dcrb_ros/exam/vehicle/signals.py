@@ -19,6 +19,7 @@ import numpy as np
 from dcrb_ros.diagnosis.vehicle.detector import BoxBlock
 from dcrb_ros.exam.case import canonical
 from dcrb_ros.exam.recording_cache import keep, kept_content
+from dcrb_ros.exam.vehicle.exam_file import resolved
 from dcrb_ros.measurement.sensor import Measurement, Sensor
 from dcrb_ros.recordings.manifest import model_fingerprint, software, vehicle_fingerprint
 from dcrb_ros.schema.arrays import Floats, Samples
@@ -202,7 +203,7 @@ def kept_signal(parameters: Mapping[str, Any], duration: float, folder: Path, *,
 
 def signal_path(parameters: Mapping[str, Any], duration: float, folder: Path) -> Path:
     """Return the file of a vehicle's signal; its name is a hash of everything on which the samples depend."""
-    about = canonical([dict(parameters), duration, model_fingerprint(), vehicle_fingerprint(), software()])
+    about = canonical([dict(parameters), resolved([parameters]), duration, model_fingerprint(), vehicle_fingerprint(), software()])
     return folder / f"{hashlib.sha256(about.encode()).hexdigest()[:24]}.signal"
 
 
