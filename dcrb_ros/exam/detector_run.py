@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -13,12 +13,15 @@ from dcrb_ros.exam.evaluation import Outcome
 from dcrb_ros.exam.running_detector import DetectorBlock, DetectorFactory, RunningDetector, checked_output
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis, decode_diagnosis
 from dcrb_ros.messages.topics.diagnosis import encode_diagnosis
+from dcrb_ros.schema.refusal import Refusal
 
 if TYPE_CHECKING:
     from dcrb_ros.exam.led_signal import LedSignal
     from dcrb_ros.recordings.reader import Recording
 
 SHIPPED = "the shipped detector"
+ROUNDING = 1e-9
+"""Largest rounding error of a stamp [s]."""
 Signal: TypeAlias = "Recording | LedSignal[Any]"
 """The signal of a scenario: a recording, alone or after a healthy one."""
 
@@ -30,6 +33,22 @@ def detector_blocks(signal: Signal) -> Iterator[DetectorBlock]:
         readings: list[tuple[float, float, float]] = []
         feed.give(lambda *reading: readings.append(reading), piece.end_index / signal.sampling_rate)  # noqa: B023
         yield DetectorBlock(*piece, tuple(readings))
+
+
+def arrived(diagnosis: ReceivedDiagnosis, before: int, end: int, rate: int) -> ReceivedDiagnosis:
+    """Return a diagnosis that a detector returned with the samples from ``before`` to ``end`` at a rate [Hz].
+
+    One that is stamped before them counts as issued at their end.
+
+    Raises:
+        Refusal: it is stamped after them.
+    """
+    if diagnosis.time > end / rate + ROUNDING:
+        raise Refusal(
+            f"update returned a diagnosis stamped {diagnosis.time:.2f} s after {end / rate:.2f} s of the signal: give the time of the last "
+            "sample that was judged"
+        )
+    return replace(diagnosis, signal_received=(end - 1) / rate) if diagnosis.time < before / rate - ROUNDING else diagnosis
 
 
 @dataclass(frozen=True)
@@ -45,17 +64,18 @@ class PythonDetector:
         """Return its diagnoses of a signal, decoded from the messages that a node would publish.
 
         Raises:
-            Refusal: the signal cannot be read, or the detector has no ``update`` or returns an unknown verdict.
+            Refusal: the signal cannot be read, or the detector has no ``update`` or returns something invalid.
             RuntimeError: the detector raised an exception.
         """
-        rate, outcome = signal.sampling_rate, Outcome()
+        rate, outcome, before = signal.sampling_rate, Outcome(), 0
         detector = RunningDetector(self.factory, signal.orders, rate, lambda: signal.bearing)
         for block in detector_blocks(signal):
             output = checked_output(detector.take(block))
             if isinstance(output, str):
                 outcome.received.append(ReceivedDiagnosis((block.end - 1) / rate, output))
             elif output is not None:
-                outcome.received.append(decode_diagnosis(encode_diagnosis(output)))
+                outcome.received.append(arrived(decode_diagnosis(encode_diagnosis(output)), before, block.end, rate))
+            before = block.end
         return outcome
 
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from dcrb_ros.exam.detector_process import FAILED, LEFTOVER, MESSAGE, NOTHING, READY, REFUSED, STATUSES, VERDICT, Begin, Request
-from dcrb_ros.exam.detector_run import Signal, detector_blocks
+from dcrb_ros.exam.detector_run import Signal, arrived, detector_blocks
 from dcrb_ros.exam.evaluation import AnyOutcome, CandidateRefusal, Outcome
 from dcrb_ros.exam.limits import Limits
 from dcrb_ros.exam.packets import receive_packet, send_packet
@@ -107,15 +107,19 @@ class DetectorProcess:
             raise
 
     def _diagnoses(self, signal: Signal) -> Iterator[ReceivedDiagnosis]:
-        rate = signal.sampling_rate
+        rate, before = signal.sampling_rate, 0
         blocks = ((block, block.first_index, block.end) for block in detector_blocks(signal))
         for kind, content, end in self.answers(Begin(signal.orders, rate, pickle.dumps(signal.bearing)), blocks, rate):
-            if kind == MESSAGE:
-                yield decode_diagnosis(content)
-            elif kind == VERDICT:
-                yield ReceivedDiagnosis((end - 1) / rate, str(checked_output(content.decode(errors="replace"))))
-            elif kind != NOTHING:
-                raise DetectorFailure("its process sent an invalid answer")
+            try:
+                if kind == MESSAGE:
+                    yield arrived(decode_diagnosis(content), before, end, rate)
+                elif kind == VERDICT:
+                    yield ReceivedDiagnosis((end - 1) / rate, str(checked_output(content.decode(errors="replace"))))
+                elif kind != NOTHING:
+                    raise DetectorFailure("its process sent an invalid answer")
+            except Refusal as refusal:
+                raise DetectorFailure(str(refusal)) from None
+            before = end
 
     def answers(self, begin: Request, blocks: Iterable[tuple[Request, int, int]], rate: int) -> Iterator[tuple[bytes, bytes, int]]:
         """Begin a scenario and send its blocks, each with the index of its first sample and the one after its last, at a rate [Hz].

@@ -93,6 +93,24 @@ class Invalid(Well):
         from dcrb_ros import Diagnosis
         return super().update(index, acceleration, shaft_angle) if self.blocks < 2 else Diagnosis(index, "now", "healthy", "block 3")
 
+class Future(Well):
+    def update(self, index, acceleration, shaft_angle):
+        from dcrb_ros import Diagnosis
+        time = 4.0 if self.blocks == 2 else (index + len(shaft_angle)) / 51200
+        super().update(index, acceleration, shaft_angle)
+        return Diagnosis(index, time, "cage", "")
+
+class Scored(Well):
+    def update(self, index, acceleration, shaft_angle):
+        from dcrb_ros import Diagnosis
+        verdict = super().update(index, acceleration, shaft_angle)
+        return Diagnosis(index, index / 51200, verdict, "", scores={"cage": float("nan" if self.blocks == 3 else self.blocks)})
+
+class Hindsight(Well):
+    def update(self, index, acceleration, shaft_angle):
+        from dcrb_ros import Diagnosis
+        return Diagnosis(index, 0.01, super().update(index, acceleration, shaft_angle), "")
+
 class Wordy(Well):
     def misbehave(self):
         raise ValueError("word " * (20 << 20))
@@ -166,6 +184,8 @@ def only_processes_of_this_test(monkeypatch: pytest.MonkeyPatch) -> Iterator[Non
         ("Large", "update failed at sample 2048: MemoryError; it may use 1024 MiB (--memory-limit)"),
         ("Wrong", "update failed at sample 2048: ValueError: \\x1b[2Jwrong"),
         ("Invalid", "update returned a diagnosis with an invalid value: "),
+        ("Future", "update returned a diagnosis stamped 4.00 s after 0.06 s of the signal: give the time"),
+        ("Scored", "a diagnosis has score = 'nan': it must be a finite number"),
         ("Wordy", "update failed at sample 2048: ValueError: word word"),
         ("Made", "its class failed: SystemExit: not made"),
         ("Closing", "at 0.04 s of the signal"),
@@ -185,6 +205,15 @@ def test_whatever_a_detector_does_fails_its_scenario_with_the_cause(
     assert len(outcome.failure) < (3000 if name == "Wordy" else 1000)
     assert capfd.readouterr() == ("", "")
     assert not plugin_process._PROCESSES
+
+
+def test_a_diagnosis_of_former_blocks_counts_as_issued_with_the_present_one(source: Path, bag: Path) -> None:
+    factory = load_plugin(f"{source}:Hindsight")
+    there, here = ProcessDetector("there", f"{source}:Hindsight"), PythonDetector("here", factory)
+    for candidate in (there, here):
+        received = candidate.diagnose(Recording(bag)).received
+        assert [diagnosis.time for diagnosis in received] == [0.01] * BLOCKS
+        assert [diagnosis.signal_received for diagnosis in received] == [None, *((1024 * k - 1) / 51200 for k in range(2, BLOCKS + 1))]
 
 
 def test_a_process_is_reused_with_a_new_detector_and_gives_the_same_diagnoses(source: Path, bag: Path) -> None:
