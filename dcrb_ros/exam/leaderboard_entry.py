@@ -121,6 +121,11 @@ class EntryScenario(Group):
     diagnoses: StoredDiagnoses | None = None
     """The diagnoses, from which everything else follows; None in the first format."""
 
+    @property
+    def right(self) -> bool:
+        """Whether the answer is the correct verdict, and the detector did not fail after it."""
+        return self.answer == self.family and not self.failure
+
 
 class Entry(Group):
     """The results of one detector in one exam."""

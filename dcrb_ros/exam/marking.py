@@ -113,7 +113,7 @@ class VerdictMarking(Marking):
     def cells(self, entry: Entry, heads: Sequence[str]) -> tuple[str, ...]:
         """Return the cells of an entry in these columns."""
         classes = ([scenario for scenario in entry.scenarios if scenario.family == family] for family in heads[1:])
-        counts = (f"{sum(map(_is_right, members))} of {len(members)}" for members in classes)
+        counts = (f"{sum(one.right for one in members)} of {len(members)}" for members in classes)
         return (_cell(self.series(entry)[self.name]), *counts)
 
     def series(self, entry: Entry) -> Mapping[str, Interval]:
@@ -172,14 +172,10 @@ def _several_of_each(entry: Entry) -> bool:
     return all(families.count(family) > 1 for family in families)
 
 
-def _is_right(scenario: EntryScenario) -> bool:
-    return scenario.answer == scenario.family
-
-
 def _shares(entry: Entry, weights: Floats) -> Floats:
     """Return the mean over the classes of the weighted share of correct verdicts [%]; ``weights`` has shape (samples, scenarios)."""
     required = _required(entry)
-    right = np.array([[float(_is_right(scenario)) for scenario in required]])
+    right = np.array([[float(scenario.right) for scenario in required]])
     return np.asarray(100.0 * class_mean(right, [scenario.family for scenario in required], weights.T)[0], np.float64)
 
 

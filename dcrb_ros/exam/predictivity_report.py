@@ -171,7 +171,7 @@ def _check_scenarios(what: str, entry: Entry, truths: Mapping[str, str], source:
 
 def _right_answers(entry: Entry) -> dict[str, float]:
     """Return by scenario whether the answer is right, 1 or 0."""
-    return {scenario.name: float(scenario.answer == scenario.family) for scenario in entry.scenarios}
+    return {scenario.name: float(scenario.right) for scenario in entry.scenarios}
 
 
 def _reasons(broken: Sequence[BrokenFamily]) -> list[str]:

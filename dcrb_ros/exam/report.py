@@ -240,7 +240,7 @@ class Report:
         """Return the correct answers by rig and correct verdict; empty if the scenarios have no tag ``rig``."""
         names = sorted({str(result.expectation.tags["rig"]) for result in self.results if "rig" in result.expectation.tags})
         return [
-            RigResult(rig, verdict, sum(r.answer == verdict for r in same), sum(is_alarm(r.answer) for r in same), len(same))
+            RigResult(rig, verdict, sum(r.right for r in same), sum(is_alarm(r.answer) for r in same), len(same))
             for rig in names
             for verdict, group in _grouped(self.results).items()
             if (same := [r for r in group if r.expectation.tags.get("rig") == rig])

@@ -83,6 +83,11 @@ class ScenarioResult:
         """Whether the fault was detected in time with the correct verdict."""
         return self.delay is not None and self.answer == self.expectation.verdict
 
+    @property
+    def right(self) -> bool:
+        """Whether the answer is the correct verdict, and the detector did not fail after it."""
+        return self.answer == self.expectation.verdict and not self.failure
+
     def described(self) -> dict[str, Any]:
         """Return the result as a tree for JSON."""
         expectation = self.expectation

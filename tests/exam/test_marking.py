@@ -43,6 +43,12 @@ def test_classes_count_alike_whatever_their_number_of_scenarios() -> None:
     assert MARKING.cells(given, MARKING.heads([given]))[1:] == ("8 of 8", "1 of 2", "0 of 4")
 
 
+def test_a_right_answer_before_a_failure_does_not_count() -> None:
+    failed = scenario("outer_ring1", "outer_ring", right=True).model_copy(update={"failure": "it ended"})
+    assert MARKING.cells(entry({"outer_ring": [True]}, failed), MARKING.heads([entry({"outer_ring": [True]})]))[1:] == ("1 of 2",)
+    assert MARKING.mark(entry({"outer_ring": [True]}, failed)) == pytest.approx(50.0)
+
+
 def test_scenarios_that_are_not_required_have_no_effect_on_the_mark() -> None:
     right = {"healthy": [True, False], "outer_ring": [True, True]}
     rollers = [scenario(f"roller{k}", "roller", right=False, required=False) for k in range(3)]

@@ -76,6 +76,12 @@ MIXED = report(
 )
 
 
+def test_a_right_answer_before_a_failure_does_not_count_for_its_rig() -> None:
+    given = [result("outer_ring", "outer_ring", 1.0), result("outer_ring", "outer_ring", 1.0, failure="it ended")]
+    named = [dataclasses.replace(one, expectation=dataclasses.replace(one.expectation, tags={"rig": "ours"})) for one in given]
+    assert [(rig.right, rig.recordings) for rig in report(*named).rigs()] == [(1, 2)]
+
+
 def test_widths_on_the_bearings_of_a_replica_are_not_compared(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     given = result("outer_ring", "outer_ring", 1.5, width=0.001)
     assert len(report(given).detections()) == 1
