@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from statistics import harmonic_mean
 
@@ -51,18 +51,24 @@ def family_areas(results: Sequence[ScenarioResult]) -> list[FamilyArea]:
     return areas_of([(result.expectation.verdict, result.score) for result in results])
 
 
+def compared_scores(
+    scores: Sequence[tuple[str, float | None]], faults: Collection[str] = BEARING_FAULTS
+) -> tuple[list[float], list[float]]:
+    """Return the scores of the scenarios with some faults and of the healthy ones; see `areas_of`."""
+    if all(score is None for verdict, score in scores if verdict != "sensor"):
+        return [], []
+    faulty = [-math.inf if score is None else score for verdict, score in scores if verdict in faults]
+    return faulty, [math.inf if score is None else score for verdict, score in scores if verdict == "healthy"]
+
+
 def areas_of(scores: Sequence[tuple[str, float | None]]) -> list[FamilyArea]:
     """Return the areas of every bearing fault from correct verdicts and scores; none if the detector publishes no score.
 
     A scenario without a score counts as the least convincing one: the lowest with a fault, the highest without. Silence gains nothing.
     """
-    bearing = [(verdict, score) for verdict, score in scores if verdict in ("healthy", *BEARING_FAULTS)]
-    if all(score is None for _, score in bearing):
-        return []
-    healthy = [math.inf if score is None else score for verdict, score in bearing if verdict == "healthy"]
     areas = []
     for family in BEARING_FAULTS:
-        faulty = [-math.inf if score is None else score for verdict, score in bearing if verdict == family]
+        faulty, healthy = compared_scores(scores, (family,))
         curve = characteristic(faulty, healthy)
         if curve is not None:
             areas.append(FamilyArea(family, len(faulty), len(healthy), curve.area, partial_area(faulty, healthy, PARTIAL)))

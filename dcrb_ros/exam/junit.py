@@ -16,7 +16,7 @@ INVALID_IN_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
 
 
 def write_junit(report: Report, file: Path) -> None:
-    """Write a test suite of the criteria and one of the scenarios; missed detections that are not required are skipped instead of failed.
+    """Write a test suite of the criteria and one of the scenarios; flaws that the criteria tolerate are skipped instead of failed.
 
     Raises:
         Refusal: the file cannot be written.
@@ -46,11 +46,14 @@ def _criteria(report: Report) -> TestSuite:
 def _scenarios(report: Report) -> TestSuite:
     exam = _valid(report.exam)
     suite = TestSuite(f"{exam}: scenarios")
+    detected, quiet, _ = (check.holds for check in report.checks())
     for result in report.results:
         case = TestCase(_valid(result.expectation.name), f"{exam}.{result.expectation.verdict}", result.delay or 0.0)
         if not result.passed:
-            flaw = _valid(result.flaw)
-            case.result = [Skipped(f"not required: {flaw}") if result.excused else Failure(flaw)]
+            flaw, missed = _valid(result.flaw), result.expectation.faulty and result.expectation.required and not result.found
+            tolerated = not result.broken and (quiet or not result.false_alarms) and (detected or not missed)
+            reason = "not required" if result.excused else "tolerated by the criteria"
+            case.result = [Skipped(f"{reason}: {flaw}") if tolerated else Failure(flaw)]
         suite.add_testcase(case)
     return suite
 

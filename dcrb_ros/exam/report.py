@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from dcrb_ros.exam.breakdown import family_areas, overall_area, strata
+from dcrb_ros.exam.breakdown import compared_scores, family_areas, overall_area, strata
 from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.exam_score import SEED, Contribution, ExamScore, exam_scores
 from dcrb_ros.exam.expectation import repeated_time
@@ -248,9 +248,7 @@ class Report:
 
     def characteristic(self) -> Characteristic | None:
         """Return the receiver operating characteristic for bearing faults; None if the detector publishes no score."""
-        faulty = [result.score for result in self.faulty if result.score is not None and result.expectation.verdict != "sensor"]
-        healthy = [result.score for result in self.results if result.score is not None and not result.expectation.faulty]
-        return characteristic(faulty, healthy)
+        return characteristic(*compared_scores([(result.expectation.verdict, result.score) for result in self.results]))
 
     def __repr__(self) -> str:
         return f"<Report: {self.detector} {'passed' if self.passed else 'failed'} {self.exam}, {len(self.results)} scenarios>"

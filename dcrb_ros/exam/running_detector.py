@@ -143,7 +143,7 @@ class RunningVehicleDetector:
             raise Refusal(f"the detector {self._detector!r} has no method add(blocks) for the blocks of all boxes: give it one")
         self._description = description
 
-    def take(self, blocks: Mapping[str, BoxSamples]) -> dict[str, tuple[str, float]] | None:
+    def take(self, blocks: Mapping[str, BoxSamples]) -> dict[str, tuple[str, float | None]] | None:
         """Give it a block of every box; return verdict and score by status, or None.
 
         Raises:
@@ -159,8 +159,8 @@ class RunningVehicleDetector:
         return checked_statuses(output, self._description)
 
 
-def checked_statuses(output: Any, description: VehicleDescription) -> dict[str, tuple[str, float]] | None:
-    """Return verdict and score [dB] by status from the output of a detector of a vehicle.
+def checked_statuses(output: Any, description: VehicleDescription) -> dict[str, tuple[str, float | None]] | None:
+    """Return verdict and score [dB] by status from the output of a detector of a vehicle; a mapping has no scores.
 
     Raises:
         Refusal: it is neither a `VehicleDiagnosis` nor a mapping from statuses to verdicts nor None, or names a box that the vehicle lacks.
@@ -172,7 +172,7 @@ def checked_statuses(output: Any, description: VehicleDescription) -> dict[str, 
         return {name: (status.verdict, status.score) for name, status in output.statuses.items()}
     if not isinstance(output, Mapping):
         raise Refusal(f"add returned {output!r}: return a VehicleDiagnosis, or a mapping such as {{'axle_1/left/bearing': 'outer_ring'}}")
-    statuses = {}
+    statuses: dict[str, tuple[str, float | None]] = {}
     for name, verdict in output.items():
         kind = kind_of(str(name))
         if kind not in VEHICLE_VERDICTS:
@@ -180,7 +180,7 @@ def checked_statuses(output: Any, description: VehicleDescription) -> dict[str, 
         known = (*QUIET_VERDICTS, *VEHICLE_VERDICTS[kind])
         if verdict not in known:
             raise Refusal(f"add returned {verdict!r} for {name}: return one of {', '.join(known)}{nearest(str(verdict), known)}")
-        statuses[str(name)] = str(verdict), 0.0
+        statuses[str(name)] = str(verdict), None
     _check_boxes(statuses, description)
     return statuses
 

@@ -172,6 +172,14 @@ def test_the_statistics_of_a_report_follow_from_its_results() -> None:
     curve = MIXED.characteristic()
     assert curve is not None
     assert curve.area == pytest.approx(5.0 / 6.0)  # without the sensor fault: 3, 2, 1 against 0.5, 1.5
+    unscored = report(*MIXED.results, result("roller", "healthy"), result("healthy", "healthy")).characteristic()
+    assert unscored is not None
+    assert unscored.area == pytest.approx(5.0 / 12.0)  # -inf, 3, 2, 1 against 0.5, 1.5, inf: 5 of 12 pairs
+    assert unscored.threshold == curve.threshold
+    assert (
+        report(result("outer_ring", "healthy"), result("sensor", "sensor", score=1.0), result("healthy", "healthy")).characteristic()
+        is None
+    )
     counts = {(right, answer): n for right, row in MIXED.confusion().items() for answer, n in row.items() if n}
     assert counts == {
         ("healthy", "healthy"): 1,
@@ -428,6 +436,15 @@ def test_junit_has_criteria_and_scenarios_with_their_failures(tmp_path: Path) ->
     kinds = [[type(found) for found in case.result] for case in scenarios]
     assert kinds == [[], [], [Failure], [], [], [Failure], [Skipped]]
     assert [case.time for case in scenarios] == [1.0, 2.0, 0.0, 0.5, 0.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize(("found", "false_alarms"), [(0.6, 2), (0.6, 1), (1.0, 2)])
+def test_flaws_that_a_criterion_tolerates_are_skipped(found: float, false_alarms: int, tmp_path: Path) -> None:
+    write_junit(report(*MIXED.results, found=found, false_alarms=false_alarms), tmp_path / "junit.xml")
+    _, scenarios = JUnitXml.fromfile(str(tmp_path / "junit.xml"))
+    missed, alarm = ([(type(found), found.message) for found in case.result] for case in scenarios if case.result)
+    assert missed == [(Skipped, "tolerated by the criteria: diagnosed as healthy") if found < 1.0 else (Failure, "diagnosed as healthy")]
+    assert alarm == [(Skipped, "tolerated by the criteria: diagnosed as cage") if false_alarms == 2 else (Failure, "diagnosed as cage")]
 
 
 def test_a_false_alarm_or_silence_is_a_failure_although_the_fault_need_not_be_detected(tmp_path: Path) -> None:

@@ -100,8 +100,9 @@ def test_no_alarm_earns_nothing() -> None:
 def test_undecided_is_no_verdict_and_a_faulty_sensor_counts_first() -> None:
     statuses = {"axle_1/left/bearing": ("undecided", 3.0), "axle_1/right/bearing": ("roller", 3.0), "axle_1/right/sensor": ("sensor", 0.0)}
     assert box_verdict(statuses, "axle_1/left")[0] == "waiting"
-    assert box_verdict(statuses, "axle_1/right")[0] == "sensor"
-    assert box_verdict(statuses, "axle_2/right")[0] == "waiting"
+    assert box_verdict(statuses, "axle_1/right") == ("sensor", 0.0)
+    assert box_verdict(statuses, "axle_2/right") == ("waiting", None)
+    assert box_verdict({"axle_1/right/sensor": ("sensor", None)}, "axle_1/right") == ("sensor", None)
 
 
 @pytest.mark.parametrize(
@@ -122,7 +123,8 @@ def test_invalid_outputs_are_refused(output: object, sentence: str) -> None:
 
 def test_a_diagnosis_and_a_mapping_say_the_same() -> None:
     diagnosis = VehicleDiagnosis(0, 0.0, {"track": Status("joint", "")}, {})
-    assert checked_statuses(diagnosis, DESCRIPTION) == checked_statuses({"track": "joint"}, DESCRIPTION) == {"track": ("joint", 0.0)}
+    assert checked_statuses(diagnosis, DESCRIPTION) == {"track": ("joint", 0.0)}
+    assert checked_statuses({"track": "joint"}, DESCRIPTION) == {"track": ("joint", None)}
 
 
 def signal() -> VehicleSignal:
@@ -155,6 +157,7 @@ def test_a_class_takes_part_in_a_process_of_its_own(tmp_path: Path) -> None:
     assert {name: received[-1].verdict for name, received in found.received.items()} == {
         name: "roller" if name == "axle_2/left" else "healthy" for name in BOXES
     }
+    assert {diagnosis.score for received in found.received.values() for diagnosis in received} == {None}
     failed = ProcessVehicleDetector("failing", f"{file}:Failing", Limits()).diagnose(signal())
     assert "no idea" in failed.failure
 

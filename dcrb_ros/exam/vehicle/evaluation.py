@@ -53,9 +53,10 @@ class VehicleOutcome:
 
 def box_verdict(statuses: Statuses, box: str) -> tuple[str, float | None]:
     """Return the verdict on a box, and its score [dB]: that of the bearing unless the sensor is faulty; ``waiting`` if it is undecided."""
-    if statuses.get(f"{box}/sensor", ("", 0.0))[0] == "sensor":
-        return "sensor", 0.0
-    verdict, score = statuses.get(f"{box}/bearing", ("waiting", 0.0))
+    sensor, score = statuses.get(f"{box}/sensor", ("", None))
+    if sensor == "sensor":
+        return sensor, None if score is None else 0.0
+    verdict, score = statuses.get(f"{box}/bearing", ("waiting", None))
     return verdict if verdict in VERDICTS else "waiting", score
 
 
@@ -164,13 +165,14 @@ def pieces(signal: VehicleSignal) -> Iterator[tuple[dict[str, BoxSamples], int, 
         yield piece, first, last
 
 
-def _statuses(content: bytes) -> dict[str, tuple[str, float]]:
+def _statuses(content: bytes) -> dict[str, tuple[str, float | None]]:
     """Return the statuses in an answer, which may come from a process that the detector controls.
 
     Raises:
         DetectorFailure: it is no such answer.
     """
     try:
-        return {str(name): (str(verdict), float(score)) for name, (verdict, score) in parsed_json(content, "its answer").items()}
+        answer = parsed_json(content, "its answer").items()
+        return {str(name): (str(verdict), None if score is None else float(score)) for name, (verdict, score) in answer}
     except (ValueError, TypeError, AttributeError):
         raise DetectorFailure("its process sent an invalid answer") from None
