@@ -26,7 +26,7 @@ from dcrb_ros.schema.parameter_field import first_problem
 from dcrb_ros.schema.refusal import Refusal, repeated
 from dcrb_ros.schema.verdicts import BEARING_FAULTS, VERDICTS, FaultClass, is_alarm
 from dcrb_ros.text.files import checked_path, read_text
-from dcrb_ros.text.json import LARGEST, digest_of, parsed_json
+from dcrb_ros.text.json import digest_of, parsed_json
 from dcrb_ros.text.writing import write_whole
 
 FORMAT: Literal["dcrb exam entry 2"] = "dcrb exam entry 2"
@@ -39,6 +39,10 @@ EXACT = 1e-6
 """Largest such difference of the area [-]."""
 BOX = re.compile(r"/axle_\d+/(left|right)$")
 """End of the name of a scenario that is a box of a vehicle."""
+LARGEST = 64 * 1024 * 1024
+"""Largest file of an entry [bytes]."""
+MOST_VALUES = 4_000_000
+"""Most values of an entry [-]: four hours of blocks of 0.02 s, each with time, score and signal time received, have 2.2 million."""
 LONGEST_FAILURE = 4000
 """Longest reason of a failure that is kept [characters]."""
 
@@ -212,7 +216,12 @@ def write_entry(entry: Entry, file: Path) -> None:
     """
     tree = entry.model_dump(exclude_unset=True)
     text = json.dumps(tree | {DIGEST: digest_of(tree, DIGEST)}, separators=(",", ":"), allow_nan=False) + "\n"
-    parsed_json(text, f"the entry {file}, with {sum(len(s.diagnoses.time) for s in entry.scenarios if s.diagnoses)} diagnoses,")
+    parsed_json(
+        text,
+        f"the entry {file}, with {sum(len(s.diagnoses.time) for s in entry.scenarios if s.diagnoses)} diagnoses,",
+        LARGEST,
+        MOST_VALUES,
+    )
     write_whole(file, text)
 
 
@@ -225,7 +234,7 @@ def read_entry(path: Path) -> Entry:
     """
     text = read_text(checked_path(path), LARGEST)
     try:
-        tree: Any = parsed_json(text, str(path))
+        tree: Any = parsed_json(text, str(path), LARGEST, MOST_VALUES)
     except Refusal as refusal:
         raise Refusal(f"{refusal}; give an entry of dcrb score --entry") from None
     stated = tree.pop(DIGEST, None) if isinstance(tree, dict) else None

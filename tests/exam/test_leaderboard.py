@@ -93,6 +93,16 @@ def test_an_entry_has_full_credit_for_a_late_detection_where_delays_cost_nothing
     assert read_entry(tmp_path / "e.json").scenarios[0].credit["cost"] == 1.0
 
 
+def test_an_entry_of_four_hours_with_a_score_for_every_block_is_read(tmp_path: Path) -> None:
+    blocks = 4 * 3600 * 50
+    times, scores = (np.arange(blocks) / 50.0).tolist(), np.random.default_rng(1).normal(size=blocks).tolist()
+    given = StoredDiagnoses(time=times, verdicts=["healthy"], counts=[blocks], score=scores)
+    entry = detector(1, 0.5)
+    entry = entry.model_copy(update={"scenarios": [*entry.scenarios[:-1], entry.scenarios[-1].model_copy(update={"diagnoses": given})]})
+    write_entry(entry, tmp_path / "e.json")
+    assert read_entry(tmp_path / "e.json") == entry
+
+
 def test_diagnoses_survive_their_columns() -> None:
     given = [ReceivedDiagnosis(0.5, "healthy"), ReceivedDiagnosis(1.0, "healthy", 2.5), ReceivedDiagnosis(1.5, "cage", None, "", 3.0)]
     assert StoredDiagnoses.of(given).received() == given
