@@ -46,7 +46,7 @@ class Board:
 
 
 def read_boards(folder: Path, measured: Path | None = None) -> list[Board]:
-    """Return the leaderboards of a folder of entries, one for each set of scenarios.
+    """Return the leaderboards of a folder of entries, one for each set of scenarios and criteria.
 
     With a folder of entries on measured recordings, each is compared with them.
 
@@ -75,16 +75,16 @@ def read_entries(folder: Path) -> list[Entry]:
 
 
 def boards(entries: Sequence[Entry]) -> list[Board]:
-    """Return the leaderboards of entries, one for each set of scenarios; entries without an exam score are refused.
+    """Return the leaderboards of entries, one for each set of scenarios and criteria; entries without an exam score are refused.
 
     Raises:
         Refusal: an entry has no exam score, or two entries of one exam have the same name.
     """
-    groups: dict[tuple[str, str, bool], list[Entry]] = {}
+    groups: dict[tuple[str, str, bool, str], list[Entry]] = {}
     for entry in entries:
         if not entry.exam_score:
             raise Refusal(f"the entry '{entry.detector}' of the exam {entry.exam} has no exam score: it takes faults and healthy time")
-        groups.setdefault((entry.exam, entry.scenarios_sha256, entry.last_verdict), []).append(entry)
+        groups.setdefault((entry.exam, entry.scenarios_sha256, entry.last_verdict, entry.criteria_sha256), []).append(entry)
     return [_board(group) for _, group in sorted(groups.items())]
 
 
@@ -111,8 +111,10 @@ def about(board: Board) -> str:
     versions = ", ".join(sorted({f"dcrb_ros {entry.dcrb_ros}, model {entry.model}" for entry in board.entries}))
     seals = {entry.sealed_sha256 for entry in board.entries} - {""}
     sealed = f"; sealed as {', '.join(sorted(seals))}" if seals else ""
+    criteria = board.entries[0].criteria_sha256[:8]
     return (
-        f"{len(board.entries[0].scenarios)} scenarios, sha256 {board.scenarios_sha256 or '(recordings)'}{sealed}; {versions}. "
+        f"{len(board.entries[0].scenarios)} scenarios, sha256 {board.scenarios_sha256 or '(recordings)'}"
+        f"{f', criteria {criteria}' if criteria else ''}{sealed}; {versions}. "
         f"{board.marking.about}. The column 'better than the next' says whether the {CONFIDENCE:.0%} interval of the difference from the "
         "next detector on the same scenarios excludes 0, and in which share of the bootstrap samples the detector is better."
         f"{_agreement(board.field)}"

@@ -157,6 +157,8 @@ class Entry(Group):
     scenarios: list[EntryScenario] = Field(min_length=1)
     last_verdict: bool = False
     """Whether the answers are last verdicts, as in a replica; then entries are sorted by the correct ones."""
+    criteria_sha256: str = ""
+    """Hash of the criteria; empty for last verdicts, and in entries of former versions."""
 
     def contributions(self) -> list[Contribution]:
         """Return what each scenario contributes to the exam score."""
@@ -204,7 +206,7 @@ def entry_of(report: Report, name: str = "") -> Entry:
             )
             for result in report.results
         ],
-        **({"last_verdict": True} if report.last_verdict else {}),
+        **({"last_verdict": True} if report.last_verdict else {"criteria_sha256": digest_of(report.criteria.model_dump(), "")}),
     )
 
 

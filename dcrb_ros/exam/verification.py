@@ -13,8 +13,8 @@ from dcrb_ros.exam.leaderboard_entry import FORMAT, Entry, entry_of
 from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.scoring import score_scenario
 
-STATED = ("format", "detector", "dcrb_ros", "model", "software", "scenarios")
-"""Fields that do not follow from the diagnoses, and the scenarios, which are compared one by one."""
+STATED = ("format", "detector", "dcrb_ros", "model", "software", "criteria_sha256", "scenarios")
+"""Fields that do not follow from the diagnoses or that former versions lack, and the scenarios, which are compared one by one."""
 CLOSE = 1e-6
 """Largest relative and absolute difference of two numbers; powers differ between machines in the last digits."""
 

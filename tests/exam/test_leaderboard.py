@@ -17,7 +17,7 @@ from dcrb_ros.exam.agreement import agreement
 from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.exam_score import compare
 from dcrb_ros.exam.expectation import Expectation
-from dcrb_ros.exam.leaderboard import boards, markdown, page, read_entries, rows
+from dcrb_ros.exam.leaderboard import about, boards, markdown, page, read_entries, rows
 from dcrb_ros.exam.leaderboard_entry import Entry, StoredDiagnoses, entry_of, read_entry, write_entry
 from dcrb_ros.exam.leaderboard_figure import board_figure
 from dcrb_ros.exam.marking import ScoreMarking
@@ -258,6 +258,18 @@ def test_the_leaderboard_is_sorted_by_the_score() -> None:
 def test_exams_with_different_scenarios_have_boards_of_their_own() -> None:
     other = detector(2, 0.5).model_copy(update={"scenarios_sha256": "1" * 64})
     assert [len(board.entries) for board in boards([detector(1, 0.5), other])] == [1, 1]
+
+
+def test_entries_with_different_criteria_have_boards_of_their_own() -> None:
+    given = [ReceivedDiagnosis(t, "healthy") for t in np.arange(0.0, 10.5, 0.5)]
+    entries = []
+    for tolerated in (0, 0, 3):
+        criteria = Criteria(false_alarms=tolerated)
+        results = tuple(score_scenario(expectation, given, criteria) for expectation in EXPECTATIONS)
+        entries.append(entry_of(Report("made up", "healthy", criteria, "0" * 64, results), f"d{len(entries)}"))
+    found = boards(entries)
+    assert sorted([entry.detector for entry in board.entries] for board in found) == [["d0", "d1"], ["d2"]]
+    assert len(set(map(about, found))) == 2
 
 
 def test_entries_of_the_same_name_are_refused() -> None:
