@@ -262,7 +262,7 @@ def test_exams_with_different_scenarios_have_boards_of_their_own() -> None:
 
 def test_entries_with_different_criteria_have_boards_of_their_own() -> None:
     given = [ReceivedDiagnosis(t, "healthy") for t in np.arange(0.0, 10.5, 0.5)]
-    entries = []
+    entries: list[Entry] = []
     for tolerated in (0, 0, 3):
         criteria = Criteria(false_alarms=tolerated)
         results = tuple(score_scenario(expectation, given, criteria) for expectation in EXPECTATIONS)

@@ -143,7 +143,8 @@ def resolved(vehicles: Iterable[Mapping[str, Any]]) -> list[Any]:
     """
     given = ({"vehicle.bench": Journey().bench, **parameters} for parameters in vehicles)
     benches = sorted({str(value) for parameters in given for key, value in parameters.items() if key.endswith(".bench")})
-    defaults = {name: group().model_dump() for name, group in {**GROUPS, **DRIVE, "wheel": Wheel}.items()}
+    groups: dict[str, type[Group]] = {**GROUPS, **DRIVE, "wheel": Wheel}
+    defaults = {name: group().model_dump() for name, group in groups.items()}
     return [{bench: load_configuration(bench).model_dump() for bench in benches}, defaults]
 
 
