@@ -75,7 +75,7 @@ def by_name(entries: Sequence[Entry], where: str) -> dict[str, Entry]:
     """Return entries by the name of their detector; ``where`` names their scenarios.
 
     Raises:
-        Refusal: two entries have the same name, or different scenarios.
+        Refusal: two entries have the same name, or different scenarios or criteria.
     """
     named: dict[str, Entry] = {}
     for entry in entries:
@@ -85,4 +85,7 @@ def by_name(entries: Sequence[Entry], where: str) -> dict[str, Entry]:
     several = sorted({entry.scenarios_sha256[:16] for entry in entries})
     if len(several) > 1:
         raise Refusal(f"the entries of {where} have {len(several)} sets of scenarios ({', '.join(several)}): compare entries of one set")
+    criteria = sorted({entry.criteria_sha256[:16] for entry in entries} - {""})
+    if len(criteria) > 1:
+        raise Refusal(f"the entries of {where} have {len(criteria)} sets of criteria ({', '.join(criteria)}): compare entries of one set")
     return named

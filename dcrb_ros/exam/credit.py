@@ -11,7 +11,7 @@ from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.expectation import FEWEST_REVOLUTIONS, Expectation
 from dcrb_ros.exam.profile import PROFILES, Profile
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
-from dcrb_ros.schema.verdicts import BEARING_FAULTS, is_alarm
+from dcrb_ros.schema.verdicts import BEARING_FAULTS, VERDICTS, is_alarm
 
 GRACE = FEWEST_REVOLUTIONS
 """Revolutions after the onset that cost nothing [-]."""
@@ -61,7 +61,8 @@ def credit(expectation: Expectation, diagnoses: Sequence[ReceivedDiagnosis], cri
     detection = (
         {profile.name: _detection(expectation, verdicts, diagnoses, profile, period) for profile in PROFILES} if expectation.faulty else {}
     )
-    judged = math.fsum(max(0.0, current.until - max(current.issued, expectation.begin)) for current in verdicts)
+    lasting = _current_verdicts(expectation, diagnoses, period, VERDICTS)
+    judged = math.fsum(max(0.0, current.until - max(current.issued, expectation.begin)) for current in lasting)
     return Credit(detection, periods, failed, max(0.0, expectation.duration - judged))
 
 

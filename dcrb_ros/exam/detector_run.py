@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from dcrb_ros.recordings.reader import Recording
 
 SHIPPED = "the shipped detector"
-ROUNDING = 1e-9
-"""Largest rounding error of a stamp [s]."""
+ROUNDING = 1e-3
+"""Largest rounding error of a stamp [s], of one in single precision or in whole milliseconds."""
 Signal: TypeAlias = "Recording | LedSignal[Any]"
 """The signal of a scenario: a recording, alone or after a healthy one."""
 
@@ -45,7 +45,7 @@ def arrived(diagnosis: ReceivedDiagnosis, before: int, end: int, rate: int) -> R
     """
     if diagnosis.time > end / rate + ROUNDING:
         raise Refusal(
-            f"update returned a diagnosis stamped {diagnosis.time:.2f} s after {end / rate:.2f} s of the signal: give the time of the last "
+            f"update returned a diagnosis stamped {diagnosis.time:.3f} s after {end / rate:.3f} s of the signal: give the time of the last "
             "sample that was judged"
         )
     return replace(diagnosis, signal_received=(end - 1) / rate) if diagnosis.time < before / rate - ROUNDING else diagnosis

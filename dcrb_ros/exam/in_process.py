@@ -42,7 +42,7 @@ def score(detector: DetectorFactory, exam: str | Path = "smoke", *, recordings: 
     ------
     Refusal
         The exam is unknown, workers is outside 1 .. 256, the folder cannot be written, the detector cannot be called,
-        has no ``update`` or returns an unknown verdict.
+        has no ``update``, or returns an unknown verdict, a score that is not finite or a stamp after the signal that it got.
     RuntimeError
         The detector raised an exception or called ``sys.exit``; the message names it, the scenario and the sample.
 

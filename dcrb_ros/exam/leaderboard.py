@@ -80,12 +80,20 @@ def boards(entries: Sequence[Entry]) -> list[Board]:
     Raises:
         Refusal: an entry has no exam score, or two entries of one exam have the same name.
     """
-    groups: dict[tuple[str, str, bool, str], list[Entry]] = {}
+    groups: dict[tuple[str, str, bool], list[Entry]] = {}
     for entry in entries:
         if not entry.exam_score:
             raise Refusal(f"the entry '{entry.detector}' of the exam {entry.exam} has no exam score: it takes faults and healthy time")
-        groups.setdefault((entry.exam, entry.scenarios_sha256, entry.last_verdict, entry.criteria_sha256), []).append(entry)
-    return [_board(group) for _, group in sorted(groups.items())]
+        groups.setdefault((entry.exam, entry.scenarios_sha256, entry.last_verdict), []).append(entry)
+    return [_board(same) for _, group in sorted(groups.items()) for same in _with_equal_criteria(group)]
+
+
+def _with_equal_criteria(entries: Sequence[Entry]) -> list[list[Entry]]:
+    """Return entries by their criteria; those that state none have those of the others, if these are equal."""
+    stated = sorted({entry.criteria_sha256 for entry in entries} - {""})
+    if len(stated) < 2:
+        return [list(entries)]
+    return [same for each in ("", *stated) if (same := [entry for entry in entries if entry.criteria_sha256 == each])]
 
 
 def _board(entries: Sequence[Entry]) -> Board:
@@ -111,7 +119,7 @@ def about(board: Board) -> str:
     versions = ", ".join(sorted({f"dcrb_ros {entry.dcrb_ros}, model {entry.model}" for entry in board.entries}))
     seals = {entry.sealed_sha256 for entry in board.entries} - {""}
     sealed = f"; sealed as {', '.join(sorted(seals))}" if seals else ""
-    criteria = board.entries[0].criteria_sha256[:8]
+    criteria = max(entry.criteria_sha256 for entry in board.entries)[:8]
     return (
         f"{len(board.entries[0].scenarios)} scenarios, sha256 {board.scenarios_sha256 or '(recordings)'}"
         f"{f', criteria {criteria}' if criteria else ''}{sealed}; {versions}. "

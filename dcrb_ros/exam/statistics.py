@@ -82,7 +82,7 @@ class Characteristic(NamedTuple):
     true: list[float]
     """True positive rate: share of the faulty runs at or above the threshold [-]."""
     threshold: list[float]
-    """The finite ones; a score that is missing may count as an infinite one."""
+    """The score at each point but the first; infinite for a score that is missing."""
     area: float
     """Area under the curve: probability that a faulty run scores higher than a healthy one [-]."""
 
@@ -98,4 +98,4 @@ def characteristic(faulty: Sequence[float], healthy: Sequence[float]) -> Charact
     # Ties count one half (Mann and Whitney 1947).
     below, upto = np.searchsorted(negative, positive, side="left"), np.searchsorted(negative, positive, side="right")
     area = float((below + upto).sum()) / (2.0 * len(positive) * len(negative))
-    return Characteristic([0.0, *false.tolist()], [0.0, *true.tolist()], thresholds[np.isfinite(thresholds)].tolist(), area)
+    return Characteristic([0.0, *false.tolist()], [0.0, *true.tolist()], thresholds.tolist(), area)

@@ -69,7 +69,7 @@ def sentences(report: Report) -> Iterator[str]:
         yield f"time without a verdict: {report.silent_share:.1%}"
     curve = report.characteristic()
     yield (
-        f"ROC: area {curve.area:.3f} over {len(curve.threshold)} thresholds"
+        f"ROC: area {curve.area:.3f} over {sum(map(math.isfinite, curve.threshold))} thresholds"
         if curve
         else "ROC: none, the detector publishes no score or confidence for both faulty and healthy scenarios"
     )

@@ -86,7 +86,7 @@ class ReplayerNode(BenchNode):
             self._publisher.flush()
         self._warn_of_damage()
         if self._replay.mismatch:
-            self.get_logger().warning(f"{self._replay.recording.path}: {self._replay.mismatch}")
+            self.get_logger().warning(self._replay.mismatch)
 
     def on_parameters(self, changes: dict[str, Any]) -> None:
         """Continue at another rate; refuse a change of anything else."""

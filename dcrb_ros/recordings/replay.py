@@ -163,8 +163,8 @@ class Replay:
         if begin is None or end is None:
             raise Refusal(f"{self.recording.path} has no message later than {self._offset_ns * 1e-9:g} s after its start: lower the offset")
         yield Bundle(begin, end, tuple(collected))
-        mismatches = (self._boxes[topic].compared(outcome).mismatch for topic, outcome in outcomes.items())
-        self.mismatch = next(filter(None, mismatches), "")
+        compared = [(self._boxes[topic], self._boxes[topic].compared(outcome).mismatch) for topic, outcome in outcomes.items()]
+        self.mismatch = "; ".join(f"{box.path}: {mismatch}" for box, mismatch in compared if mismatch)
 
     def _unsent(self, description: Message, repeated: bool) -> list[Message]:
         """Return a description if it was recorded again or differs from the last one sent."""

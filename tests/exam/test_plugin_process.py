@@ -104,7 +104,8 @@ class Scored(Well):
     def update(self, index, acceleration, shaft_angle):
         from dcrb_ros import Diagnosis
         verdict = super().update(index, acceleration, shaft_angle)
-        return Diagnosis(index, index / 51200, verdict, "", scores={"cage": float("nan" if self.blocks == 3 else self.blocks)})
+        score = float("nan" if self.blocks == 3 else self.blocks)
+        return Diagnosis(index, index / 51200, verdict, "", scores={"outer_ring": 1.0, "cage": score})
 
 class Hindsight(Well):
     def update(self, index, acceleration, shaft_angle):
@@ -184,7 +185,7 @@ def only_processes_of_this_test(monkeypatch: pytest.MonkeyPatch) -> Iterator[Non
         ("Large", "update failed at sample 2048: MemoryError; it may use 1024 MiB (--memory-limit)"),
         ("Wrong", "update failed at sample 2048: ValueError: \\x1b[2Jwrong"),
         ("Invalid", "update returned a diagnosis with an invalid value: "),
-        ("Future", "update returned a diagnosis stamped 4.00 s after 0.06 s of the signal: give the time"),
+        ("Future", "update returned a diagnosis stamped 4.000 s after 0.060 s of the signal: give the time"),
         ("Scored", "a diagnosis has score = 'nan': it must be a finite number"),
         ("Wordy", "update failed at sample 2048: ValueError: word word"),
         ("Made", "its class failed: SystemExit: not made"),

@@ -29,8 +29,9 @@ def encode_diagnosis(diagnosis: Diagnosis, frame: str = FRAME) -> bytes:
     values |= {f"{name} [dB]": f"{diagnosis.levels.get(name, 0.0):.2f}" for name in INDICATORS}
     values |= {"severity [m/s^2]": f"{diagnosis.severity:.3f}", "trend [dB/min]": f"{diagnosis.trend:.2f}"}
     values |= {f"score {kind} [dB]": f"{score:.2f}" for kind, score in diagnosis.scores.items()}
-    # The exam takes the largest score as the evidence for a fault.
-    values |= {"score": f"{max(diagnosis.scores.values()):.2f}"} if diagnosis.scores else {}
+    # The exam takes the largest score as the evidence for a fault, and refuses one that is not a number.
+    largest = max(diagnosis.scores.values(), key=lambda score: (math.isnan(score), score), default=None)
+    values |= {} if largest is None else {"score": f"{largest:.2f}"}
     values |= {"clipped": str(diagnosis.clipped), "remarks": "; ".join(diagnosis.remarks)}
     status = Status("fault_detector", LEVELS.get(diagnosis.verdict, ERROR), diagnosis.verdict, values)
     return encode_diagnostics(diagnosis.time_ns, [status], frame)
