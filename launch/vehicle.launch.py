@@ -1,6 +1,6 @@
 """The axle boxes of a vehicle and the detector that compares them: ros2 launch dcrb_ros vehicle.launch.py vehicle:=bogie record:=/tmp/run.
 
-Two quiet cores nearly reach real time with four boxes; where it is not reached, use a time scale below one.
+Four boxes at real time need more than two cores; where it is not reached, use a time scale below one.
 """
 
 from __future__ import annotations

@@ -126,7 +126,7 @@ def test_all_boxes_have_the_topics_of_a_bench_with_equal_stamps(vehicle: Path, c
     state = VEHICLE_STATE.decoded(client.received[VEHICLE_STATE][-1])
     assert (state.header.frame_id, state.child_frame_id) == ("odom", "base_link")
     assert state.twist.twist.linear.x == pytest.approx(100.0 / 3.6)
-    assert state.pose.pose.position.x == pytest.approx(0.38 * 100.0 / 3.6, rel=1e-9)
+    assert state.pose.pose.position.x == pytest.approx(0.4 * 100.0 / 3.6, rel=1e-9)
     truth = client.statuses(VEHICLE_TRUTH)
     assert set(BOXES) < set(truth)
     assert float(truth["axle_1/left"].values["own_bearing [m/s^2]"]) > float(truth["axle_2/right"].values["own_bearing [m/s^2]"])
