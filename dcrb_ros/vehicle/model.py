@@ -106,6 +106,7 @@ class VehicleModel:
         self.slides = np.array([axle.slide for axle in vehicle.axles])
         """Share by which each wheelset is to slide, shape (axles,) [-]."""
         self._slide, self._slid = self.slides.copy(), np.zeros(len(vehicle.axles))
+        """Share by which each wheelset slides now [-], and the largest speed at which it was to slide since it began [m/s]."""
         settled = int(SETTLING / (self._interval * TICKS)) + 1
         behind = settled * TICKS * self._interval * self.targets["speed"]
         self._speed, self._place = self.targets["speed"], -behind

@@ -48,11 +48,11 @@ def flats(contacts: Mapping[str, Contact], parameters: VehicleDetectorParameters
 
     The box above a flat has it largest. If another box has it nearly as large, the wheel is undecided between them.
     """
-    round_, unknown = (
+    no_flat, too_short = (
         f"no angle of the wheel is {parameters.flat:g} dB above the others",
         f"a verdict needs {FEWEST_TURNS} turns of its angle",
     )
-    statuses = {name: Status("healthy", round_) if contact.peak else Status("waiting", unknown) for name, contact in contacts.items()}
+    statuses = {name: Status("healthy", no_flat) if contact.peak else Status("waiting", too_short) for name, contact in contacts.items()}
     struck = {name: contact for name, contact in contacts.items() if contact.level >= parameters.flat}
     if not struck:
         return statuses
