@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import secrets
 from collections.abc import Callable, Iterator, Mapping, Sequence, Sized
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
@@ -84,6 +85,8 @@ class Scenario(Generic[Signal]):
     """Returns the result for each bearing, of an outcome of a candidate for this signal."""
     recorded: Callable[[], bool] | None = None
     """Returns whether the signal has been simulated; None if it never is."""
+    group: str = ""
+    """Scenarios of one group are evaluated one after another, because their simulations have parts in common."""
 
 
 def bearing_scenario(
@@ -129,7 +132,7 @@ def evaluate(
     """
     if not candidate.parallel:
         _simulate_missing(scenario_set.scenarios, workers, progress)
-    calls = {scenario.name: partial(_outcome, candidate, scenario.signal) for scenario in scenario_set.scenarios}
+    calls = {scenario.name: partial(_outcome, candidate, scenario.signal) for scenario in _order(scenario_set)}
     outcomes: dict[str, AnyOutcome] = {}
     with progress("evaluated", len(calls)) as on_done:
         for name, outcome in _results(calls, workers, apart=candidate.parallel):
@@ -143,6 +146,16 @@ def evaluate(
     return Report(
         scenario_set.name, candidate.name, scenario_set.criteria, scenario_set.digest, results, scenario_set.seal, scenario_set.seeds
     )
+
+
+def _order(scenario_set: ScenarioSet[Signal]) -> list[Scenario[Signal]]:
+    """Return the scenarios as they are evaluated: those of a sealed exam in a random order, which identifies none."""
+    scenarios = list(scenario_set.scenarios)
+    if scenario_set.seal:
+        secrets.SystemRandom().shuffle(scenarios)
+        groups = list(dict.fromkeys(scenario.group for scenario in scenarios))
+        scenarios.sort(key=lambda scenario: groups.index(scenario.group))
+    return scenarios
 
 
 def _outcome(candidate: Candidate[Signal], signal: Callable[[], Signal]) -> AnyOutcome:

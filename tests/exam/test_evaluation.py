@@ -8,6 +8,8 @@ import shutil
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import replace
+from functools import partial
+from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -330,6 +332,23 @@ def test_no_more_processes_are_started_than_there_are_calls(monkeypatch: pytest.
         for parallel in (False, True):  # simulated apart, and evaluated apart
             evaluate(Mute(parallel=parallel), ScenarioSet("t", Criteria(), scenarios), workers=workers)
     assert asked == [1, 2, 2, 3, 3]
+
+
+def test_the_scenarios_of_a_sealed_exam_are_evaluated_in_a_random_order_and_reported_in_theirs() -> None:
+    ordered = [bearing_scenario(Expectation(str(k), "healthy", 5.0), partial(int, k)) for k in range(40)]
+    scenarios = [replace(scenario, group=f"{k % 4}") for k, scenario in enumerate(ordered)]
+    orders = []
+    for seal in ("", "f" * 64, "e" * 64):
+        mute = Mute()
+        report = evaluate(mute, ScenarioSet("t", Criteria(), scenarios, seal=seal))
+        assert [result.expectation.name for result in report.results] == [scenario.name for scenario in scenarios]
+        orders.append(mute.signals)
+    assert orders[0] == list(range(40))
+    assert orders[0] != orders[1] != orders[2] != orders[0]
+    for order in orders[1:]:
+        assert sorted(order) == orders[0]
+        groups = [number % 4 for number in order]
+        assert sum(first != second for first, second in pairwise(groups)) == 3  # one group after another
 
 
 def test_a_candidate_that_fails_at_first_is_not_tried_again() -> None:

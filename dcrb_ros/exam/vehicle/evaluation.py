@@ -115,7 +115,7 @@ class ProcessVehicleDetector:
 def vehicle_scenarios(exam: VehicleExam, folder: Path, workers: int = 1) -> ScenarioSet[VehicleSignal]:
     """Return the scenarios of the exam of a vehicle, whose signals are kept in a folder; more ``workers`` than one have a thread each."""
     # Vehicles at one operating point have bearings in common.
-    cases = sorted(exam.cases, key=lambda case: case.tags.get("point", ""))
+    cases = sorted(exam.cases, key=_point)
     scenarios = [_scenario(case, folder, None if workers == 1 else 1) for case in cases]
     return ScenarioSet(exam.name, exam.criteria, scenarios, exam.digest, exam.seal, exam.seeds)
 
@@ -127,7 +127,13 @@ def _scenario(case: VehicleCase, folder: Path, threads: int | None) -> Scenario[
         partial(kept_signal, case.parameters, case.duration, folder, threads=threads),
         lambda outcome, criteria: scored_boxes(case, described(case.vehicle()), outcome, criteria),
         lambda: signal_path(case.parameters, case.duration, folder).is_file(),
+        _point(case),
     )
+
+
+def _point(case: VehicleCase) -> str:
+    """Return the name of the operating point of a vehicle."""
+    return case.tags.get("point", "")
 
 
 def scored_boxes(case: VehicleCase, description: VehicleDescription, outcome: VehicleOutcome, criteria: Criteria) -> list[ScenarioResult]:
