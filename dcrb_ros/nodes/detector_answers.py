@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
+import math
 import time
 from abc import ABC, abstractmethod
 from bisect import bisect_left
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
 
 from dcrb_ros.exam.evaluation import Outcome
 from dcrb_ros.messages.received_diagnosis import decode_diagnosis
 from dcrb_ros.schema.refusal import Refusal
 
 PROMPT = 2.0
-"""Wall time after its signal was sent within which a diagnosis counts as issued at its stamp [s]."""
+"""Longest time from its signal to a diagnosis that counts as issued at its stamp: wall time, and signal sent at the recorded pace [s]."""
 MAX_STAMP_LEAD = 1.0
 """Signal by which a stamp may be ahead of the signal sent [s], for a detector that counts samples itself."""
 
@@ -28,8 +28,14 @@ class Answers(ABC):
     """Time of the first sample [s]."""
     received_at: float = 0.0
     """Wall time of the last message [s]."""
-    stamps: list[float] = field(default_factory=list)
-    """Stamps of the valid messages [s]."""
+    rate: float = 0.0
+    """Recorded over wall time; with 0 the signal is sent as fast as its diagnoses arrive [-]."""
+    valid: int = 0
+    """Valid messages [-]."""
+    period: float = 0.0
+    """Longest time between the stamps of two consecutive messages, and before the first one [s]."""
+    _latest: float = -math.inf
+    """Latest stamp [s]."""
     _ends: list[float] = field(default_factory=list)
     """Time up to which the signal had been sent after each bundle [s]."""
     _sent_at: list[float] = field(default_factory=list)
@@ -44,9 +50,13 @@ class Answers(ABC):
         """Take a message of the detector."""
         self.received_at = time.monotonic()
         try:
-            self.stamps.append(self._taken(data))
+            stamp = self._taken(data)
         except Refusal as refusal:
             self.refused.append(str(refusal))
+            return
+        self.valid += 1
+        self.period = max(self.period, stamp - self.latest)
+        self._latest = max(self._latest, stamp)
 
     @abstractmethod
     def _taken(self, data: bytes) -> float:
@@ -59,7 +69,8 @@ class Answers(ABC):
     def _signal_received(self, stamp: float) -> float:
         """Return the signal time at which a message counts as issued [s].
 
-        This is its stamp, unless it arrived after one with a later stamp or more than `PROMPT` after its signal.
+        This is its stamp, unless it arrived after one with a later stamp or more than `PROMPT` after its signal, in wall time or in signal
+        that was sent. The latter counts where the signal is sent faster than recorded because the detector answers.
 
         Raises:
             Refusal: the stamp is later than the signal sent.
@@ -72,18 +83,13 @@ class Answers(ABC):
             )
         index = bisect_left(self._ends, stamp)
         late = index < len(self._sent_at) and self.received_at - self._sent_at[index] > PROMPT
+        late = late or sent - stamp > PROMPT * max(1.0, self.rate)
         return max(stamp, self.latest, sent if late else stamp)
 
     @property
     def latest(self) -> float:
-        """Latest stamp [s]."""
-        return max(self.stamps, default=self.begin)
-
-    @property
-    def period(self) -> float:
-        """Longest time between two consecutive stamps, and before the first one [s]."""
-        times = sorted({self.begin, *self.stamps})
-        return max((later - earlier for earlier, later in pairwise(times)), default=0.0)
+        """Latest stamp, or the time of the first sample [s]."""
+        return max(self.begin, self._latest)
 
 
 @dataclass

@@ -18,7 +18,7 @@ from typing import Any
 from dcrb_ros.exam.evaluation import CandidateRefusal
 from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.topics import DIAGNOSIS, NAMESPACE, SENSOR, TEMPERATURES, VIBRATION, Message, Topic
-from dcrb_ros.nodes.detector_answers import Answers, Diagnoses
+from dcrb_ros.nodes.detector_answers import PROMPT, Answers, Diagnoses
 from dcrb_ros.nodes.other_publishers import OtherPublishers
 from dcrb_ros.nodes.pacing import Pacer
 from dcrb_ros.nodes.publisher import Publisher, subscribe
@@ -110,6 +110,7 @@ class NodeProgram:
         with node_in("examiner", self.domain) as (node, spin), ExitStack() as stack:
             publisher = Publisher(node, feed.topics)
             watch = _DomainWatch(node, feed.topics, feed.answer, self.domain)
+            answers.rate = self._rate
             watch.listen(spin)
             process, output = stack.enter_context(_process(self._command, self.domain))
             subscribe(node, feed.answer, answers.receive)
@@ -118,7 +119,7 @@ class NodeProgram:
             topic = feed.answer.resolved(NAMESPACE)
             if not failure and answers.refused:
                 failure = f"{len(answers.refused)} messages on {feed.answer.name} are invalid, the first because {answers.refused[0]}"
-            elif not failure and not answers.stamps:
+            elif not failure and not answers.valid:
                 failure = (
                     f"it published nothing on {topic}; publish a DiagnosticArray there at least once in "
                     "a few seconds of signal, with the value 'verdict' and the stamp of the samples judged; a container receives "
@@ -169,12 +170,13 @@ class NodeProgram:
     def _wait(self, bundle: Bundle, pacer: Pacer, answers: Answers, spin: Any) -> None:
         """Wait until a bundle may be sent: at its deadline if there is a rate, otherwise when the previous signal has been judged.
 
-        Without a rate, the wait is no longer than the bundle itself, so that a detector with rare diagnoses is not waited for endlessly.
+        Without a rate, the wait is no longer than the bundle itself, so that a detector with rare diagnoses is not waited for endlessly. At
+        most `PROMPT` of signal beyond the last diagnosis is sent without a wait, or a prompt one would count as late.
         """
         begin, end = bundle.begin_ns * 1e-9, bundle.end_ns * 1e-9
         deadline = time.monotonic() + (pacer.until(begin, end) if self._rate else end - begin)
         spin(0.0)
-        while time.monotonic() < deadline and (self._rate or end > answers.latest + answers.period + LEAD):
+        while time.monotonic() < deadline and (self._rate or end > answers.latest + min(answers.period + LEAD, PROMPT)):
             spin(min(0.005, max(0.0, deadline - time.monotonic())))
 
 

@@ -20,10 +20,12 @@ from ros_bench import PATIENCE, environment
 from same_process import dcrb
 from waiting import runs, wait_for
 
+from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.statuses import Status, encode_diagnostics
 from dcrb_ros.nodes import detector_answers, external_detector
 from dcrb_ros.nodes.detector_answers import Diagnoses
 from dcrb_ros.nodes.external_detector import ExternalDetector
+from dcrb_ros.nodes.pacing import Pacer
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.settings.files import load_configuration
@@ -172,9 +174,9 @@ def test_a_detector_that_cannot_be_started_is_refused(capsys: pytest.CaptureFixt
         assert sentence in capsys.readouterr().err
 
 
-def diagnoses_of(*received: tuple[float, float], pace: float = 1.0, begin: float = 0.0) -> Diagnoses:
+def diagnoses_of(*received: tuple[float, float], pace: float = 1.0, begin: float = 0.0, rate: float = 0.0) -> Diagnoses:
     """Return the diagnoses for 10 s of signal sent at a pace; each is given by its stamp [s] and the wall time since the start [s]."""
-    diagnoses, ends = Diagnoses(begin=begin), (0.02 * number for number in range(1, 501))
+    diagnoses, ends = Diagnoses(begin=begin, rate=rate), (0.02 * number for number in range(1, 501))
     events = sorted([(wall, "received", stamp) for stamp, wall in received] + [(end / pace, "sent", begin + end) for end in ends])
     for wall, kind, moment in events:
         with pytest.MonkeyPatch.context() as patch:
@@ -193,7 +195,7 @@ def diagnoses_of(*received: tuple[float, float], pace: float = 1.0, begin: float
         ([(0.5, 2.4), (1.0, 2.9), (1.5, 3.4)], 1.0, [0.5, 1.0, 1.5]),  # slow, but within the time for which the exam waits at the end
         ([(2.5, 0.13), (5.0, 0.26)], 20.0, [2.5, 5.0]),  # sent as fast as it answers
         ([(4.5, 10.1), (5.0, 10.1), (9.5, 10.1)], 1.0, [10.0, 10.0, 9.5]),  # after the whole signal was received
-        ([(9.5, 0.5), (4.5, 0.6)], 20.0, [9.5, 9.5]),  # after a diagnosis of later signal
+        ([(9.5, 0.5), (8.5, 0.6)], 20.0, [9.5, 9.5]),  # after a diagnosis of later signal
     ],
 )
 def test_a_diagnosis_counts_as_issued_at_its_stamp_if_it_is_prompt(
@@ -204,6 +206,29 @@ def test_a_diagnosis_counts_as_issued_at_its_stamp_if_it_is_prompt(
     assert [diagnosis.issued_at for diagnosis in diagnoses.received] == pytest.approx(issued)
 
 
+def test_signal_that_was_sent_early_gives_no_more_hindsight_than_the_recorded_pace() -> None:
+    """A node that publishes every 5 s of signal is sent the next 5 s within a moment."""
+    diagnoses = diagnoses_of((1.0, 0.05), (3.0, 0.15), (3.0, 0.301), pace=20.0)
+    assert [diagnosis.issued_at for diagnosis in diagnoses.received] == pytest.approx([1.0, 3.0, 6.0])
+    diagnoses = diagnoses_of((1.0, 0.05), (3.0, 0.3), pace=20.0, rate=20.0)
+    assert [diagnosis.issued_at for diagnosis in diagnoses.received] == pytest.approx([1.0, 3.0])
+
+
+@pytest.mark.parametrize(("stamps", "ahead"), [([0.5, 1.0], 1.0), ([5.0], 2.0), ([5.0, 5.5], 2.0)])
+def test_no_more_signal_is_sent_early_than_a_prompt_diagnosis_may_be_behind(stamps: list[float], ahead: float) -> None:
+    node, answers = ExternalDetector("true"), Diagnoses()
+    for stamp in stamps:
+        answers.signal_sent(stamp)
+        answers.receive(encode_diagnostics(round(stamp * 1e9), [Status("mine", 0, "", {"verdict": "healthy"})]))
+    waited = []
+    for after in (ahead - 0.01, ahead + 0.01):
+        end = round((stamps[-1] + after) * 1e9)
+        spun: list[float] = []
+        node._wait(Bundle(end - 20_000_000, end, ()), Pacer(0.0, time.monotonic), answers, spun.append)
+        waited.append(len(spun) > 1)
+    assert waited == [False, True]
+
+
 def test_a_stamp_later_than_the_signal_sent_is_refused() -> None:
     diagnoses = diagnoses_of((1.0, 1.1), (9.0, 2.01))
     assert len(diagnoses.received) == 1
@@ -211,8 +236,8 @@ def test_a_stamp_later_than_the_signal_sent_is_refused() -> None:
 
 
 def test_the_period_counts_from_the_start_of_the_signal() -> None:
-    diagnoses = diagnoses_of((7.5, 0.6), (8.0, 1.1), begin=7.0)
-    assert (diagnoses.latest, diagnoses.period) == pytest.approx((8.0, 0.5))
+    diagnoses = diagnoses_of((7.5, 0.6), (8.0, 1.1), (7.8, 1.2), begin=7.0)
+    assert (diagnoses.latest, diagnoses.period, diagnoses.valid) == pytest.approx((8.0, 0.5, 3))
 
 
 HINDSIGHT = """
