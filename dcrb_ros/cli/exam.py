@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -21,7 +21,7 @@ from dcrb_ros.text.writing import whole_files, whole_folder, write_whole
 if TYPE_CHECKING:
     from dcrb_ros.exam.exam_file import Exam
 
-app = Commands(help="Seal, open and verify exams drawn from a secret seed; make a leaderboard; compare an exam with measured recordings.")
+app = Commands(help="Seal and open exams drawn from a secret seed; verify entries; make a leaderboard; compare with measured recordings.")
 Sealed = Annotated[Path, typer.Argument(help="The sealed exam, which has been published.")]
 Secret = Annotated[Path, typer.Argument(help="The file with the secret seed.")]
 
@@ -84,14 +84,34 @@ def open_(
 
 @app.command()
 def verify(
-    sealed: Sealed,
-    secret: Secret,
-    entries: Annotated[list[Path] | None, typer.Argument(help="Entries of dcrb score --entry that were made with this exam.")] = None,
+    exam: Annotated[Path, typer.Argument(help="The sealed exam, which has been published, or an exam that is not sealed.")],
+    files: Annotated[
+        list[Path],
+        typer.Argument(metavar="SECRET|ENTRY", help="The file with the secret seed of a sealed exam; entries of dcrb score --entry."),
+    ],
 ) -> None:
-    """Verify a sealed exam with its secret seed, and entries that were made with it; exit status 1 if any does not agree or is unreadable.
+    """Verify entries that were made with an exam, and a sealed one by its secret; exit status 1 if any does not agree or is unreadable.
 
     Example: dcrb exam verify my_template.sealed.yaml my_template.secret results/*.json
     """
+    from dcrb_ros.exam.exam_file import exam_of
+    from dcrb_ros.settings.shipped import find_shipped
+    from dcrb_ros.text.yaml import read_yaml
+
+    tree = read_yaml(find_shipped("exam", exam))
+    if isinstance(tree, Mapping) and "sealed" in tree:
+        secret, *entries = files
+        drawn, agree = _verified(exam, secret)
+    else:
+        entries, drawn, agree = files, exam_of(tree, str(exam)), True
+    for path in entries:
+        agree = _verify_entry(path, drawn) and agree
+    if not agree:
+        raise typer.Exit(1)
+
+
+def _verified(sealed: Path, secret: Path) -> tuple[Exam, bool]:
+    """Verify a sealed exam; return the exam that is drawn from it, and whether its scenarios are those that were sealed."""
     from dcrb_ros.exam.sealing import commitment, open_exam, read_sealed, read_secret
 
     exam, seed = read_sealed(sealed), read_secret(secret)
@@ -105,10 +125,7 @@ def verify(
     drawn, _ = open_exam(exam, seed, str(sealed))
     agree = drawn.digest == exam.scenarios_sha256
     print(f"scenarios: {'agree' if agree else f'DO NOT AGREE, {_other_scenarios(exam.dcrb_ros)}'}")
-    for path in entries or ():
-        agree = _verify_entry(path, drawn) and agree
-    if not agree:
-        raise typer.Exit(1)
+    return drawn, agree
 
 
 def _other_scenarios(version: str) -> str:
@@ -133,7 +150,7 @@ def _verify_entry(path: Path, exam: Exam) -> bool:
         # The entries after it are verified, too.
         print_error("dcrb", str(refusal))
         return False
-    if entry.sealed_sha256 != exam.seal and entry.scenarios_sha256 != exam.digest:
+    if entry.scenarios_sha256 != exam.digest and (not exam.seal or entry.sealed_sha256 != exam.seal):
         print(f"{path}: DOES NOT AGREE, its scenarios are of another exam, '{printable(entry.exam)}': give entries of this one")
         return False
     flaws = list(differences(entry, exam))

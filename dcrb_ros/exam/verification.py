@@ -12,6 +12,7 @@ from dcrb_ros.exam.exam_scenarios import expectations
 from dcrb_ros.exam.leaderboard_entry import FORMAT, Entry, entry_of
 from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.scoring import score_scenario
+from dcrb_ros.runtime.version import __version__
 
 STATED = ("format", "detector", "dcrb_ros", "model", "software", "criteria_sha256", "scenarios")
 """Fields that do not follow from the diagnoses or that former versions lack, and the scenarios, which are compared one by one."""
@@ -37,6 +38,8 @@ def differences(entry: Entry, exam: Exam) -> Iterator[str]:
     )
     seeds = simulation_seeds(exam.cases)
     follows = entry_of(Report(exam.name, entry.detector, exam.criteria, exam.digest, results, exam.seal, seeds))
+    if entry.criteria_sha256 not in ("", follows.criteria_sha256):
+        yield f"its criteria are not those of the exam in dcrb_ros {__version__}; dcrb_ros {entry.dcrb_ros} made it"
     yield from _unequal("", entry.model_dump(exclude=set(STATED)), follows.model_dump(exclude=set(STATED)))
     for computed in follows.scenarios:
         yield from _unequal(f"scenario '{computed.name}': ", stated[computed.name].model_dump(), computed.model_dump())

@@ -176,6 +176,37 @@ def test_seal_open_and_verify_on_the_command_line(tmp_path: Path, capsys: pytest
     assert dcrb("exam", "open", str(template), str(secret)) == 2
 
 
+def test_entries_of_an_exam_that_is_not_sealed_are_verified(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    exam, opened = Sealed(tmp_path), tmp_path / "open.yaml"
+    tree = {**exam.tree, "sealed_sha256": ""}
+    exam.verify(tree)  # writes the file
+    scenarios = drawn_exam(TEMPLATE, SECRET, "t")
+    opened.write_text(yaml.safe_dump(scenarios), encoding="utf-8")
+    capsys.readouterr()
+    assert dcrb("exam", "verify", str(opened), str(exam.file)) == 0
+    assert capsys.readouterr().out == f"{exam.file}: agrees\n"
+    opened.write_text(yaml.safe_dump({**scenarios, "onset": 3.5}), encoding="utf-8")
+    assert dcrb("exam", "verify", str(opened), str(exam.file)) == 1
+    assert "its scenarios are of another exam, 'autumn'" in capsys.readouterr().out
+    assert dcrb("exam", "verify", str(opened)) == 2
+
+
+def test_entries_of_the_leaderboard_follow_from_their_exam(capsys: pytest.CaptureFixture[str]) -> None:
+    root = Path(__file__).parents[2]
+    entry = root / "docs/leaderboard/autogram.json"
+    assert dcrb("exam", "verify", str(root / "examples/detectors/exam.yaml"), str(entry)) == 0
+    assert capsys.readouterr().out == f"{entry}: agrees\n"
+
+
+def test_an_entry_with_other_criteria_does_not_agree(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    exam = Sealed(tmp_path)
+    assert exam.tree["criteria_sha256"]
+    assert exam.verify({**exam.tree, "criteria_sha256": "f" * 64, "dcrb_ros": "9.9.9"}) == 1
+    sentence = f"DOES NOT AGREE, its criteria are not those of the exam in dcrb_ros {__version__}; dcrb_ros 9.9.9 made it: "
+    assert sentence in capsys.readouterr().out
+    assert exam.verify({**exam.tree, "criteria_sha256": ""}) == 0  # of a former version
+
+
 class Sealed:
     """A sealed exam on the disk and the entry of a detector that finds each fault half a second after its onset."""
 
