@@ -14,6 +14,9 @@ from dcrb_ros.schema.verdicts import FaultClass, contradicts
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.scenario import ScheduledChange
 
+ROUNDING = 1e-3
+"""Time by which a change at the onset may precede it because changes are at steps [s]."""
+
 
 @dataclass(frozen=True)
 class FaultHistory:
@@ -50,9 +53,14 @@ class FaultHistory:
     def refuse_contradiction(self, verdict: FaultClass, onset: float, where: str) -> None:
         """Refuse a verdict that the faults contradict from the onset on [s]."""
         ends = [*(time for time, _ in self.faults[1:]), math.inf]
-        correct = dict.fromkeys(class_of(names) for (_, names), end in zip(self.faults, ends, strict=True) if end >= onset)
+        present = [(time, class_of(names)) for (time, names), end in zip(self.faults, ends, strict=True) if end >= onset]
+        correct = dict.fromkeys(now for _, now in present)
         if contradicts(verdict, correct):
-            classes = " and then ".join(present for present in correct if present != "healthy") or "healthy"
+            classes = " and then ".join(now for now in correct if now != "healthy") or "healthy"
+        else:
+            changed = (f"{now} from {time:g} s on" for time, now in present if time > onset - ROUNDING and contradicts(verdict, [now]))
+            classes = next(changed, "")
+        if classes:
             raise Refusal(
                 f"{where}: verdict = {verdict} contradicts its faults, which make {classes} correct: change the verdict, or the faults in "
                 "base, set, fault, scenario and timeline"

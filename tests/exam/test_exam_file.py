@@ -250,7 +250,7 @@ def test_a_scenario_that_begins_after_the_run_is_refused() -> None:
 
 
 def test_a_run_that_is_faulty_without_the_fault_is_no_healthy_twin() -> None:
-    late = [{"at": 0.15, "set": INNER}]
+    late = [{"at": 0.15, "set": {"faults.outer_2.width": 0.002, "faults.outer_2.azimuth": 3.0}}]
     for entry in ({"set": INNER, **BOTH_RINGS}, {"timeline": late, "verdict": "outer_ring"}):
         assert [case.name for case in exam({**SPALL, **entry}).cases] == [{**SPALL, **entry}["name"]]
     assert len(exam({**SPALL, "timeline": [{"at": 0.15, "set": {"operating.speed": 60.0}}]}).cases) == 2
@@ -291,6 +291,7 @@ def test_what_has_no_effect_on_a_healthy_bearing_is_refused() -> None:
 
 
 INNER = {"faults.inner_1.width": 0.002}
+ENDS = {"at": 12.0, "set": {"faults.outer_1.width": 0.0}}
 SPALL_UNTIL_ONSET = {"set": SPALL["fault"], "timeline": [{"at": 0.02, "set": {"faults.outer_1.width": 0.0}}]}
 
 
@@ -306,6 +307,9 @@ SPALL_UNTIL_ONSET = {"set": SPALL["fault"], "timeline": [{"at": 0.02, "set": {"f
         ({"verdict": "overheating", "fault": INNER}, "inner_ring"),
         ({"verdict": "sensor", "fault": INNER}, "inner_ring"),
         ({"verdict": "inner_ring", "fault": {**INNER, "sensor.fault": "dead"}}, "sensor"),
+        ({"verdict": "outer_ring", "fault": SPALL["fault"], "timeline": [ENDS]}, "healthy from 12 s on"),
+        ({"verdict": "outer_ring", "fault": SPALL["fault"], "timeline": [{"at": 12.0, "set": INNER}]}, "compound from 12 s on"),
+        ({"verdict": "compound", "fault": SPALL["fault"], "timeline": [{"at": 12.0, "set": INNER}]}, "outer_ring from 0.1 s on"),
         ({"verdict": "healthy", "set": INNER}, "inner_ring"),
         ({"verdict": "healthy", "fault": {"sensor.fault": "dead"}}, "sensor"),
         ({"verdict": "healthy", "base": "outer_ring_defect"}, "outer_ring"),
@@ -324,6 +328,7 @@ def test_a_verdict_that_contradicts_the_faults_is_refused(changes: dict[str, Any
         {"verdict": "sensor", "fault": {**INNER, "sensor.fault": "dead"}},
         {"verdict": "inner_ring", "base": "inner_ring_defect"},
         {"verdict": "inner_ring", "timeline": [{"at": 0.05, "over": 0.1, "set": INNER}], "onset": 0.02},
+        {"verdict": "inner_ring", "fault": INNER, "timeline": [{"at": 12.0, "set": {"faults.inner_1.width": 0.001}}]},
         {"verdict": "overheating", "fault": {"operating.load": 9e4}},
         {"verdict": "sensor", "set": {"sensor.range": 5.0}, "onset": 0.1},
     ],
