@@ -41,9 +41,11 @@ def read_recorded_case(path: Path, *, name: str = "") -> RecordedCase:
     The recording may come from the bench or from `ros2 bag record`.
 
     Raises:
-        Refusal: there is no recording, it has no ground truth or a file of another recording, or no single verdict describes it.
+        Refusal: there is no recording, it has no ground truth, that of several benches or a file of another recording, or no single
+            verdict describes it.
     """
-    truths, diagnoses = [], []
+    truths: dict[str, list[Truth]] = {}
+    received: dict[str, list[bytes]] = {}
     whole, box = box_of(path)
     files, damage = valid_files(whole)
     refuse_foreign(whole, files)
@@ -53,19 +55,24 @@ def read_recorded_case(path: Path, *, name: str = "") -> RecordedCase:
     for file in files:
         for stored in file.messages(damage):
             topic, data = stored.channel.topic, stored.message.data
-            if topic.endswith(f"/{GROUND_TRUTH.name}"):
-                truths.append(decode_truth(data))
-            elif topic.endswith(f"/{DIAGNOSIS.name}"):
-                diagnoses.append(decode_diagnosis(data))
+            namespace, _, name_below = topic.rpartition("/")
+            if name_below == GROUND_TRUTH.name:
+                truths.setdefault(namespace, []).append(decode_truth(data))
+            elif name_below == DIAGNOSIS.name:
+                received.setdefault(namespace, []).append(data)
+    if len(truths) > 1:
+        topics = ", ".join(sorted(map(GROUND_TRUTH.resolved, truths)))
+        raise Refusal(f"{path} contains the truth of several benches, {topics}: record the topics of one")
     if not truths:
         raise Refusal(
             f"{path} has no messages on {GROUND_TRUTH.name}, so the correct verdict is unknown: give a recording of the bench "
             "(dcrb simulate, dcrb bench --record, or ros2 bag record -a while the bench runs)"
             + (f"; not all of it could be read: {damage[0]}" if damage else "")
         )
+    ((namespace, truth),) = truths.items()
     # A diagnosis received just after the recording started may judge signal from before its start.
-    diagnoses = [diagnosis for diagnosis in diagnoses if diagnosis.time >= truths[0].time_ns * 1e-9]
-    return RecordedCase(path, _expectation(path, name or path.name, truths, diagnoses), tuple(diagnoses), tuple(damage))
+    diagnoses = [d for d in map(decode_diagnosis, received.get(namespace, ())) if d.time >= truth[0].time_ns * 1e-9]
+    return RecordedCase(path, _expectation(path, name or path.name, truth, diagnoses), tuple(diagnoses), tuple(damage))
 
 
 @dataclass(frozen=True)

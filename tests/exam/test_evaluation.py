@@ -19,6 +19,7 @@ import numpy as np
 import pytest
 from full_disk import files_of_at_most
 from made_up_blocks import BODIES, blocks, recorded
+from ros2_bag_record import bag_of
 
 from dcrb_ros.exam import evaluation, exam_scenarios, in_process, recording_cache
 from dcrb_ros.exam.case import Case
@@ -38,7 +39,7 @@ from dcrb_ros.exam.recording_cache import (
 )
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.messages.statuses import Status, encode_diagnostics, encode_truth
-from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH, Message
+from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH, Message, Topic
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.schema.refusal import Refusal
@@ -443,6 +444,19 @@ def test_the_expectation_of_a_recording_follows_from_its_ground_truth(tmp_path: 
     assert found.tags == {"speed": 60.0, "speed_rpm": 573.0, "load": 1e5, "width": 0.002}
     assert [diagnosis.time for diagnosis in recorded_case.diagnoses] == [2.5, 3.5, 4.5]
     assert recorded_case.damage == ()
+
+
+def test_only_the_diagnoses_beside_the_truth_are_scored(tmp_path: Path) -> None:
+    def elsewhere(topic: Topic) -> Topic:
+        return replace(topic, name=f"/other/{topic.name}")
+
+    truth = encode_truth(Truth(2_000_000_000, 60.0, (300.0, -1e5), {}, {}))
+    ours, theirs = (encode_diagnostics(3_000_000_000, [Status("", 0, "", {"verdict": verdict})]) for verdict in ("healthy", "cage"))
+    messages = [Message(elsewhere(DIAGNOSIS), 0, theirs), Message(GROUND_TRUTH, 0, truth), Message(DIAGNOSIS, 0, ours)]
+    found = read_recorded_case(bag_of(tmp_path / "a", messages))
+    assert [(diagnosis.time, diagnosis.verdict) for diagnosis in found.diagnoses] == [(3.0, "healthy")]
+    with pytest.raises(Refusal, match="contains the truth of several benches, /dcrb/ground_truth, /other/ground_truth: record the topics"):
+        read_recorded_case(bag_of(tmp_path / "b", [*messages, Message(elsewhere(GROUND_TRUTH), 0, truth)]))
 
 
 def test_the_expectation_of_a_healthy_recording_has_no_onset(tmp_path: Path) -> None:
