@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import pickle
 import signal
 import socket
@@ -10,8 +9,9 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterable, Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from multiprocessing.util import Finalize
 from typing import Any
 
 from dcrb_ros.exam.detector_process import FAILED, LEFTOVER, MESSAGE, NOTHING, READY, REFUSED, STATUSES, VERDICT, Begin, Request
@@ -22,7 +22,7 @@ from dcrb_ros.exam.packets import receive_packet, send_packet
 from dcrb_ros.exam.running_detector import checked_output
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis, decode_diagnosis
 from dcrb_ros.runtime.child_output import ChildOutput
-from dcrb_ros.runtime.children import group_guard
+from dcrb_ros.runtime.children import group_guard, kill_group, kill_marked, marked_environment
 from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
 
@@ -53,6 +53,7 @@ class DetectorProcess:
             CandidateRefusal: it cannot be imported within the limits.
         """
         self._limits, self._resources, self.closed = limits, ExitStack(), False
+        self._environment = marked_environment()
         self._channel, theirs = socket.socketpair()
         self._output = ChildOutput(MOST_OUTPUT, self._kill)
         number = str(theirs.fileno())
@@ -63,6 +64,7 @@ class DetectorProcess:
             stdout=self._output.writing,
             stderr=subprocess.STDOUT,
             pass_fds=[theirs.fileno()],
+            env=self._environment,
             start_new_session=True,
         )
         guard(self._process.pid)
@@ -189,15 +191,15 @@ class DetectorProcess:
         return f"its process ended with exit status {status}" if status >= 0 else f"its process was ended by {_signal_name(-status)}"
 
     def _kill(self) -> None:
-        with suppress(ProcessLookupError):
-            os.killpg(self._process.pid, signal.SIGKILL)
+        kill_group(self._process.pid)
 
     def close(self) -> None:
-        """End the process and its children."""
+        """End the process and its children, also those in a session of their own."""
         if not self.closed:
             self.closed = True
             self._kill()
             self._process.wait()
+            kill_marked(self._environment)
             self._channel.close()
             self._resources.close()
 
@@ -237,6 +239,7 @@ def running_process(given: str, limits: Limits) -> Iterator[DetectorProcess]:
     process = _PROCESSES.pop(key, None)
     if process is None or process.closed:
         process = DetectorProcess(*key)
+        Finalize(None, process.close, exitpriority=0)  # also in a worker, which calls no function of atexit
     yield process
     if not process.closed:
         _PROCESSES[key] = process

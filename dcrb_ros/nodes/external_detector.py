@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import secrets
 import shlex
 import shutil
 import signal
@@ -12,7 +11,6 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from dcrb_ros.exam.evaluation import CandidateRefusal
@@ -27,7 +25,7 @@ from dcrb_ros.nodes.ros import check_ros, node_in
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.replay import Replay, ReplayParameters
 from dcrb_ros.runtime.child_output import ChildOutput
-from dcrb_ros.runtime.children import group_guard
+from dcrb_ros.runtime.children import group_guard, kill_group, kill_marked, marked_environment
 from dcrb_ros.schema.refusal import Refusal
 
 LEAD = 0.5
@@ -44,8 +42,6 @@ LISTENING_TIME = 0.5
 """Wall time in which other nodes in the domain are discovered before the detector starts [s]."""
 GATE = 'read -r _ || exit; exec "$@" </dev/null'
 """Shell script that becomes the detector once a line arrives on its standard input, which is sent when the guard of its group has begun."""
-MARK = "DCRB_ROS_DETECTOR"
-"""Variable of the environment by which the processes of a detector are found that have left its group."""
 LOOK_EVERY = 50
 """Bundles between two looks for other publishers on the topics of the exam [-]."""
 
@@ -241,10 +237,9 @@ def _process(command: Sequence[str], domain: int) -> Iterator[tuple[subprocess.P
 
     Processes that have left the group are killed at the end.
     """
-    mark = secrets.token_hex(16)
-    environment = {**os.environ, "ROS_DOMAIN_ID": str(domain), MARK: mark}
+    environment = {**marked_environment(), "ROS_DOMAIN_ID": str(domain)}
     groups: list[int] = []
-    output = ChildOutput(MOST_OUTPUT, lambda: os.killpg(groups[0], signal.SIGKILL))
+    output = ChildOutput(MOST_OUTPUT, lambda: kill_group(groups[0]))
     with group_guard(EXIT_TIMEOUT) as guard:
         program = shutil.which(command[0])
         if program is None:
@@ -269,7 +264,7 @@ def _process(command: Sequence[str], domain: int) -> Iterator[tuple[subprocess.P
             try:
                 _end(process)
             finally:
-                _end_marked(mark)
+                kill_marked(environment)
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:
@@ -279,15 +274,5 @@ def _end(process: subprocess.Popen[bytes]) -> None:
             os.killpg(process.pid, signal.SIGINT)
             process.wait(EXIT_TIMEOUT)
     finally:  # even after a second Ctrl-C
-        with suppress(ProcessLookupError):
-            os.killpg(process.pid, signal.SIGKILL)
+        kill_group(process.pid)
         process.wait()
-
-
-def _end_marked(mark: str) -> None:
-    """Kill the processes with a mark in their environment, such as those in a session of their own, where there is /proc."""
-    entry = f"{MARK}={mark}".encode()
-    for environment in Path("/proc").glob("[0-9]*/environ"):
-        with suppress(OSError):  # it has ended, or is another user's
-            if entry in environment.read_bytes().split(b"\0"):
-                os.kill(int(environment.parent.name), signal.SIGKILL)

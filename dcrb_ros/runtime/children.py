@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import os
 import pickle
+import secrets
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from pathlib import Path
 from typing import Any
 
 from dcrb_ros.runtime.signals import TERMINATION
 from dcrb_ros.runtime.threads import NamedThread
 
 STANDARD_INPUT = 0
+MARK = "DCRB_ROS_DETECTOR"
+"""Variable of the environment by which child processes are found that have left the group of the first."""
 GUARD = 'read -r group || exit; read -r _; kill -s INT -- "-$group"; sleep "$0"; kill -s KILL -- "-$group"'
 """Shell script that ends the process group on its standard input once this is closed: like Ctrl-C, and after $0 seconds without mercy."""
 
@@ -79,3 +83,23 @@ def group_guard(patience: float) -> Iterator[Callable[[int], None]]:
     finally:
         guard.kill()  # before its standard input is closed
         guard.communicate()
+
+
+def kill_group(group: int) -> None:
+    """Kill a process group by its number, if it has not ended."""
+    with suppress(ProcessLookupError):
+        os.killpg(group, signal.SIGKILL)
+
+
+def marked_environment() -> dict[str, str]:
+    """Return the environment of this process with a new mark, for a child to be ended by `kill_marked`."""
+    return {**os.environ, MARK: secrets.token_hex(16)}
+
+
+def kill_marked(environment: Mapping[str, str]) -> None:
+    """Kill the processes with the mark of an environment, such as those in a session of their own, where there is /proc."""
+    entry = f"{MARK}={environment[MARK]}".encode()
+    for file in Path("/proc").glob("[0-9]*/environ"):
+        with suppress(OSError):  # it has ended, or is another user's
+            if entry in file.read_bytes().split(b"\0"):
+                os.kill(int(file.parent.name), signal.SIGKILL)

@@ -339,6 +339,22 @@ def test_the_children_of_a_detector_end_with_it(source: Path, bag: Path, tmp_pat
     assert int(noted.read_text()) != os.getpid()
 
 
+@pytest.mark.parametrize("last", ["raise ValueError", "return 'healthy'"])
+def test_a_process_in_a_session_of_its_own_ends_with_the_exam(last: str, tmp_path: Path) -> None:
+    file, noted = tmp_path / "daemon.py", tmp_path / "pid"
+    file.write_text(
+        f"import subprocess\nclass Daemon:\n    def __init__(self, orders, rate):\n"
+        f"        child = subprocess.Popen(['sleep', '1000'], start_new_session=True)\n"
+        f"        open({str(noted)!r}, 'w').write(str(child.pid))\n"
+        f"    def update(self, *_):\n        {last}\n",
+        encoding="utf-8",
+    )
+    bag = recorded(tmp_path / "bag", 2)
+    done = dcrb("score", str(bag), "--python", f"{file}:Daemon", "--json", "--workers", "1", "--quiet")
+    assert json.loads(done.stdout)["scenarios"][0]["answer"] == ("nothing" if "raise" in last else "healthy")
+    wait_for(lambda: not runs(int(noted.read_text())))
+
+
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [
