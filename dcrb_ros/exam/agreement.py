@@ -82,10 +82,17 @@ def by_name(entries: Sequence[Entry], where: str) -> dict[str, Entry]:
         if entry.detector in named:
             raise Refusal(f"two entries of {where} are called '{entry.detector}': give them different names with --name")
         named[entry.detector] = entry
-    several = sorted({entry.scenarios_sha256[:16] for entry in entries})
+    several = sorted(name for name, _ in {_scenarios(entry) for entry in entries})
     if len(several) > 1:
         raise Refusal(f"the entries of {where} have {len(several)} sets of scenarios ({', '.join(several)}): compare entries of one set")
     criteria = sorted({entry.criteria_sha256[:16] for entry in entries} - {""})
     if len(criteria) > 1:
         raise Refusal(f"the entries of {where} have {len(criteria)} sets of criteria ({', '.join(criteria)}): compare entries of one set")
     return named
+
+
+def _scenarios(entry: Entry) -> tuple[str, frozenset[tuple[str, str]]]:
+    """Return the hash of an entry's scenarios; for recordings, which have none, their number, names and correct verdicts."""
+    if entry.scenarios_sha256:
+        return entry.scenarios_sha256[:16], frozenset()
+    return f"{len(entry.scenarios)} recordings", frozenset((scenario.name, scenario.family) for scenario in entry.scenarios)

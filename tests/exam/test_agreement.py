@@ -110,7 +110,10 @@ def test_too_few_detectors_and_two_of_one_name_are_refused() -> None:
         agreement(entries(0.1, 0.2), entries(0.1, 0.2, 0.3))
     other = entries(0.1, 0.2, 0.3)
     other[1] = other[1].model_copy(update={"scenarios_sha256": "f" * 64})
-    with pytest.raises(Refusal, match=r"the measured recordings have 2 sets of scenarios \(, f{16}\): compare entries of one set"):
+    with pytest.raises(Refusal, match=r"the measured recordings have 2 sets of scenarios \(60 recordings, f{16}\): compare entries"):
+        agreement(entries(0.1, 0.2, 0.3), other)
+    other[1] = entry("d1", 0.2, 21)
+    with pytest.raises(Refusal, match=r"the measured recordings have 2 sets of scenarios \(60 recordings, 63 recordings\)"):
         agreement(entries(0.1, 0.2, 0.3), other)
     with pytest.raises(Refusal, match="two entries of the exam are called 'd0'"):
         agreement([*entries(0.1, 0.2), entry("d0", 0.3)], entries(0.1, 0.2, 0.3))
