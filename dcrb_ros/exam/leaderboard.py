@@ -84,8 +84,11 @@ def boards(entries: Sequence[Entry]) -> list[Board]:
     for entry in entries:
         if not entry.exam_score:
             raise Refusal(f"the entry '{entry.detector}' of the exam {entry.exam} has no exam score: it takes faults and healthy time")
-        groups.setdefault((entry.exam, entry.scenarios_sha256, entry.last_verdict), []).append(entry)
-    return [_board(same) for _, group in sorted(groups.items()) for same in _with_equal_criteria(group)]
+        # One exam may have several titles, such as a replica of the same table in folders of two names.
+        title = "" if entry.scenarios_sha256 else entry.exam
+        groups.setdefault((title, entry.scenarios_sha256, entry.last_verdict), []).append(entry)
+    ordered = sorted(groups.values(), key=lambda group: (group[0].exam, group[0].scenarios_sha256, group[0].last_verdict))
+    return [_board(same) for group in ordered for same in _with_equal_criteria(group)]
 
 
 def _with_equal_criteria(entries: Sequence[Entry]) -> list[list[Entry]]:
@@ -101,7 +104,7 @@ def _board(entries: Sequence[Entry]) -> Board:
         raise Refusal(f"two entries of the exam {entries[0].exam} are called '{twice}': give them different names with --name")
     marking = marking_of(entries[0])
     ordered = sorted(entries, key=lambda entry: (-marking.mark(entry), entry.detector))
-    return Board(ordered[0].exam, ordered[0].scenarios_sha256, tuple(ordered), tuple(starmap(marking.compare, pairwise(ordered))))
+    return Board(entries[0].exam, entries[0].scenarios_sha256, tuple(ordered), tuple(starmap(marking.compare, pairwise(ordered))))
 
 
 def rows(board: Board) -> Iterator[tuple[str, ...]]:

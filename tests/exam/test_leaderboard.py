@@ -260,6 +260,14 @@ def test_exams_with_different_scenarios_have_boards_of_their_own() -> None:
     assert [len(board.entries) for board in boards([detector(1, 0.5), other])] == [1, 1]
 
 
+def test_entries_of_one_exam_under_several_titles_have_one_board() -> None:
+    other = detector(2, 0.5).model_copy(update={"exam": "another title"})
+    (board,) = boards([detector(1, 0.5), other])
+    assert (board.exam, len(board.entries)) == ("made up", 2)
+    recordings = [entry.model_copy(update={"scenarios_sha256": ""}) for entry in (detector(1, 0.5), other)]
+    assert [board.exam for board in boards(recordings)] == ["another title", "made up"]
+
+
 def test_entries_with_different_criteria_have_boards_of_their_own() -> None:
     given = [ReceivedDiagnosis(t, "healthy") for t in np.arange(0.0, 10.5, 0.5)]
     entries: list[Entry] = []
