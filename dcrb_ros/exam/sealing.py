@@ -22,6 +22,7 @@ from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.parameter_field import first_problem
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import flatten
+from dcrb_ros.text.counts import counted
 from dcrb_ros.text.files import checked_path, read_text
 from dcrb_ros.text.yaml import read_yaml
 
@@ -29,6 +30,8 @@ DIGITS = 6
 """Significant digits of a drawn number; powers differ between machines in the last ones of a float."""
 SEEDS = 2**31
 """Seeds of the simulation that are drawn [-]."""
+FEWEST_DRAWN = 4
+"""Scenarios that a sealed exam must draw [-]: the hash of few could be found by trying their seeds and values."""
 SECRET_DIGITS = 64
 """Length of a secret seed [hexadecimal digits]."""
 
@@ -54,9 +57,15 @@ def seal(template: Any, secret: str, source: str) -> SealedExam:
     """Return a sealed exam.
 
     Raises:
-        Refusal: the template draws nothing, or an exam drawn from it is invalid.
+        Refusal: the template draws nothing or too few scenarios, or an exam drawn from it is invalid.
     """
     drawn = drawn_exam(template, secret, source)
+    count = sum(entry.get("count", 1) for entry in template["scenarios"] if "draw" in entry)
+    if count < FEWEST_DRAWN:
+        raise Refusal(
+            f"{source} draws {counted(count, 'scenario')}, so few that their published hash could be found by trying all values: "
+            f"draw at least {FEWEST_DRAWN}"
+        )
     digest = commitment(template, secret)
     opened = exam_of({**drawn, "seal": digest}, source)
     return SealedExam(sealed=digest, scenarios_sha256=opened.digest, dcrb_ros=__version__, template=dict(template))

@@ -130,6 +130,8 @@ def entry(**changes: Any) -> dict[str, Any]:
     [
         ({**TEMPLATE, "scenarios": TEMPLATE["scenarios"][1:]}, "draws nothing"),
         ([], "draws nothing"),
+        (entry(count=3), "draws 3 scenarios, so few that their published hash could be found"),
+        (entry(count=1), "draws 1 scenario, so few"),
         (entry(count=0), "count = 0 is outside 1"),
         (entry(count=True), "count = True is outside"),
         (entry(count=3000), "count = 3000 is outside"),
