@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import itertools
 import math
+from bisect import bisect_left, bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.expectation import FEWEST_REVOLUTIONS, Expectation
@@ -78,7 +79,7 @@ def _current_verdicts(
     verdicts = []
     for number, diagnosis in enumerate(given):
         until = min(diagnosis.time + period, expectation.end)
-        for later in itertools.islice(given, number + 1, None):
+        for later in map(given.__getitem__, range(number + 1, len(given))):
             if later.time >= until:
                 break
             until = min(until, later.issued_at if {diagnosis.verdict, later.verdict} <= set(counted) else later.time)
@@ -153,7 +154,12 @@ def _healthy_periods(expectation: Expectation, verdicts: Sequence[_CurrentVerdic
         return 0, 0
     count = max(1, math.floor((end - begin) / period + 1e-9))
     edges = [*(begin + number * period for number in range(count)), end]
-    failed = sum(_failed(expectation, verdicts, edges[k], edges[k + 1], period, first=k == 0) for k in range(count))
+    times = [current.time for current in verdicts]
+    failed = 0
+    for number, (start, until) in enumerate(pairwise(edges)):
+        # A verdict is current for at most one period; twice that, so that rounding leaves none out.
+        near = verdicts[bisect_left(times, start - 2.0 * period) : bisect_right(times, until)]
+        failed += _failed(expectation, near, start, until, period, first=number == 0)
     return count, failed
 
 
