@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
@@ -70,8 +71,8 @@ class VehicleRecording:
         self.namespace = str(about.get("namespace", NAMESPACE))
         self.boxes = {name: Recording(path / name) for name in names}
         """The recording of each box by name."""
-        ending = records.get(VEHICLE_OUTCOME)
-        self._outcome = self._files.content(ending, "outcome", str(path)) if ending else None
+        endings = [record for record in self.stored[-1].metadata() if record.name == VEHICLE_OUTCOME]
+        self._outcome = self._files.content(endings[-1], "outcome", str(path)) if endings else None
 
     @cached_property
     def description(self) -> VehicleDescription:
@@ -145,12 +146,12 @@ class VehicleReproduction(RunReproduction[VehicleSimulation, VehicleBlock]):
 
     def blocks(self, simulation: VehicleSimulation) -> Iterator[VehicleBlock]:
         """Yield the blocks of the run, with the commands given at their times."""
-        commands = sorted(self._recording.commands(), key=lambda command: command.time_ns, reverse=True)
+        commands = deque(sorted(self._recording.commands(), key=lambda command: command.time_ns))
         schedules = {name: CommandSchedule(box.commands()) for name, box in self._recording.boxes.items()}
         blocks = simulation.blocks(self.duration)
         while True:
-            while commands and commands[-1].time_ns <= simulation.time_ns:
-                commands.pop().give(simulation)
+            while commands and commands[0].time_ns <= simulation.time_ns:
+                commands.popleft().give(simulation)
             for name, schedule in schedules.items():
                 schedule.apply_due(simulation.simulations[name])
             block = next(blocks, None)

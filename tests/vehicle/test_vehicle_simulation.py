@@ -6,6 +6,7 @@ import json
 import shutil
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -26,7 +27,7 @@ from dcrb_ros.recordings.replay import Replay, ReplayParameters
 from dcrb_ros.recordings.reproduction import NotReproduced
 from dcrb_ros.recordings.splitting import Bag
 from dcrb_ros.recordings.vehicle import VehicleRecording, VehicleReproduction
-from dcrb_ros.recordings.vehicle_recorder import VehicleRecorder
+from dcrb_ros.recordings.vehicle_recorder import VehicleCommand, VehicleRecorder
 from dcrb_ros.recordings.verification import digest_mismatch
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import flatten, load_configuration
@@ -491,6 +492,29 @@ def test_a_recording_is_simulated_again_with_its_commands(run: Path, capsys: pyt
     assert about["boxes"].keys() == set(BOXES)
     assert dcrb("simulate", "--from", str(run / "axle_1.left"), "--quiet") == 2
     assert "is a box of the vehicle in" in capsys.readouterr().err
+
+
+def test_commands_of_one_block_are_given_again_in_their_order(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    given = list[str]()
+    monkeypatch.setattr(VehicleCommand, "give", lambda self, simulation: given.append(self.name))
+    boxes = dict.fromkeys(BOXES, SimpleNamespace(time_ns=-1))
+    ended: Any = SimpleNamespace(time_ns=200_000_000, simulations=boxes, blocks=lambda duration: iter(()))
+    assert list(VehicleReproduction(VehicleRecording(run)).blocks(ended)) == []
+    assert given == ["speed_kmh", "curvature"]
+
+
+def test_commands_in_a_last_file_without_its_end_are_found(tmp_path: Path) -> None:
+    parameters = read_parameters("healthy_bogie", {**DRY, **NOTCH, "recording.split_duration": 0.1})
+    simulation = VehicleSimulation(vehicle_of(parameters, "test"), threads=2)
+    with VehicleRecorder(tmp_path / "bogie", parameters, simulation) as recorder:
+        for number, block in enumerate(simulation.blocks(0.2)):
+            recorder.write(block)
+            if number == 8:
+                simulation.command(speed_kmh=90.0)
+    last = VehicleRecording(tmp_path / "bogie").stored[-1].path
+    assert last.name != "bogie_0.mcap"
+    last.write_bytes(last.read_bytes().replace(b"dcrb_ros_vehicle_outcome", b"dcrb_ros_vehicle_out____"))
+    assert [command.name for command in VehicleRecording(tmp_path / "bogie").commands()] == ["speed_kmh"]
 
 
 def test_a_box_of_another_run_is_found_out(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
