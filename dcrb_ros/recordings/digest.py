@@ -32,8 +32,8 @@ class SampleDigests:
     """From the outcome record; None if that is damaged or missing."""
     read: RecordedSamples
     """From the messages."""
-    damaged: bool = False
-    """Whether parts of the recording could not be read."""
+    later_part: bool = False
+    """Whether the files before were left out, as in a later file of a split recording that is read alone."""
 
     @property
     def comparable(self) -> bool:
@@ -41,7 +41,7 @@ class SampleDigests:
 
         A later file of a split recording states those of the earlier files, too, and a recording without the waveform those of the run.
         """
-        return self.stated is not None and self.read.count > 0 and (self.damaged or self.read.first_index <= self.stated.first_index)
+        return self.stated is not None and self.read.count > 0 and not self.later_part
 
     @property
     def match(self) -> bool | None:

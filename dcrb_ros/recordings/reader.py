@@ -274,7 +274,8 @@ class Recording:
 
     def compared(self, outcome: Outcome) -> SampleDigests:
         """Keep and return the comparison of all samples, which were added to ``outcome``, with those that the recording states."""
-        self._digests = SampleDigests(stated_samples(self.outcome), samples_in(outcome), damaged=not self.complete)
+        later_part = self.complete and self.stored[0].number > 0
+        self._digests = SampleDigests(stated_samples(self.outcome), samples_in(outcome), later_part)
         return self._digests
 
     def pieces(self) -> Iterator[Piece]:

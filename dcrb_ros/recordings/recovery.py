@@ -15,7 +15,6 @@ from mcap.records import Message as McapMessage
 from dcrb_ros.messages.points import decode_vibration
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import GROUND_TRUTH, MANIFEST, VIBRATION, Message
-from dcrb_ros.recordings.digest import SampleDigests, samples_in, stated_samples
 from dcrb_ros.recordings.foreign_files import refuse_foreign, sound
 from dcrb_ros.recordings.manifest import OUTCOME, Outcome, now
 from dcrb_ros.recordings.mcap_writer import Channel, McapFile, described_channel
@@ -115,7 +114,7 @@ class Recovery:
         if self._damage:
             return []
         read = zip(self._recordings, self._outcomes, strict=True)
-        sentences = [SampleDigests(stated_samples(recording.outcome), samples_in(outcome)).mismatch for recording, outcome in read]
+        sentences = [recording.compared(outcome).mismatch for recording, outcome in read]
         return [sentence for sentence in sentences if sentence]
 
     def _channel(self, stored: StoredMessage) -> Channel | None:

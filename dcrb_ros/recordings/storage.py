@@ -34,6 +34,8 @@ PACKED = ("zstd", "zst", "lz4", "gz", "bz2", "xz", "zip")
 FILE_NAME = re.compile(rf"(?P<stem>.+)\.(?P<storage>mcap|db3)(\.({'|'.join(PACKED)}))?")
 """Names of the files of a recording."""
 NAMES = {"mcap": "MCAP", "db3": "SQLite"}
+WRITTEN_NAME = re.compile(r"_([0-9]{1,9})\.mcap['\"]?\nfiles:\n")
+"""The end of the name of the file in the metadata that a recorder of the bench writes to its end."""
 STORAGES: dict[bytes, type[FileRecords]] = {mcap_reader.MAGIC: McapRecords, sqlite_reader.MAGIC: SqliteRecords}
 """Readers by the first bytes of a file."""
 
@@ -95,6 +97,13 @@ class StoredFile:
     def rereadable(self) -> bool:
         """Whether other readers of MCAP take the file: whole messages, and a summary; known after all messages have been read."""
         return self._storage is McapRecords and not self._compression and not self._packed_messages and has_summary(self.path)
+
+    @property
+    def number(self) -> int:
+        """Number in its split recording, from 0, also if it was renamed; 0 if it is unknown."""
+        texts = [record.metadata.get("serialized_metadata", "") for record in self.metadata() if record.name == "rosbag2"]
+        found = WRITTEN_NAME.search(texts[-1]) if texts else None
+        return int(found[1]) if found else 0
 
     def metadata(self, damage: list[str] | None = None) -> Iterator[Metadata]:
         """Yield the metadata records; at the end add a sentence for each unreadable part outside of the chunks to ``damage``."""

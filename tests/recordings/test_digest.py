@@ -15,6 +15,7 @@ from made_up_blocks import recorded
 from separate_process import dcrb
 
 import dcrb_ros
+from dcrb_ros.messages.points import decode_vibration
 from dcrb_ros.messages.topics import MANIFEST
 from dcrb_ros.recordings.manifest import DIGEST, OUTCOME
 from dcrb_ros.recordings.reader import Recording
@@ -52,6 +53,18 @@ def test_later_files_of_a_split_recording_are_not_compared(tmp_path: Path) -> No
     assert len(files) > 1
     assert Recording(tmp_path / "bag").digests().match is True
     assert [Recording(file).digests().match for file in files] == [True, *[None] * (len(files) - 1)]
+
+
+def test_a_later_file_is_known_by_another_name(tmp_path: Path) -> None:
+    later = Recording(recorded(tmp_path / "bag", 60, split_duration=0.5)).files[1].rename(tmp_path / "first_0.mcap")
+    assert Recording(later).digests().match is None
+
+
+def test_a_recording_whose_beginning_was_removed_is_a_mismatch(intact: Path, tmp_path: Path) -> None:
+    path = altered(intact, tmp_path / "bag", lambda data: data if decode_vibration(data).stamp_ns >= 100_000_000 else None)
+    assert Recording(path).complete
+    assert Recording(path).waveform().index[0] == 5 * 1024
+    assert "contains 56320 with" in digest_mismatch(Recording(path))
 
 
 def test_a_recording_without_the_waveform_is_not_compared(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from dcrb_ros.messages.points import decode_vibration
@@ -9,21 +10,6 @@ from dcrb_ros.messages.topics import VIBRATION
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recovery import described_channel
 from dcrb_ros.recordings.splitting import Bag
-
-
-def altered(source: Path, target: Path) -> Path:
-    """Copy a recording with one bit of each block of samples flipped; checksums and records of the file are right."""
-    recording = Recording(source)
-    records = {r.name: dict(r.metadata) for file in recording.stored for r in file.metadata() if r.name != "rosbag2"}
-    bag = Bag(target, opening={}, closing=lambda: records)
-    for stored in recording.stored[0].messages([]):
-        assert stored.schema is not None
-        data = stored.message.data
-        if stored.channel.topic.endswith(f"/{VIBRATION.name}"):
-            data = with_flipped_bit(data)
-        bag.write([(described_channel(stored.channel, stored.schema), stored.message.log_time, data)])
-    bag.close()
-    return target
 
 
 def with_flipped_bit(data: bytes) -> bytes:
@@ -35,3 +21,18 @@ def with_flipped_bit(data: bytes) -> bytes:
         if decode_vibration(bytes(changed)).packed() != before:
             return bytes(changed)
     raise ValueError("the block has no sample in its second half")
+
+
+def altered(source: Path, target: Path, change: Callable[[bytes], bytes | None] = with_flipped_bit) -> Path:
+    """Copy a recording with a ``change`` of each block of samples, None for its removal; checksums and records of the file are right."""
+    recording = Recording(source)
+    records = {r.name: dict(r.metadata) for file in recording.stored for r in file.metadata() if r.name != "rosbag2"}
+    bag = Bag(target, opening={}, closing=lambda: records)
+    for stored in recording.stored[0].messages([]):
+        assert stored.schema is not None
+        waveform = stored.channel.topic.endswith(f"/{VIBRATION.name}")
+        data = change(stored.message.data) if waveform else stored.message.data
+        if data is not None:
+            bag.write([(described_channel(stored.channel, stored.schema), stored.message.log_time, data)])
+    bag.close()
+    return target
