@@ -13,7 +13,7 @@ from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.messages.cdr import STAMP_END
 from dcrb_ros.messages.description import decode_sensor
 from dcrb_ros.messages.plain import decode_text
-from dcrb_ros.messages.topics import SENSOR, Message
+from dcrb_ros.messages.topics import SENSOR, VIBRATION, Message
 from dcrb_ros.recordings.manifest import MEASURED_UNITS
 from dcrb_ros.recordings.storage import StoredFile
 from dcrb_ros.schema.refusal import Refusal
@@ -25,6 +25,8 @@ WINDOW_NS = 1_000_000_000
 """Signal in which messages are put in order [ns]."""
 RESET_NS = 5_000_000_000
 """Step back in time that is a reset of the simulation [ns]; to the start of a run, `WINDOW_NS` is enough."""
+MOST_LATE = 25
+"""Blocks of the waveform in a row that may be more than `WINDOW_NS` late [-]; more of them are of a later run."""
 MAX_WAITING = 10_000
 """Messages that are held back at most; the bench sends some 500 in `WINDOW_NS`."""
 
@@ -111,9 +113,31 @@ def in_order(messages: Iterable[Message]) -> Iterator[Message]:
             newest = 0
         heappush(waiting, (time_ns, number, Message(message.topic, time_ns, message.data)))
         newest = max(newest, time_ns)
-        while waiting[0][0] < newest - WINDOW_NS or len(waiting) > MAX_WAITING:
+        while waiting and (waiting[0][0] < newest - WINDOW_NS or len(waiting) > MAX_WAITING):
             yield heappop(waiting)[-1]
     yield from (heappop(waiting)[-1] for _ in range(len(waiting)))
+
+
+def of_one_run(messages: Iterable[Message], path: Path) -> Iterator[Message]:
+    """Yield messages as long as their blocks of the waveform are of one run; blocks may be late.
+
+    Raises:
+        Refusal: the simulation was reset while the recording was made, so the samples of both runs have the same times.
+    """
+    newest_ns, late = 0, list[int]()
+    for message in messages:
+        if message.topic == VIBRATION:
+            if message.time_ns < newest_ns - WINDOW_NS:
+                late.append(message.time_ns)
+            else:
+                late.clear()
+            if begins_again(message.time_ns, newest_ns) or len(late) > MOST_LATE:
+                raise Refusal(
+                    f"{path} contains two runs one after the other: after the block at {newest_ns * 1e-9:.3f} s, the time continues at "
+                    f"{late[0] * 1e-9:.3f} s; record them separately"
+                )
+            newest_ns = max(newest_ns, message.time_ns)
+        yield message
 
 
 def begins_again(time_ns: int, newest_ns: int) -> bool:

@@ -41,7 +41,7 @@ from dcrb_ros.recordings.arrays import (
 )
 from dcrb_ros.recordings.digest import SampleDigests, samples_in, stated_samples
 from dcrb_ros.recordings.foreign_files import refuse_foreign
-from dcrb_ros.recordings.latched import begins_again, in_order, of_one_bench
+from dcrb_ros.recordings.latched import in_order, of_one_bench, of_one_run
 from dcrb_ros.recordings.manifest import DAMAGE, OUTCOME, Outcome, not_understood, stated_bearing, stated_range
 from dcrb_ros.recordings.recorded_files import RecordedFiles
 from dcrb_ros.recordings.vehicle_folder import box_of, record_name
@@ -215,7 +215,7 @@ class Recording:
         ------
         Refusal
             ``topics`` are not topics, such as names, or ``namespace`` is not a text. The recording has no manifest, and describes a second
-            bench after the first.
+            bench after the first. The waveform is that of two runs one after the other, whose samples have the same times.
         """
         optional(of_type(str))("namespace", namespace)
         prefix = self.namespace if namespace is None else namespace
@@ -224,11 +224,11 @@ class Recording:
         messages = (
             Message(wanted[entry.channel.topic], entry.message.log_time, entry.message.data) for entry in self._files.messages(wanted)
         )
-        if not self.described:
-            return messages
-        # Without a manifest the log times are not those of the bench, nor is the order.
-        described = of_one_bench(in_order(messages), self.path, self.sampling_rate, self.orders)
-        return (message for message in described if message.topic in chosen)
+        if self.described:
+            # The log times are not those of the bench, nor is the order.
+            described = of_one_bench(in_order(messages), self.path, self.sampling_rate, self.orders)
+            messages = (message for message in described if message.topic in chosen)
+        return of_one_run(messages, self.path)
 
     def vibrations(self) -> Iterator[Vibration]:
         """Yield the blocks of the waveform; see `ranged_vibrations`."""
@@ -242,20 +242,14 @@ class Recording:
         Raises
         ------
         Refusal
-            The recording has no waveform, or contains two runs one after the other, whose samples have the same times.
+            The recording has no waveform, or contains two runs one after the other; see `messages`.
         """
-        outcome, sensor_range, end_ns = Outcome(self.sampling_rate), stated_range(self.manifest), 0
+        outcome, sensor_range = Outcome(self.sampling_rate), stated_range(self.manifest)
         for message in self.messages((SENSOR, VIBRATION)):
             if message.topic == SENSOR:
                 sensor_range = decode_range(message.data)
                 continue
             block = decode_vibration(message.data)
-            if begins_again(block.stamp_ns, end_ns):
-                raise Refusal(
-                    f"{self.path} contains two runs one after the other: after {end_ns * 1e-9:.3f} s, the time continues at "
-                    f"{block.stamp_ns * 1e-9:.3f} s; record them separately"
-                )
-            end_ns = max(end_ns, block.stamp_ns + len(block.shaft_angle) * 1_000_000_000 // self.sampling_rate)
             outcome.add_block(block)
             yield block, sensor_range
         if not outcome.samples:

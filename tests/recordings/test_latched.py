@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import re
 import struct
+import warnings
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -17,6 +20,7 @@ from typer.testing import CliRunner
 
 from dcrb_ros.cli.app import app
 from dcrb_ros.diagnosis.detection import detect
+from dcrb_ros.exchange.export import export
 from dcrb_ros.messages.plain import encode_text
 from dcrb_ros.messages.topics import FEATURES, GROUND_TRUTH, SENSOR, VIBRATION, Message
 from dcrb_ros.recordings import latched
@@ -24,8 +28,9 @@ from dcrb_ros.recordings.latched import header_time, in_order
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recovery import recover
 from dcrb_ros.recordings.replay import Replay, ReplayParameters
-from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.schema.refusal import AlteredSamples, Refusal
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.viewer.reader import read_content
 
 pytestmark = pytest.mark.slow
 
@@ -158,15 +163,33 @@ def test_a_second_bench_after_the_first_is_refused(key: str, value: object, word
             list(recording.messages(topics))
 
 
-@pytest.mark.parametrize("blocks", [300, 60])
-def test_two_runs_one_after_the_other_are_refused(blocks: int, tmp_path: Path) -> None:
-    # The samples of the second run, which have the indices of the first, were left out.
-    bag = bag_of(tmp_path / "bag", messages_of(blocks) + messages_of(300))
-    sentence = f"{bag} contains two runs one after the other: after {blocks * 0.02:.3f} s, the time continues at 0.000 s"
-    for read in (Recording.waveform, detect, lambda recording: list(recording.pieces())):
+@pytest.mark.parametrize(("blocks", "missed"), [(300, 0), (60, 0), (200, 15)])
+def test_two_runs_one_after_the_other_are_refused(blocks: int, missed: int, tmp_path: Path) -> None:
+    # The samples of the second run, which have the indices of the first, were left out, exported and drawn beside them, or not replayed.
+    second = [message for message in messages_of(300) if message.time_ns >= missed * 20_000_000]
+    bag = bag_of(tmp_path / "bag", messages_of(blocks) + second)
+    sentence = f"{bag} contains two runs one after the other: after the block at .* s, the time continues at {missed * 0.02:.3f} s"
+    reads: tuple[Callable[[Recording], object], ...] = (
+        Recording.waveform,
+        detect,
+        lambda recording: list(recording.pieces()),
+        lambda recording: export(recording, tmp_path / "wave.npz"),
+        read_content,
+        lambda recording: list(Replay(ReplayParameters(bag=str(recording.path))).bundles()),
+    )
+    for read in reads:
         with pytest.raises(Refusal, match=sentence):
             read(Recording(bag))
-    assert sentence in spoken("info", bag)
+    assert re.search(sentence, spoken("info", bag))
+
+
+def test_blocks_that_are_late_are_of_the_same_run(tmp_path: Path) -> None:
+    messages = [message for message in messages_of(200) if message.topic in (SENSOR, VIBRATION)]
+    late = [message for message in messages if 300_000_000 <= message.time_ns < 800_000_000]
+    assert len(late) == latched.MOST_LATE
+    others = [message for message in messages if message not in late]
+    found = Recording(bag_of(tmp_path / "bag", others[:150] + late + others[150:])).messages((VIBRATION,))
+    assert sorted(message.time_ns for message in found) == [20_000_000 * k for k in range(200)]
 
 
 def test_a_description_in_between_that_is_invalid_changes_nothing(tmp_path: Path) -> None:
@@ -258,6 +281,10 @@ def test_messages_that_arrived_in_another_order_are_put_in_that_of_their_stamps(
     assert ordered(3.0, 4.5, 2.0, 4.6) == pytest.approx([3.0, 2.0, 4.5, 4.6])  # more than a second late
 
 
+def test_times_before_zero_are_put_in_order() -> None:
+    assert ordered(-10.0, -9.98, -9.96, -2.0) == pytest.approx([-10.0, -9.98, -9.96, -2.0])
+
+
 def test_the_run_after_a_reset_follows_the_one_before() -> None:
     assert ordered(7.0, 7.5, 0.0, 0.5) == pytest.approx([7.0, 7.5, 0.0, 0.5])
 
@@ -279,4 +306,10 @@ def test_blocks_that_were_exchanged_while_recording_are_no_gap(tmp_path: Path) -
         number for number, message in enumerate(messages) if message.topic == VIBRATION and message.time_ns in (10**9, 1_020_000_000)
     )
     messages[first], messages[second] = messages[second], messages[first]
-    assert detect(Recording(bag_of(tmp_path / "bag", messages))).last.gaps == 0
+    bag = bag_of(tmp_path / "bag", messages)
+    assert detect(Recording(bag)).last.gaps == 0
+    recover(bag, tmp_path / "recovered")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", AlteredSamples)
+        recovered = Recording(tmp_path / "recovered").waveform()
+    assert np.array_equal(recovered.acceleration, Recording(bag).waveform().acceleration)
