@@ -87,6 +87,7 @@ class ReplayerNode(BenchNode):
         self._warn_of_damage()
         if self._replay.mismatch:
             self.get_logger().warning(self._replay.mismatch)
+        self._replay.close()
 
     def on_parameters(self, changes: dict[str, Any]) -> None:
         """Continue at another rate; refuse a change of anything else."""

@@ -119,6 +119,12 @@ class Replay:
             next(bundles)
         self._descriptions = descriptions
 
+    def close(self) -> None:
+        """Remove the unpacked copies of compressed files."""
+        boxes = self.recording.boxes.values() if isinstance(self.recording, VehicleRecording) else ()
+        for file in (file for recording in (self.recording, *boxes) for file in recording.stored):
+            file.close()
+
     def start(self) -> list[Message]:
         """Return the messages that precede the first block: the descriptions, as recorded or from the manifest."""
         first = list(self._descriptions.values())

@@ -71,6 +71,8 @@ class StoredFile:
         if self._compression not in ("", "zstd"):
             raise Refusal(f"{path} is compressed by {self._compression}, which cannot be read: unpack it first; zstd can be read")
         self._head = beginning(path, max(map(len, STORAGES)))
+        self._copy: weakref.finalize[Any, Any] | None = None
+        """Removes the unpacked copy."""
         self._unpacking = ""
         """Why the rest of the file cannot be unpacked."""
         self._packed_messages = False
@@ -137,6 +139,11 @@ class StoredFile:
         unpacking = [f"{name}: {self._unpacking}"] if self._unpacking else []
         damage += [sentence for sentence in (*unpacking, *records.damage, *flaws) if sentence not in damage]
 
+    def close(self) -> None:
+        """Remove the unpacked copy; a process does so at its end, but not if it ends at once."""
+        if self._copy is not None:
+            self._copy()
+
     @property
     def _storage(self) -> type[FileRecords] | None:
         return next((storage for magic, storage in STORAGES.items() if self._head.startswith(magic)), None)
@@ -153,7 +160,7 @@ class StoredFile:
             return self.path
         try:
             with tempfile.NamedTemporaryFile(prefix="dcrb-", suffix=f"-{self.path.stem}", delete=False) as copy:
-                weakref.finalize(self, Path(copy.name).unlink, missing_ok=True)
+                self._copy = weakref.finalize(self, Path(copy.name).unlink, missing_ok=True)
                 self._unpacking = unpack(self.path, copy.file)
         except OSError as error:
             folder = tempfile.gettempdir()

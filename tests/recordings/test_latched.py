@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import struct
+import tempfile
 import warnings
 from collections.abc import Callable
 from dataclasses import replace
@@ -313,3 +314,14 @@ def test_blocks_that_were_exchanged_while_recording_are_no_gap(tmp_path: Path) -
         warnings.simplefilter("error", AlteredSamples)
         recovered = Recording(tmp_path / "recovered").waveform()
     assert np.array_equal(recovered.acceleration, Recording(bag).waveform().acceleration)
+
+
+def test_the_replay_of_a_compressed_bag_leaves_no_unpacked_copy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # A node ends its process at once, without the destructors.
+    bag = bag_of(tmp_path / "bag", messages_of(5), "mcap_zstd_file")
+    (tmp_path / "temporary").mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "temporary"))
+    replay = Replay(ReplayParameters(bag=str(bag)))
+    assert list((tmp_path / "temporary").iterdir())
+    replay.close()
+    assert not list((tmp_path / "temporary").iterdir())
