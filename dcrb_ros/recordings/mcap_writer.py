@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import struct
 from collections import Counter
 from collections.abc import Mapping
@@ -25,8 +26,15 @@ CHUNK = 256 * 1024
 FLUSH_PERIOD_NS = 500_000_000
 """Simulated time after which buffered messages are written [ns]: half of the second that a crash may lose."""
 COMPRESSIONS = {"zstd": CompressionType.ZSTD, "lz4": CompressionType.LZ4, "none": CompressionType.NONE}
-TRANSIENT_LOCAL = ("transient_local", 1)
-"""Names of the durability of latched topics; rosbag2 wrote a number before version 9."""
+POLICIES = {
+    "history": ("system_default", "keep_last", "keep_all", "unknown"),
+    "reliability": ("system_default", "reliable", "best_effort", "unknown", "best_available"),
+    "durability": ("system_default", "transient_local", "volatile", "unknown", "best_available"),
+    "liveliness": ("system_default", "automatic", "manual_by_node", "manual_by_topic", "unknown", "best_available"),
+}
+"""Names of the policies in a QoS profile by their numbers, which rosbag2 wrote before version 9 of its metadata (`rmw/types.h`)."""
+NUMBERED_POLICY = re.compile(rf"\b({'|'.join(POLICIES)}): ([0-5])\b")
+"""A policy given by its number."""
 MINIMAL_END = struct.pack("<BQI", Opcode.DATA_END, 4, 0) + struct.pack("<BQQQI", Opcode.FOOTER, 20, 0, 0, 0) + MCAP0_MAGIC
 """The end of an MCAP file without a summary."""
 
@@ -51,7 +59,7 @@ class Channel:
     @cached_property
     def latched(self) -> bool:
         """Whether a late subscriber receives the last message."""
-        return any(isinstance(profile, dict) and profile.get("durability") in TRANSIENT_LOCAL for profile in self.profiles())
+        return any(isinstance(profile, dict) and profile.get("durability") == "transient_local" for profile in self.profiles())
 
     def profiles(self) -> list[Any]:
         """Return the offered QoS profiles; an empty list if the text is not a YAML sequence."""
@@ -65,7 +73,14 @@ class Channel:
 def described_channel(channel: records.Channel, schema: records.Schema) -> Channel:
     """Return the description of a topic that its records in a file give."""
     about, definition = channel.metadata, schema.data.decode("utf-8", errors="replace")
-    return Channel(channel.topic, schema.name, definition, about.get("offered_qos_profiles", "[]"), about.get("topic_type_hash", ""))
+    qos = NUMBERED_POLICY.sub(_named_policy, about.get("offered_qos_profiles", "[]"))
+    return Channel(channel.topic, schema.name, definition, qos, about.get("topic_type_hash", ""))
+
+
+def _named_policy(numbered: re.Match[str]) -> str:
+    """Return a policy by its name, or by its number if it has none."""
+    key, number = numbered[1], int(numbered[2])
+    return f"{key}: {POLICIES[key][number] if number < len(POLICIES[key]) else number}"
 
 
 @dataclass(frozen=True)

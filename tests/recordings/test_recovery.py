@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 from made_up_blocks import BODIES, blocks, recorded
 from mcap.reader import make_reader
 from mcap.records import Metadata
@@ -158,6 +159,31 @@ def test_recordings_of_other_programs_are_recovered(tmp_path: Path) -> None:
     assert salvage.messages == 5
     with AnyReader([tmp_path / "new"]) as reader:
         assert [(c.topic, c.msgcount) for c in reader.connections] == [("/number", 5)]
+
+
+def test_quality_of_service_in_numbers_is_recovered_by_names(tmp_path: Path) -> None:
+    """As rosbag2 wrote it before version 9 of its metadata; the recovered bag has version 9, whose readers take names only."""
+    path = tmp_path / "old.mcap"
+    numbers = (
+        "- history: 3\n  depth: 0\n  reliability: 1\n  durability: 2\n  liveliness: 1\n- {reliability: 2, durability: 1, history: 9}\n"
+    )
+    with path.open("wb") as stream:
+        writer = Writer(stream)
+        writer.start(profile="ros2")
+        schema = writer.register_schema("std_msgs/msg/Float64", "ros2msg", b"float64 data")
+        channel = writer.register_channel("/number", "cdr", schema, {"offered_qos_profiles": numbers})
+        writer.add_message(channel, 1, b"\x00\x01\x00\x00" + bytes(8), 1)
+        writer.finish()
+    recover(path, tmp_path / "new")
+    about = yaml.safe_load((tmp_path / "new" / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
+    named = [
+        {"history": "unknown", "depth": 0, "reliability": "reliable", "durability": "volatile", "liveliness": "automatic"},
+        {"reliability": "best_effort", "durability": "transient_local", "history": 9},
+    ]
+    assert about["topics_with_message_count"][0]["topic_metadata"]["offered_qos_profiles"] == named
+    with (tmp_path / "new" / "new_0.mcap").open("rb") as stream:
+        ((_, written, _),) = make_reader(stream).iter_messages()
+    assert yaml.safe_load(written.metadata["offered_qos_profiles"]) == named
 
 
 def test_unrecoverable_input_is_refused(bag: Path, tmp_path: Path) -> None:
