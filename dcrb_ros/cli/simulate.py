@@ -217,6 +217,7 @@ def _run(
     from rich.progress import TextColumn, TimeRemainingColumn
 
     from dcrb_ros.runtime.prefetch import WRITING_DEPTH, prefetch
+    from dcrb_ros.runtime.signals import Uninterrupted
     from dcrb_ros.runtime.terminal import progress
 
     columns = (TextColumn("{task.completed:.1f} of {task.total:.1f} s simulated"), TimeRemainingColumn())
@@ -229,9 +230,10 @@ def _run(
         with progress(*columns, quiet=quiet) as bar:
             task = bar.add_task(name, total=seconds)
             for block in itertools.chain(first, ready):
-                if write is not None:
-                    write(block)
-                done = block.end_ns * 1e-9
+                with Uninterrupted():
+                    if write is not None:
+                        write(block)
+                    done = block.end_ns * 1e-9
                 if not started:
                     started, begin = time.perf_counter(), done
                 bar.update(task, completed=done)

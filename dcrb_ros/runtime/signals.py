@@ -63,8 +63,26 @@ def interrupt() -> None:
     sys.unraisablehook = _deliver_again
 
 
+class Uninterrupted:
+    """Context that the first termination signal does not interrupt, as it would leave half a message: it takes effect at the end."""
+
+    active: Uninterrupted | None = None
+    """The context that the main thread is in."""
+
+    def __enter__(self) -> None:
+        self.number = 0
+        Uninterrupted.active = self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        Uninterrupted.active = None
+        if self.number and kind is None:
+            _interrupt(self.number, None)
+
+
 def _interrupt(number: int, frame: FrameType | None) -> None:
-    if _importing(frame):  # an exception in an import may be swallowed, or leave half a module behind
+    if Uninterrupted.active is not None and not Uninterrupted.active.number:
+        Uninterrupted.active.number = number
+    elif _importing(frame):  # an exception in an import may be swallowed, or leave half a module behind
         _deliver_later(number)
     else:
         sys.unraisablehook = _deliver_again_in_silence

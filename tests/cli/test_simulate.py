@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
@@ -62,6 +64,34 @@ def test_ctrl_c_ends_a_recording_early(monkeypatch: pytest.MonkeyPatch, capsys: 
     monkeypatch.setattr(prefetch, "prefetch", lambda blocks, depth: blocks)
     assert run_until_interrupted(2, partial=True).simulated == 1.0
     assert "stopped at 1.00 s; the recording ends there" in capsys.readouterr().err
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals that a process sends itself")
+def test_ctrl_c_in_the_middle_of_a_block_ends_the_recording_after_it(tmp_path: Path) -> None:
+    code = f"""
+import os, signal
+from dcrb_ros.cli.app import app
+from dcrb_ros.messages.topics import VIBRATION
+from dcrb_ros.recordings.manifest import Outcome
+from dcrb_ros.runtime import signals
+
+add = Outcome.add
+
+def stopped(self, message):
+    if self.samples == 4096 and message.topic == VIBRATION:
+        os.kill(os.getpid(), signal.SIGINT)
+    add(self, message)
+
+signals.interrupt()
+Outcome.add = stopped
+app(["simulate", "dry", "-o", {str(tmp_path / "bag")!r}, "--duration", "30", "--quiet"])
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=400.0, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "stopped at 0.10 s; the recording ends there" in done.stderr
+    recording = Recording(tmp_path / "bag")
+    assert recording.digests().match is True
+    assert sum(name.endswith("features") and count == 5 for name, count in recording.counts().items()) == 1
 
 
 @pytest.mark.parametrize(("count", "partial"), [(0, True), (2, False)])

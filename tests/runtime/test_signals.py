@@ -70,6 +70,22 @@ except KeyboardInterrupt:
     assert run(code) == (0, "imported\ninterrupted\n")
 
 
+def test_an_interrupt_waits_for_the_end_of_a_step_but_a_second_one_does_not() -> None:
+    code = """
+signals.interrupt()
+for count in (1, 2):
+    try:
+        with signals.Uninterrupted():
+            for _ in range(count):
+                send()
+            print("step", count)
+        print("not reached")
+    except KeyboardInterrupt:
+        print("stopped")
+"""
+    assert run(code) == (0, "step 1\nstopped\nstopped\n")
+
+
 def test_an_interrupt_in_a_destructor_is_not_lost() -> None:
     code = f"""
 class Interrupted:
