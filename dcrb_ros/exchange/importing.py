@@ -235,22 +235,25 @@ class WaveformImport:
         return max(1, min(self.description.block_size, int(LONGEST_BLOCK * self.rate)))
 
     def blocks(self) -> Iterator[Block]:
-        """Yield the waveform in blocks; a block ends at every gap."""
+        """Yield the waveform in blocks, with the pulses of a tacho; a block ends at every gap."""
+        return self._blocks() if self._train is None else self._with_pulses(self._blocks(), self._train)
+
+    def _blocks(self) -> Iterator[Block]:
         size, count = self.block_size, len(self.index)
         breaks = [0, *(np.flatnonzero(np.diff(self.index) != 1) + 1), count]
         for begin, end in itertools.pairwise(breaks):
             for first in range(int(begin), int(end), size):
                 part = slice(first, min(first + size, int(end)))
                 acceleration = self.acceleration[part]
-                block = Block(int(self.index[first]), self.rate, acceleration, self.angle[part], acceleration)
-                yield block if self._train is None else self._with_pulses(block, self._train)
+                yield Block(int(self.index[first]), self.rate, acceleration, self.angle[part], acceleration)
 
-    def _with_pulses(self, block: Block, train: PulseTrain) -> Block:
-        """Return a block with the pulses of its time."""
+    def _with_pulses(self, blocks: Iterator[Block], train: PulseTrain) -> Iterator[Block]:
+        """Yield blocks with the pulses of their time."""
         time_ns = np.rint(train.edges * (1e9 / self.rate)).astype(np.int64)
-        first, last = np.searchsorted(time_ns, [block.stamp_ns, block.end_ns]).tolist()
-        number = np.rint(train.turns[first:last] * self.pulses_per_turn).astype(np.int64)
-        return dataclasses.replace(block, pulse_ns=time_ns[first:last], pulse_number=number)
+        for block in blocks:
+            first, last = np.searchsorted(time_ns, [block.stamp_ns, block.end_ns]).tolist()
+            number = np.rint(train.turns[first:last] * self.pulses_per_turn).astype(np.int64)
+            yield dataclasses.replace(block, pulse_ns=time_ns[first:last], pulse_number=number)
 
     def _temperatures(self) -> list[Message]:
         """Return the messages with the readings of temperature in the order of time."""
