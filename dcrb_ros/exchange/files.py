@@ -169,7 +169,7 @@ def _check_chunks(path: Path) -> None:
             if name == b"ds64" and left >= 16:  # the sizes of the file and of its samples
                 sizes[b"RIFF"], sizes[b"data"] = struct.unpack("<QQ", file.read(16))
                 file.seek(-16, 1)
-            sizes[name] = size = sizes.get(name, size)
+            sizes[name] = size = sizes[name] if name == b"data" and b"ds64" in sizes else size
             # A recorder writes the sizes last; without that of the file, scipy reads nothing.
             stated = b"RIFF" if not sizes[b"RIFF"] else name if size > left or (name == b"data" and left and not size) else b""
             if stated:

@@ -104,6 +104,11 @@ def test_a_wav_file_with_sizes_of_64_bits_is_read(tmp_path: Path) -> None:
     assert len(read_external(riff(tmp_path / "x.wav", b"RF64", extra=sizes)).column(1)) == 100
 
 
+def test_chunks_of_one_name_may_have_different_sizes(tmp_path: Path) -> None:
+    chunks = struct.pack("<4sI20s4sI4s", b"LIST", 20, bytes(20), b"LIST", 4, bytes(4))
+    assert len(read_external(riff(tmp_path / "x.wav", extra=chunks)).column(1)) == 100
+
+
 def test_chunks_without_samples_print_nothing(tmp_path: Path, recwarn: pytest.WarningsRecorder) -> None:
     assert len(read_external(riff(tmp_path / "x.wav", extra=struct.pack("<4sI4s", b"note", 3, b"abc"))).column(1)) == 100
     assert not recwarn.list
