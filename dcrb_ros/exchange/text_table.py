@@ -18,7 +18,7 @@ from dcrb_ros.text.counts import counted
 Array = npt.NDArray[Any]
 LONGEST_LINE = 100_000
 """Longest line of a CSV file that is read for the names of the columns [characters]."""
-TWO_INTEGERS = re.compile(r"-?[0-9]+,[0-9]+")
+TWO_INTEGERS = re.compile(r"[-+]?[0-9]+,[0-9]+([eE][-+]?[0-9]+)?")
 """A line that is two integers, or a number with a decimal comma."""
 NOT_A_NUMBER = re.compile(r"could not convert string (.*) to \w+ at row \d+, column (\d+)", re.DOTALL)
 COLUMNS_CHANGED = re.compile(r"the number of columns changed from \d+ to \d+")
@@ -46,7 +46,13 @@ def _read(path: Path) -> tuple[tuple[str, ...], Callable[[str | int], Array]]:
         raise Refusal(f"{path} has a line of {LONGEST_LINE} characters or more: give a file with one column per channel")
     delimiter = next((character for character in ";\t," if character in first), None)
     names = _fields(first, delimiter)
-    headed = not all(_is_number(name) for name in names)
+    # An index before numbered columns has no name.
+    headed = any(name and not _is_number(name) for name in names) or (names[:1] == ("",) and _counted(names[1:]))
+    if len(names) > 1 and _counted(names):
+        raise Refusal(
+            f"{path} begins with {first.strip()[:LONGEST_SHOWN]!r}, which may be samples or numbers of the columns: write the names of the "
+            "columns in the first line"
+        )
     number = 0
 
     def filled(stream: Iterator[str]) -> Iterator[str]:
@@ -102,6 +108,11 @@ def _mistake_in_table(error: str) -> str:
     if (found := COLUMNS_CHANGED.search(error)) is not None:
         return f": {found[0]}; a file that was cut off lacks columns in its last line: copy it again, or delete the line"
     return f": {error}"
+
+
+def _counted(words: tuple[str, ...]) -> bool:
+    """Return whether words are 0, 1, 2 and so on, or 1, 2, 3 and so on."""
+    return words in [tuple(str(first + k) for k in range(len(words))) for first in (0, 1)]
 
 
 def _is_number(word: str) -> bool:

@@ -34,6 +34,11 @@ def about(folder: Path, **changes: object) -> Path:
         ("0,123\n0,456\n", "decimal commas"),
         ("0,123;1,5\n0,456;1,5\n", "decimal commas"),
         ("a;b\n0,123;1,5\n", "decimal commas"),
+        ("1,25E-02\n1,5E-02\n", "decimal commas"),
+        ("+0,5\n-0,25\n", "decimal commas"),
+        ("0,1,2\n0.5,1,3\n", "begins with '0,1,2', which may be samples or numbers of the columns: write the names"),
+        ("1\t2\n0.5\t1\n", "which may be samples or numbers of the columns"),
+        ("0.5,,1\n0.25,1,2\n", "line 1, column 2: the field is empty"),
         ("a\n0.5\n#0.25\n0.125\n", "cannot be read as CSV"),
         ("a\n0.5\n0.25 # loose\n", "cannot be read as CSV"),
         ("Rig 7\nrate,12000\na,b\n0.5,1\n", "and a # before other lines above them"),
@@ -50,6 +55,11 @@ def test_decimal_commas_and_comments_inside_the_data_are_refused(text: str, word
 def test_a_table_below_comments_is_read(tmp_path: Path) -> None:
     (tmp_path / "x.csv").write_text("# made by X\n0.5,1\n0.25,2\n")
     assert read_external(tmp_path / "x.csv").column("1").tolist() == [0.5, 0.25]
+
+
+def test_numbered_columns_after_an_index_without_a_name_are_read(tmp_path: Path) -> None:
+    (tmp_path / "x.csv").write_text(",0,1\n0,0.5,1\n1,0.25,2\n")
+    assert read_external(tmp_path / "x.csv").column("1").tolist() == [1.0, 2.0]
 
 
 @pytest.mark.parametrize("encoding", ["latin-1", "utf-16"])
