@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import rerun as rr
 
@@ -50,19 +50,22 @@ class LiveView(ReceivedMessages):
     def flush(self) -> None:
         """Log the received messages, once the sensor has been described."""
         received, self._received = self._received, defaultdict(list)
-        try:
-            if received[SENSOR]:
-                self._bench = bench_info(received[SENSOR][-1], self._title)
-            if self._bench is None:
-                self._received = received
-                return
-            indicators, verdicts = series_of(received[FAULT_INDICATORS]), verdicts_in(received[DIAGNOSIS])
-            output = DetectorOutput(indicators, verdicts, spectra_in(received[ENVELOPE_SPECTRUM]))
-            content = content_of(received, self._bench, lambda _: completed(output))
-            self._run = self._run or LiveRun(self._next_stream(), self._bench)
-            self._run.log(content)
-        except Refusal as refusal:
-            self._refuse(refusal)
+        self._bench = self._sound(self._described, received.pop(SENSOR, []))
+        if self._bench is None:
+            self._received = received
+            return
+        output = DetectorOutput(
+            self._sound(series_of, received[FAULT_INDICATORS]),
+            self._sound(verdicts_in, received[DIAGNOSIS]),
+            self._sound(spectra_in, received[ENVELOPE_SPECTRUM]),
+        )
+        content = content_of(received, self._bench, lambda _: completed(output), self._sound)
+        self._run = self._run or LiveRun(self._next_stream(), self._bench)
+        self._run.log(content)
+
+    def _described(self, descriptions: Sequence[bytes]) -> BenchInfo | None:
+        """Return the bench in the last of some descriptions of the sensor; without one, the present bench."""
+        return bench_info(descriptions[-1], self._title) if descriptions else self._bench
 
     def close(self) -> None:
         """Log the remaining messages and close the recording."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future
 from contextlib import contextmanager
 from dataclasses import replace
@@ -19,6 +19,7 @@ from dcrb_ros.viewer import bearing_picture, load_zone, order_map, series, spect
 from dcrb_ros.viewer.blueprint import compose_live
 from dcrb_ros.viewer.content import BenchInfo, Content, DetectorOutput, Motion, TimedWaveform, joined
 from dcrb_ros.viewer.drawing import Drawing, rounded_up
+from dcrb_ros.viewer.reader import Decoded
 from dcrb_ros.viewer.row_faults import RowFaults
 from dcrb_ros.viewer.spectrum import Spectra, envelope_spectra
 
@@ -44,7 +45,7 @@ class ReceivedMessages:
         self._received: dict[Topic, list[bytes]] = defaultdict(list)
         self._runs = 0
         self.refused = 0
-        """Number of batches with an invalid message."""
+        """Number of batches on a topic with an invalid message."""
 
     def _keep(self, topic: Topic, data: bytes) -> None:
         """Keep a message; if there are more than `MOST_QUEUED` on its topic, the oldest is dropped."""
@@ -52,6 +53,14 @@ class ReceivedMessages:
         queue.append(data)
         if len(queue) > MOST_QUEUED:
             del queue[0]
+
+    def _sound(self, decode: Callable[[Sequence[bytes]], Decoded], messages: Sequence[bytes]) -> Decoded:
+        """Return the decoded messages on a topic, or those of none if one is invalid."""
+        try:
+            return decode(messages)
+        except Refusal as refusal:
+            self._refuse(refusal)
+            return decode(())
 
     def _next_stream(self) -> rr.RecordingStream:
         self._runs += 1

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Protocol, TypeVar
 
 import numpy as np
 
@@ -40,6 +41,20 @@ from dcrb_ros.viewer.spectrum import diagnoses, indicators_of, verdicts_of
 
 SHOWN = (VIBRATION, ROLLER_STATES, GROUND_TRUTH, FEATURES, FAULT_INDICATORS, DIAGNOSIS, LUBRICATION_STATE, TACHO)
 
+Decoded = TypeVar("Decoded")
+
+
+class Reading(Protocol):
+    """Reading of the messages on one topic."""
+
+    def __call__(self, decode: Callable[[Sequence[bytes]], Decoded], messages: Sequence[bytes], /) -> Decoded:
+        """Return the decoded messages; a `Refusal` passes, or the messages are left out."""
+
+
+def decoded(decode: Callable[[Sequence[bytes]], Decoded], messages: Sequence[bytes]) -> Decoded:
+    """Return the decoded messages on a topic."""
+    return decode(messages)
+
 
 def read_content(recording: Recording) -> Content:
     """Return the content of a recording, read in one pass; of a truncated recording, its readable part.
@@ -71,19 +86,22 @@ def read_content(recording: Recording) -> Content:
 
 
 def content_of(
-    messages: Mapping[Topic, Sequence[bytes]], bench: BenchInfo, start_detector: Callable[[TimedWaveform], Future[DetectorOutput]]
+    messages: Mapping[Topic, Sequence[bytes]],
+    bench: BenchInfo,
+    start_detector: Callable[[TimedWaveform], Future[DetectorOutput]],
+    read: Reading = decoded,
 ) -> Content:
-    """Return the content of messages by topic; ``start_detector`` starts the detector on the waveform."""
-    waveform = waveform_of(messages.get(VIBRATION, ()), bench.rate)
+    """Return the content of messages by topic, each topic by ``read``; ``start_detector`` starts the detector on the waveform."""
+    waveform = read(lambda blocks: waveform_of(blocks, bench.rate), messages.get(VIBRATION, ()))
     return Content(
         **vars(bench),
         waveform=waveform,
         pending_output=start_detector(waveform),
-        motion=motion_of(messages.get(ROLLER_STATES, ()), bench.bodies),
-        truths=truths_of(messages.get(GROUND_TRUTH, ())),
-        features=series_of(messages.get(FEATURES, ())),
-        lubrication=series_of(messages.get(LUBRICATION_STATE, ())),
-        tacho=tacho_of(messages.get(TACHO, ()), bench.pulses_per_turn),
+        motion=read(lambda states: motion_of(states, bench.bodies), messages.get(ROLLER_STATES, ())),
+        truths=read(truths_of, messages.get(GROUND_TRUTH, ())),
+        features=read(series_of, messages.get(FEATURES, ())),
+        lubrication=read(series_of, messages.get(LUBRICATION_STATE, ())),
+        tacho=read(lambda pulses: tacho_of(pulses, bench.pulses_per_turn), messages.get(TACHO, ())),
     )
 
 
@@ -141,16 +159,16 @@ def motion_of(messages: Sequence[bytes], bodies: BodyNames) -> Motion | None:
 
 
 def series_of(messages: Sequence[bytes]) -> Series | None:
-    """Return the positions in the messages that have the names of the first one; ``None`` if there are no messages."""
-    if not messages:
-        return None
+    """Return the positions in the messages that have the names of the first one; ``None`` if none has one position for each name."""
     joined = decode_alike(messages)
-    if joined is not None:
+    if joined is not None and len(joined.names) == joined.position.shape[1] > 0:
         return Series(stamps(messages), joined.names, joined.position)
-    decoded = [decode_joints(data) for data in messages]
-    alike = [joints for joints in decoded if joints.names == decoded[0].names]
+    whole = [joints for joints in map(decode_joints, messages) if len(joints.names) == len(joints.position) > 0]
+    alike = [joints for joints in whole if joints.names == whole[0].names]
+    if not alike:
+        return None
     return Series(
-        np.array([joints.stamp_ns for joints in alike], np.int64), decoded[0].names, np.array([joints.position for joints in alike])
+        np.array([joints.stamp_ns for joints in alike], np.int64), alike[0].names, np.array([joints.position for joints in alike])
     )
 
 
@@ -166,9 +184,9 @@ def tacho_of(messages: Sequence[bytes], pulses_per_turn: int) -> Series | None:
 
 def verdicts_in(messages: Sequence[bytes]) -> tuple[Verdict, ...]:
     """Return the verdicts in messages on ``diagnosis``."""
-    decoded = [decode_diagnostics(data) for data in messages]
+    received = [decode_diagnostics(data) for data in messages]
     return tuple(
         Verdict(time_ns, status.values.get("verdict", status.message), status.level, status.values, decode_scores(status.values))
-        for time_ns, statuses in decoded
+        for time_ns, statuses in received
         for status in statuses[:1]
     )

@@ -23,6 +23,7 @@ from dcrb_ros.messages.statuses import encode_truth
 from dcrb_ros.messages.topics import (
     DIAGNOSIS,
     ENVELOPE_SPECTRUM,
+    FEATURES,
     GROUND_TRUTH,
     LUBRICATION_STATE,
     ROLLER_STATES,
@@ -36,6 +37,7 @@ from dcrb_ros.viewer import live_run
 from dcrb_ros.viewer.blueprint import compose_live
 from dcrb_ros.viewer.drawing import Drawing
 from dcrb_ros.viewer.live import LiveView
+from dcrb_ros.viewer.reader import series_of
 
 ORDERS = np.arange(0.0, 30.0, 0.05)
 
@@ -186,6 +188,35 @@ def test_invalid_messages_are_reported_and_skipped(run: Run, tmp_path: Path) -> 
     assert bench.view.refused >= 8
     assert all(warning.startswith("not shown: ") for warning in bench.warnings)
     assert rows(tmp_path / "1.rrd")["/waveform"] == sum(len(block.shaft_angle) for block in run.blocks)
+
+
+@pytest.mark.parametrize(
+    "data",
+    [encode_joints(0, names, np.array(values), np.zeros(0), np.zeros(0)) for names, values in ((["rms"], []), ([], []), ([], [1.0]))],
+)
+def test_features_without_a_value_for_each_name_are_left_out(data: bytes, run: Run, tmp_path: Path) -> None:
+    assert series_of([data]) is None
+    own = [message.data for message in messages(run) if message.topic is FEATURES]
+    found = series_of([data, *own])
+    assert found is not None
+    assert len(found.values) == len(own)
+    bench = Bench(tmp_path)
+    bench.take([*messages(run), Message(FEATURES, 0, data)])
+    bench.view.close()
+    assert bench.warnings == []
+
+
+def test_an_invalid_message_leaves_out_its_topic_alone(run: Run, tmp_path: Path) -> None:
+    bench = Bench(tmp_path)
+    bench.take([*messages(run), Message(ROLLER_STATES, 0, bytes(64)), Message(SENSOR, 0, encode_text("{}"))])
+    bench.view.flush()
+    assert bench.view.refused == 1
+    bench.take(messages(run)[:1])
+    bench.view.close()
+    assert bench.view.refused == 2
+    found = rows(tmp_path / "1.rrd")
+    assert found["/waveform"] == sum(len(block.shaft_angle) for block in run.blocks)
+    assert "/bearing/row1/rollers" not in found
 
 
 def test_spectrum_round_trip() -> None:
