@@ -17,6 +17,7 @@ from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.line_search import NO_LINES, Comb, LineFamily, LineSearch, covered
 from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum
 from dcrb_ros.diagnosis.wandering_lines import HALF_WIDTHS, humps
+from dcrb_ros.diagnosis.window import SLOWEST
 from dcrb_ros.schema.arrays import Floats
 
 AVERAGED_HOPS = 4
@@ -200,8 +201,10 @@ class SampleEvidence:
 
     @cached_property
     def axes(self) -> list[tuple[str, Floats]]:
-        """Name and samples of each axis."""
-        return list(zip("XYZ", np.ascontiguousarray(self.acceleration.T), strict=False))
+        """Name and samples of each axis; a signal of one axis, which is given as two equal ones, has one."""
+        columns = np.ascontiguousarray(self.acceleration.T)
+        single = len(columns) == 2 and np.array_equal(*columns)
+        return list(zip("X" if single else "XYZ", columns, strict=False))
 
 
 class Levels(NamedTuple):
@@ -226,11 +229,11 @@ class LevelHistory:
     at most the lowest density of power seen in any band so far, and equal to it as soon as one band holds nothing else.
     """
 
-    def __init__(self, widths: npt.ArrayLike) -> None:
-        """Take the ``widths`` of the bands, shape (bands,) [Hz]."""
-        self._widths = np.asarray(widths, np.float64)
+    def __init__(self, widths: npt.ArrayLike, exponent: float) -> None:
+        """Take the ``widths`` of the bands, shape (bands,) [Hz], and the ``exponent`` of the speed by which powers are scaled."""
+        self._widths, self._exponent = np.asarray(widths, np.float64), exponent
         self._density = math.inf
-        """Density of the noise [(m/s^2)^2/Hz]."""
+        """Density of the noise, scaled as the powers are at the present frequency [(m/s^2)^2/Hz]."""
         self._latest: deque[Floats] = deque(maxlen=AVERAGED_HOPS)
         self._first: Floats | None = None
         """Powers of the first hops, shape (hops, bands) [(m/s^2)^2]."""
@@ -250,6 +253,7 @@ class LevelHistory:
             return None
         if abs(frequency - self._frequency) > SAME_SPEED * self._frequency:
             self.restart()
+            self._density *= (max(self._frequency, SLOWEST) / max(frequency, SLOWEST)) ** (2.0 * self._exponent)
             self._frequency = frequency
         self._latest.append(powers)
         self._density = min(self._density, float(np.min(powers / self._widths)))

@@ -239,6 +239,9 @@ class SampleRule(Rule[Parameters]):
     clipped: int = 0
     """Clipped samples that the rule has counted so far."""
 
+    def restart(self) -> None:
+        """Forget earlier hops."""
+
     @abstractmethod
     def flaw(self, evidence: SampleEvidence) -> str:
         """Return what is wrong with the sensor, or nothing."""

@@ -27,7 +27,7 @@ class SensorCheck:
         self._third = self.bands.index(bands.index(third)) if third in bands else None
         self._sample_rules = [rule(p) for rule in SAMPLE_RULES]
         self._level_rules = [rule(p) for rule in LEVEL_RULES]
-        self._levels = LevelHistory([bands[k].high - bands[k].low for k in self.bands])
+        self._levels = LevelHistory([bands[k].high - bands[k].low for k in self.bands], p.speed_exponent)
         self.remark = "" if len(self.bands) > 1 else _undetected(p, NYQUIST_SHARE * rate)
         """Which faults of the sensor cannot be detected, and why; empty if all can."""
         self._flaw = ""
@@ -45,7 +45,9 @@ class SensorCheck:
         return self._flaw if self._remaining else ""
 
     def restart(self) -> None:
-        """Begin anew with the signal."""
+        """Begin anew with the signal: nothing is compared across a gap."""
+        for rule in self._sample_rules:
+            rule.restart()
         self._levels.restart()
         self._remaining = 0
 

@@ -163,6 +163,18 @@ def test_a_spike_is_distinguished_from_an_impact_that_rings() -> None:
     assert [count_jumps(column, 51, DetectorParameters()).spikes for column in (quiet, spike, blow)] == [0, 1, 0]
 
 
+def test_spikes_before_a_gap_do_not_add_to_those_after_it() -> None:
+    acceleration, angle = synthetic(seconds=3.0)
+    for place in (1.2, 1.4, 1.9):
+        acceleration[round(place * RATE), 1] += 800.0
+    whole, parted = (FaultDetector(ORDERS, RATE) for _ in range(2))
+    assert "sensor" in {diagnosis.verdict for diagnosis in diagnoses(whole, (acceleration, angle))}
+    before, after = slice(round(1.5 * RATE)), slice(round(1.8 * RATE), None)
+    assert {diagnosis.verdict for diagnosis in diagnoses(parted, (acceleration[before], angle[before]))} == {"waiting"}
+    found = diagnoses(parted, (acceleration[after], angle[after]), first=round(1.8 * RATE))
+    assert {diagnosis.verdict for diagnosis in found} == {"waiting"}
+
+
 def test_a_coarse_adc_is_not_saturated() -> None:
     found = judged(lambda samples: np.asarray(np.round(samples), np.float32))
     assert found[-1].verdict == "healthy"

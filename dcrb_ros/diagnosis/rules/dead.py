@@ -72,6 +72,10 @@ class Dead(SampleRule[DeadParameters]):
         self._powers: dict[str, deque[tuple[float, float]]] = {}
         """Shaft frequency [Hz] and power [(m/s^2)^2] of the latest hops in which an axis was alive."""
 
+    def restart(self) -> None:
+        """Forget earlier hops."""
+        self._powers.clear()
+
     def flaw(self, evidence: SampleEvidence) -> str:
         for axis, column in evidence.axes:
             spread, power = self._spread_of_noise(column, evidence.rate), float(np.var(column))

@@ -51,11 +51,15 @@ class RattlingMount(SampleRule[RattlingMountParameters]):
         self._earlier: deque[Floats] = deque(maxlen=REMEMBERED)
         self._latest: deque[Floats] = deque(maxlen=LATEST)
 
+    def restart(self) -> None:
+        """Forget earlier hops."""
+        self._earlier.clear()
+        self._latest.clear()
+
     def flaw(self, evidence: SampleEvidence) -> str:
         present = asymmetry(evidence.acceleration)
         if self._latest and self._latest[0].shape != present.shape:  # an axis has been added or removed
-            self._earlier.clear()
-            self._latest.clear()
+            self.restart()
         if len(self._latest) == LATEST and self._change() < self.p.rattle_change:
             self._earlier.append(self._latest[0])
         self._latest.append(present)

@@ -41,6 +41,10 @@ class Spikes(SampleRule[SpikeParameters]):
         super().__init__(parameters)
         self._counts: list[Jumps] = []
 
+    def restart(self) -> None:
+        """Forget earlier hops."""
+        self._counts = []
+
     def flaw(self, evidence: SampleEvidence) -> str:
         after = max(4, round(self.p.spike_time * evidence.rate))
         by_axis = [count_jumps(column, after, self.p) for _, column in evidence.axes]

@@ -155,7 +155,7 @@ def test_a_signal_is_noise_if_no_part_of_its_spectrum_stands_out_by_nine_decibel
     def dying() -> Dead:
         """Return a rule that has heard both axes loud."""
         rule = Dead(P)
-        assert not rule.flaw(samples(100.0 * alive, 100.0 * alive))
+        assert not rule.flaw(samples(100.0 * alive, -100.0 * alive))
         return rule
 
     flaw = dying().flaw(samples(column, 100.0 * alive))
@@ -265,10 +265,17 @@ def test_a_drift_lasts_until_a_band_has_recovered() -> None:
     assert rule.flaw(levels(-3.0, -9.0)) == ""
 
 
-def drifted(gain: float, *, signal: tuple[float, ...] = (20.0, 10.0, 5.0, 0.1), scatter: float = 0.0) -> str:
-    """Return the flaw once a gain has fallen to a value; four bands of 1, 2, 3 and 4 Hz hear a signal beside noise of density 1."""
+def drifted(
+    gain: float, *, signal: tuple[float, ...] = (20.0, 10.0, 5.0, 0.1), scatter: float = 0.0, before: tuple[float, ...] = ()
+) -> str:
+    """Return the flaw once a gain has fallen to a value; four bands of 1, 2, 3 and 4 Hz hear a signal beside noise of density 1.
+
+    The powers are scaled to 20 Hz, as is the signal, but not the noise, at other frequencies ``before`` [Hz].
+    """
     widths, rule = np.array([1.0, 2.0, 3.0, 4.0]), GainDrift(P)
-    history, flaw = LevelHistory(widths), ""
+    history, flaw = LevelHistory(widths, 1.0), ""
+    for frequency in before:
+        history.add(widths * (20.0 / frequency) ** 2 + signal, frequency)
     for number in range(12):
         sound = np.array(signal) * (gain**2 if number >= 6 else 1.0) * 10.0 ** (0.1 * scatter * (-1.0) ** number)
         flaw = rule.flaw(SimpleNamespace(levels=history.add(widths + sound, 20.0)))  # type: ignore[arg-type]
@@ -280,6 +287,11 @@ def test_the_noise_of_the_sensor_does_not_hide_a_drift(gain: float) -> None:
     """Of the power, bands 2 and 3 lose less than band 1, and band 4 nothing, but the signal in all of them falls alike."""
     assert "the gain of the sensor drifts" in drifted(gain)
     assert drifted(0.75) == ""  # 2.5 dB
+
+
+@pytest.mark.parametrize("before", [40.0, 10.0, 0.2])
+def test_noise_that_was_heard_at_another_speed_does_not_hide_a_drift(before: float) -> None:
+    assert "the gain of the sensor drifts" in drifted(0.5, before=(before, 20.0, before))
 
 
 def test_a_common_fall_takes_two_bands_with_more_signal_than_noise() -> None:
@@ -298,7 +310,7 @@ def test_a_drift_exceeds_the_scatter_of_the_hops() -> None:
 
 
 def test_levels_without_noise_of_which_nothing_is_heard_are_unknown() -> None:
-    history = LevelHistory([1.0, 1.0])
+    history = LevelHistory([1.0, 1.0], 1.0)
     found = [history.add(np.array([1.0, 1.0]), 20.0) for _ in range(4)][-1]
     assert found is not None
     assert np.isnan(found.signal).all()
@@ -393,7 +405,7 @@ def test_a_quiet_bearing_shows_a_loose_mount_in_the_lower_quarters() -> None:
 
 
 def test_levels_are_averaged_over_four_hops_and_compared_with_the_first_average() -> None:
-    history, powers = LevelHistory([1.0, 1.0]), np.array([1.0, 100.0])
+    history, powers = LevelHistory([1.0, 1.0], 1.0), np.array([1.0, 100.0])
     assert [history.add(powers, 20.0) for _ in range(3)] == [None] * 3
     first = history.add(10.0 * powers, 20.0)
     assert first is not None
@@ -484,6 +496,31 @@ def test_spikes_of_a_window_add_up() -> None:
     assert rule.flaw(samples(quiet, quiet, hops=3)) == ""  # none in this hop
     assert rule.flaw(samples(spiked(), quiet, hops=3)) == ""  # two in the window
     assert Spikes(P).flaw(samples(spiked(), spiked(), hops=3)) == ""
+
+
+def test_a_signal_of_one_axis_which_is_given_as_two_counts_once() -> None:
+    spikes, limited, saturation = spiked(at=1000), clipped(20), Saturation(P)
+    spikes[1995:2060] = spikes[995:1060]
+    assert Spikes(P).flaw(samples(spikes, spikes)) == ""
+    assert Spikes(P).flaw(samples(spikes, -spikes)) == "4 spikes without ringing in the window: a cable or its plug is loose"
+    assert saturation.flaw(samples(limited, limited)) == ""
+    assert saturation.clipped == 20
+    assert [axis for axis, _ in samples(limited, limited).axes] == ["X"]
+
+
+def test_nothing_is_compared_with_what_was_before_a_restart() -> None:
+    spikes, loud = Spikes(P), 100.0 * tones({(200.0, 20480.0): 20.0})
+    for _ in range(2):
+        spikes.flaw(samples(spiked(), noise(), hops=3))
+    spikes.restart()
+    assert spikes.flaw(samples(spiked(), noise(), hops=3)) == ""
+    dead, mount = Dead(P), RattlingMount(P)
+    for rule in (dead, mount):
+        for _ in range(8):
+            rule.flaw(samples(loud, loud))
+        rule.restart()
+    assert dead._powers == {}
+    assert mount._change() == 0.0
 
 
 @pytest.mark.parametrize(("impacts", "flawed"), [(3, True), (4, False)])
