@@ -22,6 +22,7 @@ from dcrb_ros.diagnosis.heat_rule import HeatFinding
 from dcrb_ros.diagnosis.hysteresis import Suspicion, probability
 from dcrb_ros.diagnosis.registry import HEAT_RULES
 from dcrb_ros.diagnosis.rules.starved_noise import StarvedNoise
+from dcrb_ros.diagnosis.segments import Segment
 from dcrb_ros.diagnosis.window import Hop
 from dcrb_ros.schema.arguments import checked_arguments, number
 from dcrb_ros.schema.arrays import Floats
@@ -91,6 +92,11 @@ class ThermalFaultDetector(FaultDetector):
         if self._angle is not None:
             steps = np.diff(np.unwrap(self._angle))
             self._frequency, self._angle = abs(float(steps.mean())) * self.rate / (2.0 * math.pi), None
+
+    def _diagnosed(self, segment: Segment) -> Diagnosis:
+        """Return the diagnosis at the end of a segment; without levels, nothing is known about the loss of lubricant."""
+        self._noise_finding = None
+        return super()._diagnosed(segment)
 
     def _level_flaw(self, hop: Hop) -> str:
         """Take the levels of a hop for the loss of lubricant, too."""

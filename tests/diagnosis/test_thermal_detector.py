@@ -119,6 +119,14 @@ def test_a_loss_of_films_is_heard_if_asked_for() -> None:
     assert 4.0 + 4.0 <= first <= 4.0 + 6.5
 
 
+def test_the_loss_of_films_is_not_judged_while_the_shaft_does_not_turn() -> None:
+    acceleration, angle = louder(2.0)
+    angle[round(9.5 * RATE) :] = angle[round(9.5 * RATE)]
+    found = diagnoses(detector(starved_noise=4.0), (acceleration, angle))
+    assert "lubrication" in {one.verdict for one in found if one.time < 9.5}
+    assert "lubrication" not in {one.verdict for one in found if one.time > 10.1}
+
+
 def test_less_noise_than_the_threshold_is_no_loss() -> None:
     assert {one.verdict for one in diagnoses(detector(starved_noise=4.0), louder(1.5))} == {"waiting", "healthy"}
 
