@@ -85,6 +85,8 @@ class FaultDetector:
             raise Refusal(f"hop = {p.hop:g} s is below {least:.2g} s, the least for a band from {p.band_low:g} Hz: make it longer")
         if p.window < p.hop:
             raise Refusal(f"window = {p.window:g} s is below hop = {p.hop:g} s: make the window longer or the hop shorter")
+        if p.slowest >= p.fastest:
+            raise Refusal(f"slowest = {p.slowest:g} Hz is not below fastest = {p.fastest:g} Hz: lower slowest or raise fastest")
         self._highest_order = (1.0 + p.slip) * (
             HARMONICS[-1] * max(2.0 * orders.bpfo, 2.0 * orders.bpfi, 2.0 * orders.bsf) + SHAFT_SIDEBANDS[-1]
         )

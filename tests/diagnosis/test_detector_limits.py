@@ -180,6 +180,12 @@ def test_a_shaft_too_fast_for_the_orders_is_answered_with_the_number_of_bins(mon
     assert re.search(r"the lines up to order \d+ need \d+ bins in a window, more than", last.reason)
 
 
+@pytest.mark.parametrize("slowest", [70.0, 90.0])
+def test_the_speeds_to_be_estimated_are_a_range(slowest: float) -> None:
+    with pytest.raises(Refusal, match=f"slowest = {slowest:g} Hz is not below fastest = 70 Hz: lower slowest or raise fastest"):
+        FaultDetector(ORDERS, RATE, DetectorParameters(slowest=slowest))
+
+
 @pytest.mark.parametrize("rate", [10**12, 0, 0.5, math.nan])
 def test_a_detector_has_a_possible_sampling_rate(rate: Any) -> None:
     with pytest.raises(Refusal, match=r"the signal gives a sampling rate of .* Hz: it must be a whole number within 1 \.\. 10000000 Hz"):
