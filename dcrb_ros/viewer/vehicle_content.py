@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import heapq
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from dcrb_ros.diagnosis.vehicle.detector import BoxBlock, VehicleDetector
+from dcrb_ros.bearing.waveform import Piece
+from dcrb_ros.diagnosis.vehicle import detection
+from dcrb_ros.diagnosis.vehicle.detector import VehicleDetector
 from dcrb_ros.messages.points import decode_waveform, index_at
 from dcrb_ros.messages.statuses import Status, decode_diagnostics
 from dcrb_ros.messages.topics import ENVELOPE_SPECTRUM, FEATURES, VIBRATION, Topic
@@ -26,8 +27,6 @@ from dcrb_ros.viewer.content import Series, TimedWaveform, Times, joined
 from dcrb_ros.viewer.reader import series_of
 from dcrb_ros.viewer.spectrum import pieces, spectra_in
 
-CHUNK = 0.1
-"""Signal of a box that the detector takes at once [s]: it waits for the others for `VehicleDetectorParameters.patience`."""
 PARTS = ("time_ns", "acceleration", "shaft_angle")
 """Arrays of a waveform over time."""
 
@@ -147,20 +146,15 @@ def verdicts_in(messages: Iterable[bytes]) -> list[Verdicts]:
 
 def diagnoses_of(content: VehicleContent) -> list[VehicleDiagnosis]:
     """Return the diagnoses of the waveforms by the shipped comparing detector, with its default parameters."""
-    detector, listed = VehicleDetector(content.description), list[VehicleDiagnosis]()
-    boxes = (blocks_of(name, waveform) for name, waveform in content.waveforms.items())
-    for name, block in heapq.merge(*boxes, key=lambda named: named[1].index):
-        diagnosis = detector.add({name: block})
-        if diagnosis is not None:
-            listed.append(diagnosis)
-    return listed
+    boxes = {name: _pieces_of(waveform) for name, waveform in content.waveforms.items()}
+    return list(detection.diagnoses_of(boxes, VehicleDetector(content.description)))
 
 
-def blocks_of(name: str, waveform: TimedWaveform) -> Iterator[tuple[str, BoxBlock]]:
-    """Yield the name of a box with each block of its waveform, of at most `CHUNK` and none of them across missing samples."""
-    for piece in pieces(waveform, max(1, round(CHUNK * waveform.rate))):
-        index = index_at(int(waveform.time_ns[piece.start]), waveform.rate)
-        yield name, BoxBlock(index, waveform.acceleration[piece], waveform.shaft_angle[piece])
+def _pieces_of(waveform: TimedWaveform) -> Iterator[Piece]:
+    """Yield pieces of a waveform, none of them across missing samples."""
+    for part in pieces(waveform, max(1, len(waveform.time_ns))):
+        index = index_at(int(waveform.time_ns[part.start]), waveform.rate)
+        yield Piece(index, waveform.acceleration[part], waveform.shaft_angle[part], 0.0)
 
 
 def lead_times(description: VehicleDescription, name: str, waveform: TimedWaveform, before: TimedWaveform | None = None) -> Times:

@@ -45,6 +45,8 @@ class OwnWindow(NamedTuple):
     """Time of each bin since the start, shape (bins,) [s]."""
     frequency: float
     """Mean shaft frequency [Hz]."""
+    seconds: float
+    """Length of the signal [s]."""
 
 
 class BoxDetector(ThermalFaultDetector):
@@ -96,7 +98,8 @@ class BoxDetector(ThermalFaultDetector):
         """Return the present window without the wheels; None without a judgement."""
         if self.flaw or self._what_is_missing() or not self._rest.tracked:
             return None
-        return OwnWindow(*self._rest.envelopes(), self._end - self._rest.ages(), self._rest.frequency)
+        seconds = len(self._rest) * self._hop / self.rate
+        return OwnWindow(*self._rest.envelopes(), self._end - self._rest.ages(), self._rest.frequency, seconds)
 
     def judgement(self, window: OwnWindow, share: float, kinks: Floats) -> Judgement:
         """Return the evidence of a window without kinks of the rail and other rare impacts.

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Mapping
+import heapq
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Protocol
 
-from dcrb_ros.bearing.waveform import Piece, Signal
+from dcrb_ros.bearing.temperature_readings import TemperatureReadings
+from dcrb_ros.bearing.waveform import PIECE, Piece, Signal
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.thermal_detector import TemperatureFeed, temperatures_of
 from dcrb_ros.diagnosis.vehicle.detector import BoxBlock, VehicleDetector
@@ -107,22 +108,32 @@ def detect_vehicle(
     """
     detector = VehicleDetector(signals.description, parameters or VehicleDetectorParameters(), box_parameters or DetectorParameters())
     boxes = {name.replace(".", "/"): signal for name, signal in signals.boxes.items()}
-    feeds = {name: TemperatureFeed(temperatures_of(signal)) for name, signal in boxes.items()}
-    rate, history, held = signals.description.sampling_rate, [], 0.0
-    for each in itertools.zip_longest(*(signal.pieces() for signal in boxes.values())):
-        pieces = {name: piece for name, piece in zip(boxes, each, strict=True) if piece is not None}
-        for name, piece in pieces.items():
-            detector.take_range(name, piece.sensor_range)
-        diagnosis = detector.add({name: _block(piece) for name, piece in pieces.items()})
-        for name, piece in pieces.items():
-            held = max(held, piece.end_index / rate)
+    readings = {name: temperatures_of(signal) for name, signal in boxes.items()}
+    history = tuple(diagnoses_of({name: signal.pieces() for name, signal in boxes.items()}, detector, readings))
+    if not history:
+        raise Refusal("the signals are too short for a diagnosis of the vehicle: record some seconds")
+    return VehicleDetectionResult(history)
+
+
+def diagnoses_of(
+    boxes: Mapping[str, Iterable[Piece]], detector: VehicleDetector, readings: Mapping[str, TemperatureReadings] | None = None
+) -> Iterator[VehicleDiagnosis]:
+    """Yield the diagnoses by a ``detector``, which takes the pieces and ``readings`` of all boxes, by name, in the order of time."""
+    rate, feeds = detector.description.sampling_rate, {name: TemperatureFeed(each) for name, each in (readings or {}).items()}
+    parts = (_parts(name, pieces, max(1, int(PIECE * rate))) for name, pieces in boxes.items())
+    # By time, not by number: after lost blocks a box has fewer pieces than the others.
+    for name, piece in heapq.merge(*parts, key=lambda named: named[1].first_index):
+        detector.take_range(name, piece.sensor_range)
+        diagnosis = detector.add({name: BoxBlock(piece.first_index, piece.acceleration, piece.shaft_angle)})
+        if name in feeds:
             feeds[name].give(partial(detector.take_temperature, name), piece.end_index / rate)
         if diagnosis is not None:
-            history.append(diagnosis)
-    if not history:
-        raise Refusal(f"the signals end at {held:.2f} s, too early for a diagnosis of the vehicle: record some seconds")
-    return VehicleDetectionResult(tuple(history))
+            yield diagnosis
 
 
-def _block(piece: Piece) -> BoxBlock:
-    return BoxBlock(piece.first_index, piece.acceleration, piece.shaft_angle)
+def _parts(name: str, pieces: Iterable[Piece], length: int) -> Iterator[tuple[str, Piece]]:
+    """Yield the name of a box with each of its pieces, divided into at most ``length`` samples: the others are never far behind."""
+    for piece in pieces:
+        for start in range(0, len(piece.shaft_angle), length):
+            part = slice(start, start + length)
+            yield name, Piece(piece.first_index + start, piece.acceleration[part], piece.shaft_angle[part], piece.sensor_range)

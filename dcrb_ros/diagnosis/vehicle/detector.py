@@ -304,14 +304,14 @@ class VehicleDetector:
         if hop is None:
             return Status("waiting", missing)
         diagnosis = hop.diagnosis
-        if compared is None or judgement is None:
+        if hop.own is None or compared is None or judgement is None:
             self._decided[name].reset()
             self._undecided[name].reset()
             if name in quiet:
                 return Status("waiting", f"the sensor is {quiet[name]:.0f} dB quieter than the others")
             return Status("waiting", diagnosis.reason)
         p, scores = self.box_parameters, judgement.scores
-        usual = least_evidence(p.confirm, diagnosis.time, p.alarm_evidence)
+        usual = least_evidence(p.confirm, hop.own.seconds, p.alarm_evidence)
         least = {component: max(usual, compared[component].healthy if component in compared else 0.0) for component in COMPONENTS}
         own = {component: compared[component].excess if component in compared else NOT_OWN for component in COMPONENTS}
         open_ = {component: compared[component].undecided if component in compared else NOT_OWN for component in COMPONENTS}

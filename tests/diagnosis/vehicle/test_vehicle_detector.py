@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
-from types import SimpleNamespace
+from types import MappingProxyType, SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -344,20 +345,44 @@ def test_the_width_of_whitening_is_not_that_of_tones(whitening: float) -> None:
     assert verdicts == {"axle_1/left/bearing": "outer_ring"}
 
 
+def recording(signals: Boxes, length: int = 5120, lost: Mapping[str, slice] = MappingProxyType({})) -> Any:
+    """Return a recording of signals in pieces of a length, without the ``lost`` pieces of some boxes."""
+    boxes = {}
+    for name, signal in signals.items():
+        pieces = [Piece(k, *(part[k : k + length] for part in signal), 0.0) for k in range(0, len(signal[1]), length)]
+        del pieces[lost.get(name, slice(0))]
+        boxes[name.replace("/", ".")] = SimpleNamespace(pieces=partial(iter, pieces))
+    return SimpleNamespace(description=DESCRIPTION, boxes=boxes)
+
+
+def test_a_box_that_lost_blocks_of_a_recording_is_compared_over_the_same_time() -> None:
+    """Without 1.2 s of one box, whose pieces then have other numbers than those of the others."""
+    recorded = recording(bogie({"axle_1/left": SPALLS["outer_ring"]}), lost={"axle_2/left": slice(4, 16)})
+    result = detect_vehicle(recorded, box_parameters=DetectorParameters(window=1.0, least_window=1.0))
+    assert result.statuses["axle_2/left/sensor"].reason == "it measures the rail as the others do"
+    assert result.damaged == {"axle_1/left": "outer_ring"}
+
+
+def test_the_diagnoses_of_a_recording_do_not_depend_on_the_length_of_its_pieces() -> None:
+    signals = bogie({"axle_1/left": SPALLS["outer_ring"]})
+    expected = comparable(diagnosed(signals))
+    assert [comparable(list(detect_vehicle(recording(signals, length)).history)) for length in (1000, 10**6)] == [expected, expected]
+
+
+def test_the_evidence_required_depends_on_the_length_of_the_window(monkeypatch: pytest.MonkeyPatch) -> None:
+    windows: list[float] = []
+    monkeypatch.setattr("dcrb_ros.diagnosis.vehicle.detector.least_evidence", lambda _, window, least: windows.append(window) or least)
+    diagnosed(bogie(), detector=VehicleDetector(DESCRIPTION, box_parameters=DetectorParameters(window=1.5, least_window=1.0)))
+    assert set(windows) == {1.0, 1.5}
+
+
 def heated(signals: Boxes, hot: str) -> VehicleDiagnosis:
     """Return the last diagnosis of signals with readings of 170 degrees C at a box from 1 s on."""
     time = np.arange(1.0, SECONDS, 0.2)
     readings = TemperatureReadings(time=time, outer_ring=np.full(len(time), 170.0), box=time * np.nan, ambient=np.full(len(time), 20.0))
-    boxes = {
-        name.replace("/", "."): SimpleNamespace(
-            pieces=lambda signal=signal: iter(
-                [Piece(k, *(part[k : k + 5120] for part in signal), 0.0) for k in range(0, len(signal[1]), 5120)]
-            ),
-            **({"temperatures": readings} if name == hot else {}),
-        )
-        for name, signal in signals.items()
-    }
-    return detect_vehicle(SimpleNamespace(description=DESCRIPTION, boxes=boxes)).last  # type: ignore[arg-type]
+    recorded = recording(signals)
+    recorded.boxes[hot.replace("/", ".")].temperatures = readings
+    return detect_vehicle(recorded).last
 
 
 @pytest.mark.parametrize("hot", ["axle_1/left", "axle_1/right"])
