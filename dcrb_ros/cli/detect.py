@@ -145,17 +145,19 @@ def _print_table(bag: Path, recording: Recording, result: DetectionResult, param
     """Print the last diagnosis as a table and sentences; a ``learned`` baseline lowers thresholds of depth."""
     from dcrb_ros.runtime.terminal import console, table
     from dcrb_ros.schema.printable import decimal
-    from dcrb_ros.schema.verdicts import title_of
+    from dcrb_ros.schema.verdicts import CHARACTERISTIC, title_of
 
     last = result.last
     title, rows = f"{bag}: {title_of(last.verdict, last.scores)}", []
-    for (fault, score), (name, level) in zip(last.scores.items(), last.levels.items(), strict=False):
+    for fault, name in CHARACTERISTIC.items():
+        if fault not in last.scores:
+            continue
         line = "2 BSF" if name == "BSF" else name  # a roller defect strikes at twice BSF
         depth = decimal(last.lines[fault].depth, 3) if fault in last.lines else "-"
         threshold = f"{'up to ' if learned else ''}{getattr(parameters, DEPTHS[fault]):g}"
-        rows.append((fault, line, decimal(level, 1), depth, threshold, decimal(score, 1)))
+        rows.append((fault, line, decimal(last.levels[name], 1), depth, threshold, decimal(last.scores[fault], 1)))
     shown = console()
-    shown.print(table(title, COLUMNS, rows, CAPTION) if last.scores else title)
+    shown.print(table(title, COLUMNS, rows, CAPTION) if rows else title)
     when = f"first at {result.since:.2f} s, in {result.duration:.2f} s of signal"
     for sentence in (f"{last.verdict}, confidence {last.confidence:.2f}, {when}: {last.reason}", *last.remarks):
         shown.print(sentence, soft_wrap=True)

@@ -9,11 +9,15 @@ from types import SimpleNamespace
 import pytest
 from same_process import dcrb
 
+from dcrb_ros.cli.detect import _print_table
 from dcrb_ros.cli.detect_vehicle import print_vehicle, vehicle_as_object
+from dcrb_ros.diagnosis.detection import DetectionResult
+from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.vehicle.detection import VehicleDetectionResult
 from dcrb_ros.exam import evaluation
 from dcrb_ros.exam.evaluation import Outcome
 from dcrb_ros.schema.printable import decimal
+from dcrb_ros.stream.diagnosis import Diagnosis
 from dcrb_ros.stream.vehicle_diagnosis import Status, VehicleDiagnosis
 
 BAGS = Path(__file__).parents[2] / "bags"
@@ -57,6 +61,15 @@ def test_the_diagnosis_has_units_and_names_every_fault(capsys: pytest.CaptureFix
     assert "several faults: outer ring defect, inner ring defect" in " ".join(shown.split())
     assert "m/s^2 (baseline 38 m/s^2, both at a shaft frequency of 20 Hz)" in shown
     assert len([line for line in shown.splitlines() if line.startswith("compound, confidence")]) == 1
+
+
+def test_a_diagnosis_by_temperatures_alone_has_no_table_of_lines(capsys: pytest.CaptureFixture[str]) -> None:
+    hot = Diagnosis(0, 1.0, "overheating", "it overheats", scores={"overheating": 3.0, "lubrication": -5.0})
+    recording = SimpleNamespace(complete=True)
+    _print_table(Path("hot"), recording, DetectionResult((hot,), 1.0), DetectorParameters(), learned=False)  # type: ignore[arg-type]
+    shown = capsys.readouterr().out
+    assert shown.startswith("hot: overheating\noverheating, confidence 0.00, first at 1.00 s")
+    assert "depth" not in shown
 
 
 def test_the_contents_of_a_recording_have_units(capsys: pytest.CaptureFixture[str]) -> None:
