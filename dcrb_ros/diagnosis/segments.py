@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -99,11 +100,14 @@ class Segmenter:
             self._restart(index)
         known = self._continued(index, samples)
         if known < samples:
-            skip = max(known, self._begin - index)
-            self._append(HeldSamples(acceleration[skip:], angle[skip:]), counted=True)
+            # Hop by hop: each segment copies all samples that are held.
+            for first in range(max(known, self._begin - index), samples, self.hop):
+                part = slice(first, first + self.hop)
+                self._append(HeldSamples(acceleration[part], angle[part]), counted=True)
+                self._next = index + min(first + self.hop, samples)
+                while self._held >= self.hop + 2 * self.margin:
+                    yield self._cut()
             self._next = index + samples
-        while self._held >= self.hop + 2 * self.margin:
-            yield self._cut()
 
     def _continued(self, index: int, samples: int) -> int:
         """Bridge a gap before ``index``; return how many samples of the block are known already."""
@@ -136,7 +140,7 @@ class Segmenter:
         if counted and not (known := _known(acceleration)).all():
             self.counts.not_finite += int(np.count_nonzero(~known))
             acceleration[~known] = np.inf
-        self._pieces.append(HeldSamples(acceleration, piece.angle.astype(np.float32)))
+        self._pieces.append(HeldSamples(acceleration, _wrapped(piece.angle)))
         self._held += len(piece.angle)
 
     def _cut(self) -> Segment:
@@ -157,6 +161,15 @@ class Segmenter:
 def _known(acceleration: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
     """Return which samples are finite in all axes, shape (samples,); `numpy.all` along rows of two takes fifty times as long."""
     return np.asarray(functools.reduce(np.logical_and, np.isfinite(acceleration).T))
+
+
+def _wrapped(angle: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
+    """Return angles in single precision [rad]; those beyond two turns, which it resolves ever less, within one turn."""
+    beyond = np.abs(angle) > 4.0 * math.pi
+    if beyond.any():
+        with np.errstate(invalid="ignore"):  # of an infinite angle
+            angle = np.where(beyond, np.mod(angle, np.float64(2.0 * math.pi)), angle)
+    return angle.astype(np.float32)
 
 
 def _nothing(samples: int, axes: int) -> HeldSamples:

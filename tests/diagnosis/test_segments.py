@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dcrb_ros.diagnosis.segments import Segment, Segmenter, bridged_turns
+from dcrb_ros.diagnosis.segments import Segment, Segmenter, _wrapped, bridged_turns
 from dcrb_ros.schema.refusal import Refusal
 
 RATE = 10000
@@ -41,6 +42,30 @@ def test_segments_do_not_depend_on_the_blocks(cuts: list[int]) -> None:
     for one, other in zip(found, whole, strict=True):
         np.testing.assert_array_equal(one.acceleration, other.acceleration)
         np.testing.assert_array_equal(one.turns, other.turns)
+
+
+def test_a_long_block_is_held_hop_by_hop() -> None:
+    segmenter = Segmenter(HOP, MARGIN, GAP)
+    held = [segmenter._held for _ in segmenter.add(0, *signal(0, 50 * HOP + 7))]
+    assert (len(held), max(held)) == (50, 2 * MARGIN)
+
+
+@pytest.mark.parametrize("hours", [0, 10])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_an_angle_that_is_not_wrapped_keeps_its_resolution(hours: int, sign: int) -> None:
+    acceleration, _ = signal(0, 2 * HOP)
+    turns = sign * FREQUENCY * (3600 * hours + np.arange(2 * HOP) / RATE)
+    segments = list(Segmenter(HOP, MARGIN, GAP).add(0, acceleration, 2.0 * math.pi * turns))
+    found = segments[-1].turns
+    assert found is not None
+    np.testing.assert_allclose(np.diff(found), sign * FREQUENCY / RATE, atol=2e-7)
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.float64])
+def test_a_wrapped_angle_is_taken_as_it_is(kind: Any) -> None:
+    wrapped = np.array([0.0, 1e-9, 3.0, 6.2831853, np.float32(2.0 * np.pi), -3.14, np.nan, -np.inf], kind)
+    np.testing.assert_array_equal(_wrapped(wrapped)[:-1], wrapped.astype(np.float32)[:-1])
+    assert not np.isfinite(_wrapped(wrapped)[-2:]).any()
 
 
 @pytest.mark.parametrize("axes", [1, 3])
