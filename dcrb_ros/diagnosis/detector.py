@@ -258,7 +258,7 @@ class FaultDetector:
         least = self._least_evidence()
         verdict = self._hysteresis.verdict(excess, least)
         confirmed, time = self._hysteresis.confirmed, last / self.rate
-        severity = self._severity(evidence, confirmed)
+        severity = self._severity(evidence, confirmed, findings)
         if self.learner is not None:
             self.learner.add(evidence, self.rules, verdict, time)
         spectrum_remark = f"the squared envelope spectrum is that of the band from {selected.band}"
@@ -282,11 +282,12 @@ class FaultDetector:
         least = least_evidence(p.confirm, len(self._window) * self._hop / self.rate, p.alarm_evidence)
         return {rule.component: max(least, rule.healthy_evidence(self.orders)) for rule in self.rules}
 
-    def _severity(self, evidence: Evidence, confirmed: list[Component]) -> float:
-        """Return the size of the largest lines of confirmed faults in the whole band [m/s^2]."""
-        rules = [rule for rule in self.rules if isinstance(rule, LineRule) and rule.component in confirmed]
-        whole = evidence.bands[0]
-        return max((math.sqrt(whole.family(comb).amplitude) for rule in rules for comb in rule.combs(self.orders)), default=0.0)
+    def _severity(self, evidence: Evidence, confirmed: list[Component], findings: Mapping[Component, Finding]) -> float:
+        """Return the size of the largest lines of confirmed faults in the whole band, by the rules that found them [m/s^2]."""
+        own = {rule.component: rule for rule in self.rules if isinstance(rule, LineRule)}
+        rules = filter(None, (findings[component].rule or own.get(component) for component in confirmed))
+        lines = (rule.family(evidence.bands[0], comb) for rule in rules for comb in rule.combs(self.orders))
+        return max((math.sqrt(each.amplitude) for each in lines), default=0.0)
 
     def _reason(self, verdict: Verdict, findings: dict[Component, Finding], least: Mapping[Component, float]) -> str:
         """Return the evidence for a verdict in words."""

@@ -12,6 +12,7 @@ from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.cage_lines import PERIODIC, beyond_load_zone, cage_comb, spin_of_clusters
 from dcrb_ros.diagnosis.combination import Combination
 from dcrb_ros.diagnosis.demodulation import Band
+from dcrb_ros.diagnosis.detector import FaultDetector
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence, SharedSearch
 from dcrb_ros.diagnosis.line_search import Comb, LineFamily
 from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum
@@ -189,6 +190,16 @@ def test_lines_of_the_cage_that_end_with_the_load_zone_are_those_of_a_roller(hal
     finding = Cage(P).finding(evidence((WHOLE, weighted_by_the_load_zone(half))))
     assert finding is not None
     assert (finding.component, finding.excess > 0.0) == (component, True)
+
+
+def test_the_severity_is_that_of_the_lines_that_name_the_fault() -> None:
+    """Lines of the cage that end with the load zone, and those that cluster at 2 BSF, which no search of sharp lines at 2 BSF has."""
+    clustered = {0.42 * k: 0.5 if k % 14 in (0, 1, 13) else 0.05 for k in range(1, 60)}
+    for lines in (weighted_by_the_load_zone(60.0), clustered):
+        found, detector = evidence((WHOLE, lines)), FaultDetector(ORDERS, 51200)
+        findings = detector._combination.findings(found)
+        assert findings["roller"].excess > 0.0
+        assert detector._severity(found, ["roller"], findings) == pytest.approx(findings["roller"].lines.amplitude ** 0.5)
 
 
 @pytest.mark.parametrize(("share", "component"), [(0.27, "roller"), (0.33, "cage")])
