@@ -36,7 +36,7 @@ class ImpulsiveBand(NamedTuple):
     """The most impulsive band of each window, arrays of shape (windows,)."""
 
     kurtosis: Floats
-    """Spectral kurtosis K = <|c|^4> / <|c|^2>^2 - 2 of the complex envelope c [-]: 0 for noise."""
+    """Spectral kurtosis K = <|c|^4> / <|c|^2>^2 - 2 of the complex envelope c [-]: 0 for noise, for silence, and without a band."""
     low: Floats
     """Lower edge [Hz]."""
     high: Floats
@@ -57,15 +57,15 @@ def impulsive_band(acceleration: npt.ArrayLike, rate: float) -> ImpulsiveBand:
         parts = lines[:, : divisions * width].reshape(windows, divisions, width) * tukey(width, TAPER).astype(np.float32)
         ends = math.ceil(ENDS * width)
         squared = _squared(fft.ifft(parts, axis=2, overwrite_x=True)[:, :, ends:-ends])
-        mean = np.maximum(squared.mean(axis=2), np.finfo(np.float64).tiny)
-        kurtosis = (squared**2).mean(axis=2) / mean**2 - 2.0
+        mean = squared.mean(axis=2)
+        kurtosis = np.divide((squared**2).mean(axis=2), mean**2, out=np.full(mean.shape, 2.0), where=mean > 0.0) - 2.0
         number = kurtosis.argmax(axis=1)
         largest = kurtosis[np.arange(windows), number]
         better = largest > best
         step = rate * width / samples
         best, low = np.where(better, largest, best), np.where(better, number * step, low)
         high = np.where(better, (number + 1) * step, high)
-    return ImpulsiveBand(best, low, high)
+    return ImpulsiveBand(np.where(high > 0.0, best, 0.0), low, high)
 
 
 def _squared(envelope: npt.NDArray[np.complexfloating[Any, Any]]) -> Floats:

@@ -12,7 +12,8 @@ from dcrb_ros.diagnosis.features.family import FeatureFamily, Windows
 from dcrb_ros.schema.arrays import Floats
 
 NAMES = ("rms", "peak", "crest_factor", "kurtosis", "skewness")
-LEAST = np.finfo(np.float64).tiny
+LEAST = float(np.finfo(np.float64).tiny) ** 0.5
+"""Least power of a window [(m/s^2)^2]: its square is not zero."""
 
 
 def compute(windows: Windows) -> Floats:

@@ -58,6 +58,21 @@ def test_statistics_of_a_tone_are_those_of_a_sine() -> None:
     assert found["skewness"] == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.parametrize("samples", [256, RATE])
+def test_a_window_without_vibration_has_finite_statistics(samples: int) -> None:
+    """The mean is removed before."""
+    silent = windows(np.zeros(samples))
+    found = named(STATISTICS, silent) | named(KURTOGRAM, silent)
+    assert np.isfinite(list(found.values())).all()
+    assert (found["kurtogram_kurtosis"], found["kurtosis"], found["skewness"]) == (0.0, 0.0, 0.0)
+
+
+def test_a_window_too_short_for_a_band_has_no_impulsive_band() -> None:
+    assert named(KURTOGRAM, windows(noise(samples=1000))) == dict.fromkeys(
+        ("kurtogram_kurtosis", "kurtogram_frequency", "kurtogram_bandwidth"), 0.0
+    )
+
+
 @pytest.mark.parametrize("middle", [100.0, 1000.0, 10000.0])
 def test_a_tone_is_in_its_third_octave_alone(middle: float) -> None:
     found = named(BAND_LEVELS, windows(2.0 * np.sin(2.0 * np.pi * middle * TIME)))
