@@ -82,7 +82,7 @@ class Dead(SampleRule[DeadParameters]):
             before = self._powers.setdefault(axis, deque(maxlen=REMEMBERED))
             # A bearing falls silent with the shaft: powers are compared at the same speed only.
             usual = [power for speed, power in before if abs(speed - evidence.frequency) <= SAME_SPEED * speed]
-            fallen = bool(usual) and power < float(np.median(usual)) * 10.0 ** (-self.p.dead_fall / 10.0)
+            fallen = evidence.frequency > 0.0 and bool(usual) and power < float(np.median(usual)) * 10.0 ** (-self.p.dead_fall / 10.0)
             noise = spread is not None and spread < (self.p.dead_level if fallen else self.p.dead_white)
             if noise and (fallen or not power_varies(column, evidence.rate)):
                 return f"the acceleration in {axis} is white noise, whose power density varies by {spread:.1f} dB only: the sensor is dead"

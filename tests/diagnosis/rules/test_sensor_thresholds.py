@@ -34,7 +34,7 @@ def samples(
 ) -> SampleEvidence:
     first = np.asarray(x, float)
     second = np.random.default_rng(1).normal(size=len(first)) if y is None else np.asarray(y, float)
-    return SampleEvidence(np.column_stack([first, second]), len(first), not_finite, rate, sensor_range, hops)
+    return SampleEvidence(np.column_stack([first, second]), len(first), not_finite, rate, sensor_range, hops, 20.0)
 
 
 def noise(count: int = 10000, seed: int = 3) -> Floats:
@@ -192,6 +192,14 @@ def test_a_bearing_may_fall_silent_with_the_shaft(frequency: float, flawed: bool
     before, after = (replace(samples(gain * left, gain * left), frequency=speed) for gain, speed in ((10.0, 30.0), (1.0, frequency)))
     assert not rule.flaw(before)
     assert bool(rule.flaw(after)) is flawed
+
+
+def test_a_power_that_falls_at_an_unknown_speed_is_no_sign_of_a_dead_sensor() -> None:
+    left = noise(RATE // 2) + 0.4 * np.sin(2.0 * np.pi * 3000.0 * np.arange(RATE // 2) / RATE)
+    for frequency, flawed in ((30.0, True), (0.0, False)):
+        rule = Dead(P)
+        assert not rule.flaw(replace(samples(10.0 * left, noise()[0] * left), frequency=frequency))
+        assert bool(rule.flaw(replace(samples(left, noise()[0] * left), frequency=frequency))) is flawed
 
 
 @pytest.mark.parametrize("rhythm", [3.0, 30.0, 200.0])
