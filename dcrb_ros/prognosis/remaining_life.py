@@ -142,7 +142,7 @@ def _crossing(time: Floats, level: Floats, target: float, coverage: float, devia
     pivot = above / over if over > 0.0 else math.copysign(math.inf, above)
     """Distance of the trend above the limit at the last inspection, over its deviation [-]."""
     rising = slope > 0.0
-    median = max(centre + rise / slope - now, 0.0) if rising else (0.0 if rise <= 0.0 else math.inf)
+    median = max(centre + rise / slope - now, 0.0) if rising else (0.0 if above >= 0.0 else math.inf)
     low = 0.0
     if pivot < -quantile and rising:  # in the form without cancellation
         low = max(centre + (rise**2 - quantile**2 * at_centre) / (slope * rise + root) - now, 0.0)

@@ -92,6 +92,10 @@ def test_a_level_or_falling_trend_may_last_for_ever() -> None:
     assert estimate_remaining_life(range(6), severity, 5.0).high == math.inf
     falling = estimate_remaining_life(range(6), [6.0, 5.0, 4.0, 3.0, 2.1, 1.0], 10.0)
     assert (falling.median, falling.high, falling.low) == (math.inf, math.inf, math.inf)
+    below = estimate_remaining_life(range(6), [6.0, 5.0, 4.0, 3.0, 2.1, 1.0], 3.0, growth="linear")  # its mean is above the limit
+    assert (below.median, below.high, below.low) == (math.inf, math.inf, math.inf)
+    above = estimate_remaining_life(range(6), [6.0, 5.0, 4.0, 3.0, 2.1, 1.0], 0.5, growth="linear")
+    assert above.median == 0.0
 
 
 def test_beyond_the_limit_no_life_remains() -> None:
