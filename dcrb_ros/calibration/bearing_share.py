@@ -234,6 +234,8 @@ def _part(drawn: Floats) -> Part:
     """Return the estimate from drawn shares, and what is not identified."""
     part = Part()
     low, middle, high = (float(np.quantile(drawn, at, method="nearest")) for at in (0.5 - 0.5 * LEVEL, 0.5, 0.5 + 0.5 * LEVEL))
+    if high <= 0.0:  # its lines are below orders without lines, which excludes no share
+        high = math.inf
     shown, top = low > 0.0, min(1.0, high)
     if high < 1.0:
         part.remarks.append(

@@ -61,6 +61,13 @@ def test_a_bench_without_lines_says_that_the_share_is_unknown() -> None:
     assert any("unknown" in sentence for sentence in part.remarks)
 
 
+def test_a_machine_below_its_orders_without_lines_leaves_the_share_unknown() -> None:
+    part = _part(np.zeros(100))
+    assert (part.estimates[0].low, part.estimates[0].high) == (1.0 / UNKNOWN, 1.0)
+    assert part.estimates[0].value == pytest.approx(1.0 / math.sqrt(UNKNOWN))
+    assert any("unknown" in sentence for sentence in part.remarks)
+
+
 def exact(family: float, decoy: float = 0.0, *, mean: float = 1.0, windows: int = 20) -> EnvelopeLines:
     """Return lines of equal squares in all windows, two bands and all families."""
     return EnvelopeLines(np.full((windows, 2, 3), family), np.full((windows, 2, 8), decoy), np.full(2, mean))
