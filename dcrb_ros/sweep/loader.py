@@ -224,7 +224,7 @@ def _check_design(sweep: Sweep, source: str) -> None:
 
 
 def _check_output(sweep: Sweep, source: str) -> None:
-    """Refuse two forms of the speed, and runs that the files of the data set cannot represent."""
+    """Refuse two forms of the speed, 0 km/h, which changes nothing, and runs that the files of the data set cannot represent."""
     file = sweep.file
     in_memory = file.output != "bag" or file.windows is not None
     if in_memory and file.duration > LONGEST_RUN:
@@ -233,6 +233,8 @@ def _check_output(sweep: Sweep, source: str) -> None:
         )
     if {SPEED, SPEED_KMH} <= {*flatten(file.fixed), *sweep.vary}:
         raise Refusal(f"{source}: {SPEED} and {SPEED_KMH} under 'set' and 'vary' are two forms of one parameter: give one of them")
+    if SPEED_KMH in sweep.vary and 0.0 in sweep.vary[SPEED_KMH].grid():
+        raise Refusal(f"{source}: vary: {SPEED_KMH} = 0.0 km/h stands for no speed in km/h: vary {SPEED} [rad/s] for runs at standstill")
     gaps = [key for key in GAP_PARAMETERS if sweep.base[key] or key in sweep.vary]
     if in_memory and gaps:
         raise Refusal(

@@ -103,7 +103,10 @@ def write_table(plan: Plan, store: Store) -> Tally:
     schema = parquet_schema({**COLUMNS, **plan.truth}, columns)
     with parquet.ParquetWriter(stream, schema, compression="zstd") as writer:
         labels = _labels(plan.runs(), store)
-        while rows := [_row(tally.counted(label, plan.unit_column), columns, plan.truth) for label in itertools.islice(labels, ROWS)]:
+        while rows := [
+            _row(tally.counted(label, plan.unit_column), plan.truth) | _varied(label, run, columns)
+            for run, label in itertools.islice(labels, ROWS)
+        ]:
             writer.write_table(pyarrow.Table.from_pylist(rows, schema=schema))
     store.write(LABELS, stream.getvalue())
     return tally
@@ -113,7 +116,7 @@ def table_of(labels: Iterable[Mapping[str, Any]], truth: Mapping[str, tuple[type
     """Return labels as the bytes of a table with the columns of a sweep's; ``truth`` holds further columns with type and meaning."""
     import pyarrow
 
-    rows = [_row(label, {}, truth) for label in labels]
+    rows = [_row(label, truth) for label in labels]
     return parquet_bytes(pyarrow.Table.from_pylist(rows, schema=parquet_schema({**COLUMNS, **truth})))
 
 
@@ -126,7 +129,7 @@ def parquet_schema(columns: Mapping[str, tuple[type, str]], plain: Mapping[str, 
     return pyarrow.schema([*fields, *(pyarrow.field(key, kinds[kind]) for key, kind in (plain or {}).items())])
 
 
-def _labels(runs: Iterator[PlannedRun], store: Store) -> Iterator[Mapping[str, Any]]:
+def _labels(runs: Iterator[PlannedRun], store: Store) -> Iterator[tuple[PlannedRun, Mapping[str, Any]]]:
     for run in runs:
         try:
             label = read_label(store, run.name) or read_label(store, run.name, ERRORS)
@@ -134,10 +137,15 @@ def _labels(runs: Iterator[PlannedRun], store: Store) -> Iterator[Mapping[str, A
             raise StoreFailed(f"{damaged}: run the same command again to simulate this run again") from None
         if label is None:
             raise StoreFailed(f"{store.path(label_name(run.name))} is missing: run the same command again to simulate this run again")
-        yield label
+        yield run, label
 
 
-def _row(label: Mapping[str, Any], columns: Mapping[str, type], truth: Iterable[str]) -> dict[str, Any]:
+def _row(label: Mapping[str, Any], truth: Iterable[str]) -> dict[str, Any]:
     row = {name: label.get(name) for name in (*COLUMNS, *truth)}
-    row |= {name: json.dumps(label[name]) for name, (kind, _) in COLUMNS.items() if kind is dict and name in label}
-    return row | {key: label["configuration"].get(key) for key in columns}
+    return row | {name: json.dumps(label[name]) for name, (kind, _) in COLUMNS.items() if kind is dict and name in label}
+
+
+def _varied(label: Mapping[str, Any], run: PlannedRun, columns: Iterable[str]) -> dict[str, Any]:
+    """Return the varied parameters of a run as planned, since its configuration has 0 km/h in place of a speed in km/h."""
+    values = {**label["configuration"], **run.changes}
+    return {key: values.get(key) for key in columns}

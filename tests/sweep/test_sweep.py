@@ -268,6 +268,12 @@ def test_a_scenario_sets_its_initial_speed(tmp_path: Path) -> None:
     assert label["speed"] == pytest.approx(40.0)
 
 
+def test_a_speed_in_kmh_has_its_column(tmp_path: Path, client: Client) -> None:
+    labels = made({**QUICK, "vary": {"operating.speed_kmh": [80.0, 160.0]}}, tmp_path, client)
+    assert labels["operating.speed_kmh"].tolist() == [80.0, 160.0]
+    assert labels["speed"].to_numpy() == pytest.approx(labels["operating.speed_kmh"].to_numpy() / 3.6 / 0.46)
+
+
 def test_a_label_contains_the_sensor_parameters_of_its_preset(tmp_path: Path) -> None:
     tree = {**QUICK, "vary": {"sensor.preset": ["mems", "ideal"]}}
     labels = [label for _, label in run_alone(tree, tmp_path / "set")]
@@ -660,6 +666,7 @@ def test_the_disk_space_is_estimated(tmp_path: Path) -> None:
         ({"set": {"operating.speed_kmh": 80.0}, "vary": {"operating.speed": [100.0]}}, "two forms of one parameter: give one of them"),
         ({"set": {"operating.speed": 80.0}, "vary": {"operating.speed_kmh": [100.0]}}, "two forms of one parameter: give one of them"),
         ({"set": {"operating": {"speed": 80.0, "speed_kmh": 10.0}}}, "two forms of one parameter: give one of them"),
+        ({"vary": {"operating.speed_kmh": [80.0, 0]}}, "operating.speed_kmh = 0.0 km/h stands for no speed in km/h: vary operating.speed"),
         ({"output": "wav"}, "output = 'wav'"),
         ({"vary": {"publishing.loss_probability": [0.0, 0.1]}}, "publishing.loss_probability causes gaps"),
     ],
