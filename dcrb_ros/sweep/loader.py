@@ -70,6 +70,11 @@ def read_sweep(source: str | Path, machine: str | None = None) -> Sweep:
         keys = {key: value for key, value in keys.items() if key != BASE} | {MACHINE: str(Path(machine).absolute())}
     kept, name = kept_inputs(path) if path.name == COPY and machine is None else {}, VEHICLE if VEHICLE in keys else BASE
     if kept and keys.get(name, SweepFile.model_fields[BASE].default) == kept["sweep"].get(name):
+        if keys.get(FIXED, {}) != kept["sweep"].get(FIXED, {}):
+            raise Refusal(
+                f"{path}: '{FIXED}' was changed, but {KEPT_BASE} beside it has the former values, also of a removed key: restore it, or "
+                f"copy {COPY} to a new folder beside its own base"
+            )
         return kept_sweep(keys, path, kept["scenarios"])
     return sweep_of(keys, str(path), path.parent, read_text(path))
 

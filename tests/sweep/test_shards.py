@@ -194,6 +194,18 @@ def test_a_data_set_keeps_its_own_base_and_scenarios(tmp_path: Path) -> None:
         read_sweep(folder / "sweep.yaml")  # another base: a sweep of its own
 
 
+@pytest.mark.parametrize(("old", "new"), [(", operating.speed: 90.0", ""), ("90.0", "80.0"), ("set: {", "set: {operating.load: 5.0e+4, ")])
+def test_a_changed_set_in_the_sweep_file_of_a_data_set_is_refused(old: str, new: str, tmp_path: Path) -> None:
+    (tmp_path / "own.yaml").write_text("base: dry\nset: {cage.joint: revolute, operating.speed: 90.0}\nduration: 0.02\n")
+    with open_data_set(plan_of(read_sweep(tmp_path / "own.yaml")), Store(str(tmp_path / "set"))):
+        pass
+    copy = tmp_path / "set" / "sweep.yaml"
+    read_sweep(copy)
+    copy.write_text(copy.read_text().replace(old, new))
+    with pytest.raises(Refusal, match=r"sweep\.yaml: 'set' was changed, but base\.yaml beside it has the former values"):
+        read_sweep(copy)
+
+
 @pytest.mark.parametrize(
     ("file", "old", "new"),
     [
