@@ -13,7 +13,7 @@ from dcrb_ros.recordings.manifest import model_fingerprint
 from dcrb_ros.runtime.optional import installed
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.sweep.execution import CommonSettings, run_task
+from dcrb_ros.sweep.execution import CommonSettings, run_task, software_versions
 from dcrb_ros.sweep.plan import Task
 from dcrb_ros.sweep.store import StoreFailed
 from dcrb_ros.sweep.workers import Outcome
@@ -139,8 +139,3 @@ def _compare(client: Client, scheduler: str) -> None:
             f"the workers of {scheduler} run dcrb_ros {version} with model {model}, but this is {__version__} with model "
             f"{model_fingerprint()}: install the same version on all machines"
         )
-
-
-def software_versions() -> tuple[str, str]:
-    """Return the package version and the model fingerprint of this process."""
-    return __version__, model_fingerprint()

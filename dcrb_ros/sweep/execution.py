@@ -14,7 +14,9 @@ import numpy as np
 
 from dcrb_ros.bearing.reached_depth import of_widest
 from dcrb_ros.messages.points import packed
+from dcrb_ros.recordings.manifest import model_fingerprint
 from dcrb_ros.recordings.recorder import Recorder, RecordingFailed
+from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.arrays import Samples
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.simulated_time import nanoseconds
@@ -51,11 +53,18 @@ class CommonSettings:
     file: SweepFile
     vehicle: bool
     """Whether the base is a vehicle, whose boxes are runs."""
+    software: tuple[str, str]
+    """`software_versions` of the command."""
 
 
 def common_settings(sweep: Sweep, store: Store) -> CommonSettings:
     """Return the common settings of a sweep."""
-    return CommonSettings(store, sweep.base, sweep.scenarios, sweep.file, isinstance(sweep, VehicleSweep))
+    return CommonSettings(store, sweep.base, sweep.scenarios, sweep.file, isinstance(sweep, VehicleSweep), software_versions())
+
+
+def software_versions() -> tuple[str, str]:
+    """Return the package version and the model fingerprint of this process."""
+    return __version__, model_fingerprint()
 
 
 @dataclass(frozen=True)
@@ -80,8 +89,14 @@ def run_task(common: CommonSettings, task: Task) -> list[tuple[str, str]]:
     """Simulate the runs of a task that have no label yet; return the name and the status of each run.
 
     Raises:
-        StoreFailed: the data set cannot be written.
+        StoreFailed: the data set cannot be written, or this process has another version or model than the command.
     """
+    if common.software != software_versions():
+        (version, model), (own, own_model) = common.software, software_versions()
+        raise StoreFailed(
+            f"a worker runs dcrb_ros {own} with model {own_model}, but the sweep runs {version} with model {model}: install the same "
+            "version on all machines and run the same command again to continue"
+        )
     statuses, simulated = [], _Vehicles(common) if common.vehicle else _Bearings(common)
     for run in task:
         # A lost worker may have written a valid label before it reported its task.

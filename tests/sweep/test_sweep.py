@@ -532,6 +532,14 @@ def test_workers_of_another_version_are_refused(
     assert not list(tmp_path.rglob("*.npz"))
 
 
+def test_a_worker_of_another_version_that_joins_later_ends_the_sweep(tmp_path: Path, client: Client) -> None:
+    plan = plan_of(QUICK)
+    common = replace(common_settings(plan.sweep, Store(str(tmp_path))), software=("9.9.9", "0123456789abcdef"))
+    with pytest.raises(StoreFailed, match=r"a worker runs dcrb_ros .* but the sweep runs 9\.9\.9 with model 0123456789abcdef: install"):
+        list(ClusterWorkers(client).dispatched(common, plan.groups()))
+    assert not list(tmp_path.rglob("*.json"))
+
+
 def test_a_dry_run_writes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "small.yaml").write_text(SMALL, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
