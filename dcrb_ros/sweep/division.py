@@ -138,6 +138,8 @@ def splits(conditions: set[str], shares: Shares) -> dict[str, str]:
     named = [(name, share) for name, share in given.items() if share > 0.0]
     if len(order) < len(named):
         named = [(name, share) for name, share in named if name != "validation"]
+    if not order:
+        return {}
     counts = [max(round(share * len(order)), 1) for _, share in named]
     while sum(counts[1:]) >= len(order) and max(counts[1:]) > 1:
         counts[counts.index(max(counts[1:]), 1)] -= 1

@@ -168,6 +168,10 @@ def test_every_split_has_its_share(count: int, train: float, validation: float) 
         assert set(found.values()) == {"train", "validation", "test"}
 
 
+def test_no_conditions_have_no_splits() -> None:
+    assert splits(set(), Shares(train=1.0, validation=0.0, test=0.0)) == {}
+
+
 def test_splits_do_not_depend_on_the_iteration_order_of_a_set() -> None:
     conditions = {f"{number:02x}" for number in range(20)}
     found = splits(conditions, Shares(train=0.6, validation=0.2, test=0.2))
