@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any
 
-from dcrb_ros.schema.parameter_field import ParameterField
+from dcrb_ros.schema.parameter_field import KINDS, ParameterField
 from dcrb_ros.schema.refusal import Refusal, nearest
-from dcrb_ros.settings.files import flatten, load_configuration
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import fields_by_key, flatten, load_configuration
 from dcrb_ros.settings.shipped import find_configuration, shipped
 from dcrb_ros.sweep.axes import GAP_PARAMETERS, axes_of, refuse_fixed
 from dcrb_ros.sweep.design import Axes, Choice, Span, Value
 from dcrb_ros.sweep.sweep_file import LONGEST_RUN, SweepFile
 from dcrb_ros.sweep.vehicles.sweep import BOX, VEHICLE, VEHICLE_SEED, VehicleSweep, placed
 from dcrb_ros.text.files import checked_path, is_file
-from dcrb_ros.vehicle.description import Vehicle
-from dcrb_ros.vehicle.file import read_parameters, vehicle_of
+from dcrb_ros.vehicle.description import SIDES, Vehicle, Wheel
+from dcrb_ros.vehicle.file import COMMON, DEFAULT_X, DRIVE, GROUPS, PLACES, SWAPPED, read_parameters, vehicle_of
 
 ABSENT = ("base", "machine", "twins", "branch_at", "seeds")
 """Keys of other sweeps that one over vehicles does not have."""
@@ -56,10 +58,10 @@ def vehicle_sweep_of(given: Any, file: SweepFile, source: str, folder: Path, tex
     names = [box.name for box in vehicle.boxes]
     if (total := file.duration * len(names)) > LONGEST_RUN:
         raise Refusal(f"{source}: duration = {file.duration:g} s makes {total:g} s of all boxes, above {LONGEST_RUN:g} s: shorten the runs")
-    kinds: dict[str, type] = {}
-    vary = _axes(file.vary, file.design, f"{source}: vary", kinds)
+    vary = axes_of(file.vary, file.design, f"{source}: vary", _field)
     refuse_fixed(vary, flatten(file.fixed), source)
-    cases = {name: _axes(case, file.design, f"{source}: cases.{name}", kinds) for name, case in file.cases.items()} or {"base": {}}
+    cases: dict[str, Axes] = {name: axes_of(case, file.design, f"{source}: cases.{name}", _field) for name, case in file.cases.items()}
+    cases = cases or {"base": {}}
     if BOX in vary or any(key.startswith(f"{BOX}.") for key in vary):
         raise Refusal(f"{source}: vary: '{BOX}' is for cases: name the box, such as {names[0]}.surfaces.waviness")
     for name, axes in cases.items():
@@ -75,31 +77,41 @@ def vehicle_sweep_of(given: Any, file: SweepFile, source: str, folder: Path, tex
                 _refuse_gaps(vehicle_of({**base, **placed(values)}, f"{source}: {where}"), f"{source}: {where}")
             except Refusal as refusal:
                 raise Refusal(str(refusal) if source in str(refusal) else f"{source}: {where}: {refusal}") from None
-    benches = _benches(base, [vary, *cases.values()])
+    benches, kinds = _benches(base, [vary, *cases.values()]), _kinds([vary, *cases.values()])
     return VehicleSweep(file, text, base, vary, cases, {}, source=given, vehicle=vehicle, kinds=kinds, benches=benches)
 
 
-def _axes(tree: Mapping[str, Any], design: str, source: str, kinds: dict[str, type]) -> Axes:
-    def field_of(key: str, value: Any) -> ParameterField:
-        listed = value if isinstance(value, list) else [value]
-        ends = [value[end] for end in ("low", "high") if end in value] if isinstance(value, Mapping) else listed
-        field = ParameterField(key, _kind(ends, f"{source}: {key}"), 0, None, None, "", "", "", "", run_time=False)
-        if not (key + ".").startswith(f"{BOX}."):
-            kinds[key] = field.kind
-        return field
+@cache
+def _fields() -> Mapping[str, ParameterField]:
+    """Return every parameter of a vehicle by its dotted key, those of a box also below `BOX`."""
+    boxes = (BOX, *(f"{axle}.{side}" for axle in DEFAULT_X for side in SIDES))
+    groups = GROUPS | {f"{axle}.{part}": model for axle in DEFAULT_X for part, model in DRIVE.items()}
+    groups |= dict.fromkeys(boxes, Configuration) | {f"{box}.wheel": Wheel for box in boxes}
+    fields = {f"{name}.{key}": field for name, model in groups.items() for key, field in fields_by_key(model).items()}
+    fields |= {key: field for key, field in fields_by_key().items() if key.partition(".")[0] in COMMON}
+    fields |= {f"{axle}.{place}": _plain(place, float) for axle in DEFAULT_X for place in PLACES}
+    return fields | {BOX: _plain(BOX, str)} | {f"{box}.{name}": _plain(name, str) for box in boxes for name in ("bench", SWAPPED)}
 
-    return axes_of(tree, design, source, field_of)
+
+def _plain(key: str, kind: type) -> ParameterField:
+    return ParameterField(key, kind, 0, None, None, "-", "", "Parameter of a vehicle", "", run_time=False)
 
 
-def _kind(values: list[Any], where: str) -> type:
-    """Return the type of some values; whole numbers beside others are numbers."""
-    kinds = {type(value) for value in values} or {str}
-    if kinds <= {int, float}:
-        return int if kinds == {int} else float
-    kind = kinds.pop()
-    if kinds or kind not in (bool, str):
-        raise Refusal(f"{where} = {values!r} are not values of one parameter: give numbers, texts, or true and false")
-    return kind
+def _field(key: str, value: Any) -> ParameterField:
+    """Return the parameter of a key; an unknown one takes the type of its ``value``, with which the vehicle refuses it."""
+    while isinstance(value, (list, Mapping)) and value:
+        value = value[0] if isinstance(value, list) else next(iter(value.values()))
+    return _fields().get(key) or _plain(key, type(value) if type(value) in KINDS else str)
+
+
+def _kinds(all_axes: Iterable[Axes]) -> dict[str, type]:
+    """Return the types of the varied parameters; one below `BOX` is a parameter of each box that its case lists."""
+    kinds = {}
+    for axes in all_axes:
+        listed = axes.get(BOX, Choice(("",)))
+        for box in listed.values if isinstance(listed, Choice) else ():
+            kinds |= {place: _field(key, "").kind for key in axes if key != BOX for place in placed({BOX: box, key: ""})}
+    return kinds
 
 
 def _benches(base: Mapping[str, Any], all_axes: Iterable[Axes]) -> dict[str, Any]:

@@ -76,6 +76,7 @@ def test_the_samples_are_those_of_the_vehicle(tmp_path: Path) -> None:
     faulty = damaged[damaged["fault"] == "outer_ring"]
     assert len(faulty) == 3  # one box of each vehicle
     assert (faulty["damaged"] == faulty["box"] + " outer_ring").all()
+    assert all(row[f"{row['box']}.faults.outer_1.width"] == row["width"] for _, row in faulty.iterrows())
     assert set(labels[labels["case"] == "healthy"]["fault"]) == {"healthy"}
     row = faulty.iloc[0]
     run = next(run for run in plan.runs() if run.name == row["run"])
@@ -83,6 +84,24 @@ def test_the_samples_are_those_of_the_vehicle(tmp_path: Path) -> None:
     blocks = [block.boxes[row["box"]] for block in simulation.blocks(0.06)]
     expected = np.concatenate([block.acceleration for block in blocks])[round(0.01 * row["sampling_rate"]) :]
     np.testing.assert_array_equal(dcrb_ros.DataSet(tmp_path).waveform(row["run"]).acceleration, expected)
+
+
+def test_the_type_of_a_value_is_that_of_its_parameter_however_it_is_written() -> None:
+    cases = {
+        "healthy": {"axle_1.left.wheel.flat": 0},
+        "flat": {"box": ["axle_1.left", "axle_2.left"], "box.wheel.flat": [0, 0.035]},
+        "bench": {"box": ["axle_2.right"], "box.bench": "outer_ring_defect"},
+    }
+    vary = {"vehicle.brake": {"low": 0, "high": 1}, "vehicle.seed": {"low": 1, "high": 2000}, "axle_1.slide": [0]}
+    sweep = sweep_of(tree(vary=vary, cases=cases), "sweep.yaml")
+    flats = {f"{box}.wheel.flat": float for box in ("axle_1.left", "axle_2.left")}
+    benches = {"axle_2.right.bench": str}
+    assert sweep.varied == {"vehicle.brake": float, "vehicle.seed": int, "axle_1.slide": float, **flats, **benches}
+    runs = list(plan_of(sweep).runs())
+    brakes = {run.changes["vehicle.brake"] for run in runs}
+    assert len(brakes) == 3
+    assert not brakes & {0.0, 1.0}
+    assert {type(value) for run in runs for key, value in run.changes.items() if key.endswith(("flat", "slide"))} == {float}
 
 
 @pytest.mark.slow
@@ -153,7 +172,10 @@ def test_shipped_vehicles_and_their_cost() -> None:
         ({"vary": {"track.spectrum": {}}}, "a range needs low and high"),
         ({"vary": {"vehicle.speed_kmh": {"a": {"b": 1}}}}, "vehicle.speed_kmh.a.b is below speed_kmh, which has the value"),
         ({"set": {"vehicle.bench": "dry", "vehicle.seed": 5}}, "vehicle.seed = 5 under 'set' would have no effect"),
-        ({"vary": {"vehicle.seed": [1, "two"]}}, "are not values of one parameter"),
+        ({"vary": {"vehicle.seed": [1, "two"]}}, "vehicle.seed = 'two' is not a whole number within 0 .. 2147483647"),
+        ({"vary": {"axle_1.sed": [1, "two"]}}, "axle_1.sed = 'two'"),
+        ({"vary": {"axle_1.sed": [None]}}, "axle_1.sed = None"),
+        ({"vary": {"axle_1.gear.teeth": [80.5]}}, "axle_1.gear.teeth = 80.5"),
         ({"vary": {"box": [*BOXES]}}, "'box' is for cases"),
         ({"cases": {"outer": {"box": ["axle_3.left"], "box.bench": "outer_ring_defect"}}}, "there is no box 'axle_3.left'"),
         ({"cases": {"outer": {"box.bench": "outer_ring_defect"}}}, "needs both the boxes and a parameter"),
