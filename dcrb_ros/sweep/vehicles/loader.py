@@ -54,7 +54,7 @@ def vehicle_sweep_of(given: Any, file: SweepFile, source: str, folder: Path, tex
     beside = checked_path(folder / given)
     base = read_parameters(beside if is_file(beside) else given, file.fixed)
     vehicle = vehicle_of(base, f"{source}: set")
-    _refuse_gaps(vehicle, f"{source}: set")
+    _refuse_unlabelled(vehicle, f"{source}: set")
     names = [box.name for box in vehicle.boxes]
     if (total := file.duration * len(names)) > LONGEST_RUN:
         raise Refusal(f"{source}: duration = {file.duration:g} s makes {total:g} s of all boxes, above {LONGEST_RUN:g} s: shorten the runs")
@@ -74,7 +74,7 @@ def vehicle_sweep_of(given: Any, file: SweepFile, source: str, folder: Path, tex
     for where, axes in (("vary", vary), *((f"cases.{name}", axes) for name, axes in cases.items())):
         for values in _tried(axes):
             try:
-                _refuse_gaps(vehicle_of({**base, **placed(values)}, f"{source}: {where}"), f"{source}: {where}")
+                _refuse_unlabelled(vehicle_of({**base, **placed(values)}, f"{source}: {where}"), f"{source}: {where}")
             except Refusal as refusal:
                 raise Refusal(str(refusal) if source in str(refusal) else f"{source}: {where}: {refusal}") from None
     benches, kinds = _benches(base, [vary, *cases.values()]), _kinds([vary, *cases.values()])
@@ -124,9 +124,14 @@ def _benches(base: Mapping[str, Any], all_axes: Iterable[Axes]) -> dict[str, Any
     return {name: flatten(load_configuration(name).model_dump()) for name in sorted(own)}
 
 
-def _refuse_gaps(vehicle: Vehicle, where: str) -> None:
-    """Refuse a vehicle whose waveforms have gaps, which their files cannot represent."""
+def _refuse_unlabelled(vehicle: Vehicle, where: str) -> None:
+    """Refuse a vehicle whose waveforms have gaps, which their files cannot represent, or are those of another box than their labels."""
     for box in vehicle.boxes:
+        if box.swapped_with:
+            raise Refusal(
+                f"{where}: {box.name}.{SWAPPED} = '{box.swapped_with}' gives the box the waveform of another one, which its label does not "
+                "describe: remove it"
+            )
         parameters = flatten(box.configuration.model_dump())
         gaps = next((key for key in GAP_PARAMETERS if parameters[key]), None)
         if gaps is not None:

@@ -176,6 +176,11 @@ def test_shipped_vehicles_and_their_cost() -> None:
         ({"vary": {"axle_1.sed": [1, "two"]}}, "axle_1.sed = 'two'"),
         ({"vary": {"axle_1.sed": [None]}}, "axle_1.sed = None"),
         ({"vary": {"axle_1.gear.teeth": [80.5]}}, "axle_1.gear.teeth = 80.5"),
+        ({"set": {"axle_1.left.sensor.swapped_with": "axle_2.left"}}, "gives the box the waveform of another one"),
+        (
+            {"cases": {"swap": {"box": ["axle_1.left"], "box.sensor.swapped_with": "axle_2.left"}}},
+            "cases.swap: axle_1.left.sensor.swapped_with = 'axle_2.left' gives the box the waveform of another one, which its label",
+        ),
         ({"vary": {"box": [*BOXES]}}, "'box' is for cases"),
         ({"cases": {"outer": {"box": ["axle_3.left"], "box.bench": "outer_ring_defect"}}}, "there is no box 'axle_3.left'"),
         ({"cases": {"outer": {"box.bench": "outer_ring_defect"}}}, "needs both the boxes and a parameter"),
