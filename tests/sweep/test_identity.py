@@ -87,6 +87,8 @@ def test_the_shipped_sweeps_have_other_bearings_and_machines_in_each_split(name:
     for identity in BOTH:
         assert len({run.truth[identity] for run in runs}) == 40
         assert all(len({run.split for run in runs if run.truth[identity] == value}) == 1 for value in {run.truth[identity] for run in runs})
+    for fault in ("outer", "inner"):
+        assert len({run.changes[f"faults.{fault}_1.seed"] for run in runs if run.case == fault}) == 40
     assert plan.shared == {}
     assert "* Every bearing is in one split (`bearing_id`).\n* Every machine is in one split" in plan.split_text
 
