@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
+from typing import TypeAlias
 
 import numpy as np
 
@@ -18,47 +18,7 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.verdicts import FAULT_CLASSES
 
 
-class Marking(ABC):
-    """How the entries of one exam are marked, 0 to 100."""
-
-    name: str
-    """Name of the mark."""
-    caption: str
-    """Beginning of the description of a picture of the marks."""
-    unit: str
-    about: str
-    """What the columns contain, as a sentence without its full stop."""
-
-    @abstractmethod
-    def heads(self, entries: Sequence[Entry]) -> tuple[str, ...]:
-        """Return the heads of the columns for some entries."""
-
-    @abstractmethod
-    def cells(self, entry: Entry, heads: Sequence[str]) -> tuple[str, ...]:
-        """Return the cells of an entry in these columns."""
-
-    @abstractmethod
-    def series(self, entry: Entry) -> Mapping[str, Interval]:
-        """Return what a figure shows of an entry, by name."""
-
-    @abstractmethod
-    def mark(self, entry: Entry) -> float:
-        """Return the mark by which entries are sorted."""
-
-    @abstractmethod
-    def samples(self, entry: Entry, seed: int = SEED) -> Floats:
-        """Return the mark in bootstrap samples of the scenarios, which are the same for every entry and ``seed``."""
-
-    @abstractmethod
-    def compare(self, first: Entry, second: Entry) -> ScoreDifference:
-        """Return the difference of two marks by a paired bootstrap.
-
-        Raises:
-            Refusal: the entries have different scenarios.
-        """
-
-
-class ScoreMarking(Marking):
+class ScoreMarking:
     """The exam score; see `dcrb_ros.exam.exam_score`."""
 
     name, caption, unit = "exam score", "Exam scores", "-"
@@ -87,7 +47,7 @@ class ScoreMarking(Marking):
         return self.series(entry)[HEADLINE].value
 
     def samples(self, entry: Entry, seed: int = SEED) -> Floats:
-        """Return this score in bootstrap samples."""
+        """Return this score in bootstrap samples of the scenarios, which are the same for every entry and ``seed``."""
         contributions = entry.contributions()
         return scores(contributions, HEADLINE_PROFILE, draws(contributions, seed))
 
@@ -96,7 +56,7 @@ class ScoreMarking(Marking):
         return compare(first.contributions(), second.contributions(), HEADLINE_PROFILE)
 
 
-class VerdictMarking(Marking):
+class VerdictMarking:
     """The share of correct verdicts in the required scenarios [%], mean over the classes."""
 
     name, caption, unit = "correct verdicts", "Correct verdicts", "%"
@@ -133,12 +93,20 @@ class VerdictMarking(Marking):
         return _shares(entry, draws(required, seed))
 
     def compare(self, first: Entry, second: Entry) -> ScoreDifference:
-        """Return the difference of two shares by a paired bootstrap; see `Marking.compare`."""
+        """Return the difference of two shares by a paired bootstrap.
+
+        Raises:
+            Refusal: the entries have different scenarios.
+        """
         scenarios = [[(scenario.name, scenario.family) for scenario in _required(entry)] for entry in (first, second)]
         if scenarios[0] != scenarios[1]:
             raise Refusal("the detectors were evaluated on different scenarios: compare entries of one exam")
         samples = self.samples(first) - self.samples(second)
         return difference(self.mark(first) - self.mark(second), samples, known=_several_of_each(first))
+
+
+Marking: TypeAlias = ScoreMarking | VerdictMarking
+"""How the entries of one exam are marked, 0 to 100."""
 
 
 def marking_of(entry: Entry) -> Marking:
