@@ -24,7 +24,7 @@ from dcrb_ros.messages.statuses import Status, decode_diagnostics
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, DIAGNOSIS, FEATURES, NAMESPACE, VIBRATION, Topic
 from dcrb_ros.nodes.programs import WITH_PARENT
 from dcrb_ros.nodes.publisher import subscribe
-from dcrb_ros.nodes.ros import check_bench_discovery, check_ros, limit_discovery, stop_on_signals
+from dcrb_ros.nodes.ros import check_bench_discovery, check_ros, node_in, stop_on_signals
 from dcrb_ros.runtime import terminal
 from dcrb_ros.runtime.children import signals_blocked
 from dcrb_ros.runtime.signals import STOPPED
@@ -39,6 +39,8 @@ SUBSCRIBER_TIMEOUT = 20.0
 """Wall time in which the other nodes must subscribe before the simulator is started [s]."""
 EXIT_TIMEOUT = 10.0
 """Wall time in which a node must end after SIGINT [s]."""
+SPIN_TIME = 0.05
+"""Longest wait for a message between two checks of the processes [s]."""
 
 
 def _with_values(status: Status, *keys: str) -> Status:
@@ -223,21 +225,21 @@ def run_nodes(
     check_ros()
     check_bench_discovery()
     stop = stop_on_signals()
-    limit_discovery()
     console.print(f"bench {what} as ROS 2 nodes in {NAMESPACE}, {duration:g} s at time scale {configuration.time_scale:g}")
     arguments = ["--duration", repr(duration), *(["--scenario", str(scenario)] if scenario else [])]
     with ExitStack() as stack:
-        node = stack.enter_context(_observing(observer))
+        node, spin = stack.enter_context(node_in("bench"))
+        observer.subscribe(node)
         detector = stack.enter_context(node_process(nodes.detector[0], [], nodes.detector[1]))
         subscribers = [detector, *([stack.enter_context(node_process(*nodes.viewer))] if nodes.viewer else [])]
         # The simulator is started last, so that the others do not slow it down by their start.
-        _await_subscribers(node, nodes.first, subscribers, stop)
+        _await_subscribers(node, spin, nodes.first, subscribers, stop)
         if stop.is_set():
             console.print("stopped before the simulator was started")
             return STOPPED
         # Its first block waits until they have discovered it.
         with node_process(nodes.simulator, arguments, nodes.waiting_for(1 + _running(subscribers))) as process:
-            status = _watch(observer, node, process, detector, duration, stop, console)
+            status = _watch(observer, spin, process, detector, duration, stop, console)
     status = status or _exit_status(process.returncode)  # a stopped simulator may have failed to write its recording
     return _conclude(observer, "" if status else configuration.recording.path, console, status)
 
@@ -265,37 +267,20 @@ def _running(processes: Sequence[subprocess.Popen[bytes]]) -> int:
     return sum(process.poll() is None for process in processes)
 
 
-@contextmanager
-def _observing(observer: Observer) -> Iterator[Any]:
-    """Yield a node with the observer's subscriptions."""
-    import rclpy
-    from rclpy.signals import SignalHandlerOptions
-    from rclpy.utilities import try_shutdown
-
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-    node = rclpy.create_node("bench", namespace=NAMESPACE)
-    observer.subscribe(node)
-    try:
-        yield node
-    finally:
-        node.destroy_node()
-        try_shutdown()
-
-
-def _await_subscribers(node: Any, first: Topic, processes: Sequence[subprocess.Popen[bytes]], stop: threading.Event) -> None:
+def _await_subscribers(
+    node: Any, spin: Callable[[float], None], first: Topic, processes: Sequence[subprocess.Popen[bytes]], stop: threading.Event
+) -> None:
     """Wait until the observer and every running process have subscribed, at most `SUBSCRIBER_TIMEOUT`."""
-    import rclpy
-
     topic, deadline = first.resolved(NAMESPACE), time.monotonic() + SUBSCRIBER_TIMEOUT
     while not stop.is_set() and time.monotonic() < deadline:
         if node.count_subscribers(topic) > _running(processes):
             return
-        rclpy.spin_once(node, timeout_sec=0.05)
+        spin(SPIN_TIME)
 
 
 def _watch(
     observer: Observer,
-    node: Any,
+    spin: Callable[[float], None],
     simulator: subprocess.Popen[bytes],
     detector: subprocess.Popen[bytes],
     duration: float,
@@ -303,12 +288,10 @@ def _watch(
     console: Console,
 ) -> int:
     """Show the status line until the simulator ends; return the status of a node that failed, or 0."""
-    import rclpy
-
     end_ns, deadline, shown = round((duration - 1.0) * 1e9), None, 0.0
     with console.status("starting ...") as status:
         while not stop.is_set():
-            rclpy.spin_once(node, timeout_sec=0.05)
+            spin(SPIN_TIME)
             now = time.monotonic()
             if console.is_terminal:
                 status.update(observer.line())

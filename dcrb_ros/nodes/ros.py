@@ -215,8 +215,8 @@ def _log_failure(node: Node, error: Exception, count: int) -> None:
 
 
 @contextmanager
-def node_in(name: str, domain: int) -> Iterator[tuple[Node, Callable[[float], None]]]:
-    """Yield a node in a ROS domain, and a function that serves its callbacks for a time [s]."""
+def node_in(name: str, domain: int | None = None) -> Iterator[tuple[Node, Callable[[float], None]]]:
+    """Yield a node in a ROS domain, by default that of the environment, and a function that serves its callbacks for a time [s]."""
     import rclpy
     from rclpy.context import Context
     from rclpy.executors import SingleThreadedExecutor
