@@ -71,14 +71,15 @@ def bench(
     recorded = configuration.recording.path
     check_force("--record", recorded, force=force)
     with replacing("--record" if record else "recording.path =", expanded_path(recorded), force=force) if recorded else nullcontext():
+        from dcrb_ros.nodes.bench import bearing_bench, run
+
         if vehicle is not None:
-            from dcrb_ros.nodes.vehicle_bench import run as run_vehicle
+            from dcrb_ros.nodes.vehicle_bench import vehicle_bench
 
-            status = run_vehicle(name, boxes, described, parameters, seconds, scenario, shown=rerun)
+            nodes = vehicle_bench(name, boxes, described, parameters, shown=rerun)
         else:
-            from dcrb_ros.nodes.bench import run
-
-            status = run(name, configuration, parameters, seconds, scenario, shown=rerun)
+            nodes = bearing_bench(name, configuration, parameters, shown=rerun)
+        status = run(nodes, configuration, seconds, scenario)
     raise typer.Exit(status)
 
 

@@ -168,34 +168,12 @@ def node_process(name: str, arguments: Sequence[str], parameters: Any = None) ->
         process.stdin.close()
 
 
-def run(
-    name: str,
-    configuration: Configuration,
-    detector_parameters: DetectorParameters,
-    duration: float,
-    scenario: Path | None = None,
-    *,
-    shown: bool = False,
-) -> int:
-    """Run the bench for ``duration`` of simulated time [s], with a scenario if one is given; return the exit status.
-
-    With ``shown`` Rerun shows the bench; a failure of the viewer does not stop it.
-    """
-    nodes = Nodes(
-        "simulator",
-        lambda listeners: _waiting_for(configuration, listeners),
-        ("fault_detector", detector_parameters),
-        ("viewer", []) if shown else None,
-        VIBRATION,
-    )
-    what = f"'{name}': simulator and fault detector"
-    return run_nodes(what, nodes, Observer(), configuration, duration, scenario)
-
-
 @dataclass(frozen=True)
-class Nodes:
-    """The nodes of a bench."""
+class Bench:
+    """The nodes of a bench, and their observer."""
 
+    about: str
+    """Name and parts."""
     simulator: str
     """Name."""
     waiting_for: Callable[[int], Any]
@@ -206,42 +184,49 @@ class Nodes:
     """Name and arguments; None for none."""
     first: Topic
     """The topic to which detector, viewer and observer subscribe when they start."""
+    observer: Observer
+    """Keeps what is shown."""
 
 
-def run_nodes(
-    what: str, nodes: Nodes, observer: Observer, configuration: Configuration, duration: float, scenario: Path | None = None
-) -> int:
-    """Run the nodes of a bench, show a status line, and print the verdicts; return the exit status.
+def bearing_bench(name: str, configuration: Configuration, detector_parameters: DetectorParameters, *, shown: bool = False) -> Bench:
+    """Return the bench of a bearing; with ``shown`` Rerun shows it, whose failure does not stop the bench."""
+    return Bench(
+        f"'{name}': simulator and fault detector",
+        "simulator",
+        lambda listeners: _waiting_for(configuration, listeners),
+        ("fault_detector", detector_parameters),
+        ("viewer", []) if shown else None,
+        VIBRATION,
+        Observer(),
+    )
 
-    Args:
-        what: name and parts of the bench.
-        nodes: the nodes.
-        observer: keeps what is shown.
-        configuration: gives time scale and recording.
-        duration: simulated time of the run [s].
-        scenario: a scenario for the simulator, if there is one.
+
+def run(bench: Bench, configuration: Configuration, duration: float, scenario: Path | None = None) -> int:
+    """Run the nodes of a bench for ``duration`` of simulated time [s], show a status line, and print the verdicts; return the exit status.
+
+    The ``configuration`` gives time scale and recording. The simulator plays a ``scenario``, if one is given.
     """
     console = terminal.console(stderr=True)
     check_ros()
     check_bench_discovery()
     stop = stop_on_signals()
-    console.print(f"bench {what} as ROS 2 nodes in {NAMESPACE}, {duration:g} s at time scale {configuration.time_scale:g}")
+    console.print(f"bench {bench.about} as ROS 2 nodes in {NAMESPACE}, {duration:g} s at time scale {configuration.time_scale:g}")
     arguments = ["--duration", repr(duration), *(["--scenario", str(scenario)] if scenario else [])]
     with ExitStack() as stack:
         node, spin = stack.enter_context(node_in("bench"))
-        observer.subscribe(node)
-        detector = stack.enter_context(node_process(nodes.detector[0], [], nodes.detector[1]))
-        subscribers = [detector, *([stack.enter_context(node_process(*nodes.viewer))] if nodes.viewer else [])]
+        bench.observer.subscribe(node)
+        detector = stack.enter_context(node_process(bench.detector[0], [], bench.detector[1]))
+        subscribers = [detector, *([stack.enter_context(node_process(*bench.viewer))] if bench.viewer else [])]
         # The simulator is started last, so that the others do not slow it down by their start.
-        _await_subscribers(node, spin, nodes.first, subscribers, stop)
+        _await_subscribers(node, spin, bench.first, subscribers, stop)
         if stop.is_set():
             console.print("stopped before the simulator was started")
             return STOPPED
         # Its first block waits until they have discovered it.
-        with node_process(nodes.simulator, arguments, nodes.waiting_for(1 + _running(subscribers))) as process:
-            status = _watch(observer, spin, process, detector, duration, stop, console)
+        with node_process(bench.simulator, arguments, bench.waiting_for(1 + _running(subscribers))) as process:
+            status = _watch(bench.observer, spin, process, detector, duration, stop, console)
     status = status or _exit_status(process.returncode)  # a stopped simulator may have failed to write its recording
-    return _conclude(observer, "" if status else configuration.recording.path, console, status)
+    return _conclude(bench.observer, "" if status else configuration.recording.path, console, status)
 
 
 def _exit_status(returncode: int) -> int:

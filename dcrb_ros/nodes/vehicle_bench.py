@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Mapping
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 from dcrb_ros.diagnosis.parameters import DetectorParameters
@@ -14,7 +13,7 @@ from dcrb_ros.messages.statuses import OK, Status, decode_diagnostics
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, FEATURES, VIBRATION, Topic
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DIAGNOSIS
 from dcrb_ros.messages.vehicle import box_path
-from dcrb_ros.nodes.bench import Nodes, Observer, run_nodes
+from dcrb_ros.nodes.bench import Bench, Observer
 from dcrb_ros.nodes.vehicle_detector_input import VehicleDetectorSettings
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.vehicle.description import Vehicle
@@ -96,28 +95,17 @@ class VehicleObserver(Observer):
         return "  |  ".join(parts)
 
 
-def run(
-    name: str,
-    parameters: Mapping[str, Any],
-    vehicle: Vehicle,
-    box_parameters: DetectorParameters,
-    duration: float,
-    scenario: Path | None = None,
-    *,
-    shown: bool = False,
-) -> int:
-    """Run the bench of a vehicle, given by its ``parameters`` by dotted keys, for ``duration`` [s]; return the exit status.
-
-    The ``parameters`` are those at the start of the ``scenario``, if one is given.
-    """
-    configuration = vehicle.boxes[0].configuration
-    least = configuration.publishing.listeners
-    nodes = Nodes(
+def vehicle_bench(
+    name: str, parameters: Mapping[str, Any], vehicle: Vehicle, box_parameters: DetectorParameters, *, shown: bool = False
+) -> Bench:
+    """Return the bench of a vehicle, given by its ``parameters`` by dotted keys at the start of the run; with ``shown`` Rerun shows it."""
+    least = vehicle.boxes[0].configuration.publishing.listeners
+    return Bench(
+        f"'{name}': {len(vehicle.boxes)} axle boxes and the detector that compares them",
         "vehicle_simulator",
         lambda listeners: {**parameters, "publishing.listeners": max(least, listeners)},
         ("vehicle_detector", VehicleDetectorSettings(boxes=box_parameters)),
         ("viewer", ["--vehicle"]) if shown else None,
         VEHICLE_DESCRIPTION,
+        VehicleObserver(vehicle),
     )
-    what = f"'{name}': {len(vehicle.boxes)} axle boxes and the detector that compares them"
-    return run_nodes(what, nodes, VehicleObserver(vehicle), configuration, duration, scenario)

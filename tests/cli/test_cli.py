@@ -160,8 +160,8 @@ def test_shipped_recordings_are_diagnosed_correctly(name: str) -> None:
 def test_options_of_the_bench_override_the_configuration_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     runs: list[tuple[Configuration, DetectorParameters]] = []
 
-    def run(name: str, configuration: Configuration, parameters: DetectorParameters, *others: Any, **more: Any) -> int:
-        runs.append((configuration, parameters))
+    def run(bench: Any, configuration: Configuration, *others: Any) -> int:
+        runs.append((configuration, bench.detector[1]))
         return 0
 
     monkeypatch.setattr("dcrb_ros.nodes.bench.run", run)
@@ -204,7 +204,7 @@ def test_a_bench_does_not_record_to_an_existing_folder(
 
 
 def test_a_bench_replaces_the_folder_of_its_configuration_with_force(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def run(name: str, configuration: Configuration, *others: Any, **more: Any) -> int:
+    def run(bench: Any, configuration: Configuration, *others: Any) -> int:
         Path(configuration.recording.path).mkdir()
         return 0
 
