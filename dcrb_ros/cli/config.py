@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -83,6 +84,7 @@ def check(config: Config, settings: Settings = None) -> None:
 
 @app.command()
 def new(
+    context: typer.Context,
     output: Annotated[Path, typer.Option("-o", "--output", help="New YAML file.")],
     inner_raceway: Annotated[float, typer.Option("-F", "--inner-raceway", help="Diameter of the inner raceway [mm], F in catalogues.")],
     rollers: Annotated[int, typer.Option("-Z", "--rollers", help="Rollers in each row [-].")],
@@ -112,21 +114,7 @@ def new(
     from dcrb_ros.bearing.catalogue import CatalogueBearing, configuration_of, described_yaml
 
     check_file("-o", output, (".yaml", ".yml"), force=force)
-    bearing = CatalogueBearing(
-        inner_raceway=inner_raceway,
-        rollers=rollers,
-        roller_diameter=roller_diameter,
-        roller_length=roller_length,
-        rpm=rpm,
-        outer_raceway=outer_raceway,
-        rows=rows,
-        bore=bore,
-        outside=outside,
-        width=width,
-        clearance=clearance,
-        load=load,
-        contact_angle=contact_angle,
-    )
+    bearing = CatalogueBearing(**{field.name: context.params[field.name] for field in fields(CatalogueBearing)})
     parameters, filled = configuration_of(bearing)
     kind = f"Roller bearing with a contact angle of {contact_angle:g} degrees" if contact_angle else "Cylindrical roller bearing"
     title = f"{kind}, {rows} x {rollers} rollers of {roller_diameter:g} x {roller_length:g} mm, at {rpm:g} rpm."
