@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,20 +12,27 @@ import typer
 
 from dcrb_ros.cli import completion
 from dcrb_ros.cli.evaluation import DetectorOptions, evaluate_bags, evaluate_exam, evaluate_measured_folder
-from dcrb_ros.cli.exam_list import print_scenarios
 from dcrb_ros.cli.options import DetectorFile, Force, JsonOutput, Quiet, Workers, check_speed, refuse_given, worker_count
 from dcrb_ros.cli.output_file import PICTURES, check_outputs
-from dcrb_ros.cli.report_output import output_report
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.counts import counted
 
 if TYPE_CHECKING:
+    from dcrb_ros.exam.exam_file import Exam
+    from dcrb_ros.exam.kinds import AnyExam
     from dcrb_ros.exam.limits import Limits
+    from dcrb_ros.exam.report import Report
+    from dcrb_ros.exam.vehicle.exam_file import VehicleExam
 
 EVALUATION = (
     *("node", "python", "reference", "detector", "rate", "patience", "block_limit", "scenario_limit", "memory_limit"),
     *("recordings", "workers", "as_json", "junit", "figure", "entry", "force", "name"),
 )
 """Options without effect on a list of scenarios."""
+HEADS: tuple[str, ...] = ("scenario", "correct verdict", "onset [s]", "duration [s]", "twin")
+VEHICLE_HEADS: tuple[str, ...] = ("scenario", "not healthy", "duration [s]")
+LONGEST_TABLE = 300
+"""Scenarios up to which they are a table with lines; a longer list is plain columns, which take a tenth of the time."""
 
 
 def score(
@@ -198,3 +206,61 @@ def _is_recording(path: Path) -> bool:
     from dcrb_ros.recordings.vehicle_folder import box_of
 
     return bool(box_of(path)[1]) or path.suffix == ".mcap" or (path.is_file() and path.suffix not in (".yaml", ".yml"))
+
+
+def output_report(report: Report, as_json: bool, junit: Path | None, figure: Path | None, entry: Path | None = None) -> None:
+    """Print a report, then write its files; printing comes first so that no result is lost if a file cannot be written."""
+    if as_json:
+        print(json.dumps(report.described(), indent=2, allow_nan=False), flush=True)
+    else:
+        from dcrb_ros.exam.table import tables
+        from dcrb_ros.runtime.terminal import console
+
+        console().print(tables(report))
+    if junit is not None:
+        from dcrb_ros.exam.junit import write_junit
+
+        write_junit(report, junit)
+    if figure is not None:
+        from dcrb_ros.exam.figure import write_figure
+
+        write_figure(report, figure)
+    if entry is not None:
+        from dcrb_ros.exam.leaderboard_entry import entry_of, write_entry
+
+        write_entry(entry_of(report), entry)
+
+
+def print_scenarios(exam: AnyExam) -> None:
+    """Print the scenarios of an exam with their correct verdicts, and the hash of them all."""
+    from dcrb_ros.exam.exam_file import Exam
+    from dcrb_ros.runtime.terminal import console, table
+
+    title = f"{exam.name}: {exam.about}" if exam.about else exam.name
+    if isinstance(exam, Exam):
+        heads, rows, kind = HEADS, list(_cells(exam)), "scenario"
+        seconds = sum(case.simulation.duration for case in exam.cases)
+    else:
+        heads, rows, kind = VEHICLE_HEADS, list(_vehicle_cells(exam)), "vehicle"
+        seconds = sum(case.duration for case in exam.cases)
+    if kind == "scenario" and len(rows) <= LONGEST_TABLE:
+        console().print(table(title, heads, rows))
+    else:
+        widths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
+        lines = ("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in (heads, *rows))
+        console().print("\n".join([title, *lines]), soft_wrap=True)
+    print(f"{counted(len(rows), kind)}, {seconds:.0f} s simulated, sha256 {exam.digest}")
+
+
+def _cells(exam: Exam) -> Iterable[tuple[str, ...]]:
+    from dcrb_ros.exam.exam_scenarios import expectations
+
+    for expectation in expectations(exam):
+        name = expectation.name if expectation.required else f"{expectation.name} (not required)"
+        onset = f"{expectation.onset:g}" if expectation.faulty else "-"
+        yield name, expectation.verdict, onset, f"{expectation.duration:g}", expectation.twin or "-"
+
+
+def _vehicle_cells(exam: VehicleExam) -> Iterable[tuple[str, ...]]:
+    for case in exam.cases:
+        yield case.name, ", ".join(f"{box} {verdict}" for box, verdict in case.damaged.items()) or "-", f"{case.duration:g}"

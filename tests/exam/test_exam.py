@@ -20,8 +20,7 @@ from made_up_blocks import BODIES
 from same_process import dcrb
 
 from dcrb_ros.cli.evaluation import progress_of
-from dcrb_ros.cli.report_output import output_report
-from dcrb_ros.cli.score import _is_recording
+from dcrb_ros.cli.score import _is_recording, output_report
 from dcrb_ros.diagnosis.detector import Diagnosis
 from dcrb_ros.exam.case import Case, scenarios_hash
 from dcrb_ros.exam.criteria import Criteria

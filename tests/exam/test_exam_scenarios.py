@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import yaml
 
-from dcrb_ros.cli.exam_list import print_scenarios
+from dcrb_ros.cli.score import print_scenarios
 from dcrb_ros.exam import exam_scenarios
 from dcrb_ros.exam.exam_file import Exam, exam_of
 from dcrb_ros.exam.exam_scenarios import expectations, led_signals
