@@ -66,13 +66,13 @@ def _detection(axes: Axes, report: Report) -> None:
         of_replica = any(result.expectation.width and result.expectation.last_verdict for result in report.faulty)
         _empty(axes, "widths on different bearings\nare not compared" if of_replica else "no defect with a width")
         return
-    verdicts, widest = list(dict.fromkeys(row.verdict for row in rows)), max(row.width for row in rows) * 1e3
+    verdicts, widest = list(dict.fromkeys(row.verdict for row in rows)), max(row.value for row in rows) * 1e3
     for position, verdict in enumerate(verdicts):
         shown = [row for row in rows if row.verdict == verdict]
         shift = 0.012 * widest * (position - 0.5 * (len(verdicts) - 1))
         shares = [row.probability for row in shown]
         error = [[p.value - p.low for p in shares], [p.high - p.value for p in shares]]
-        widths = [row.width * 1e3 + shift for row in shown]
+        widths = [row.value * 1e3 + shift for row in shown]
         style: dict[str, Any] = {"marker": "o", "ms": 4, "lw": 1.2, "capsize": 3, "color": FAULTS[verdict].colour}
         axes.errorbar(widths, [p.value for p in shares], error, label=verdict, **style)
     axes.axvline(report.criteria.smallest_width * 1e3, color="black", lw=0.8, ls=":", label="smallest required width")

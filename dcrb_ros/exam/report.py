@@ -51,9 +51,15 @@ class Delay:
     """Median delay in shaft revolutions [-]; NaN if the speed is unknown."""
 
 
-class Detected:
-    """How many of some scenarios with a fault were detected."""
+@dataclass(frozen=True)
+class Detection:
+    """Detections of faults of one kind and grade."""
 
+    verdict: str
+    parameter: str
+    """Key of the parameter that the scenario names in ``graded_by``; ``width`` of a defect without it."""
+    value: float
+    """Its value, in the unit of the parameter; the width in [m]."""
     found: int
     """Scenarios in which the fault was detected [-]."""
     scenarios: int
@@ -63,30 +69,6 @@ class Detected:
     def probability(self) -> Interval:
         """Probability of detection with its confidence interval."""
         return share(self.found, self.scenarios)
-
-
-@dataclass(frozen=True)
-class Detection(Detected):
-    """Detections of defects of one kind and width."""
-
-    verdict: str
-    width: float
-    """Width [m]."""
-    found: int
-    scenarios: int
-
-
-@dataclass(frozen=True)
-class GradedDetection(Detected):
-    """Detections of faults that are graded by another parameter than their width."""
-
-    verdict: str
-    parameter: str
-    """Key of the parameter that the scenario names in ``graded_by``."""
-    value: float
-    """Its value, in the unit of the parameter."""
-    found: int
-    scenarios: int
 
 
 @dataclass(frozen=True)
@@ -221,16 +203,16 @@ class Report:
         # Equal widths on the bearings of a replica, which have different sizes, are not equal defects.
         sized = [r for r in self.faulty if (e := r.expectation).width and not (e.last_verdict or e.grade or "difficulty" in e.tags)]
         return [
-            Detection(verdict, width, sum(result.found for result in same), len(same))
+            Detection(verdict, "width", width, sum(result.found for result in same), len(same))
             for verdict, group in _grouped(sized).items()
             for width in sorted({result.expectation.width for result in group})
             for same in [[result for result in group if result.expectation.width == width]]
         ]
 
-    def graded_detections(self) -> list[GradedDetection]:
+    def graded_detections(self) -> list[Detection]:
         """Return the probability of detection over the parameter that a scenario names in ``graded_by``."""
         return [
-            GradedDetection(verdict, parameter, value, sum(r.found for r in same), len(same))
+            Detection(verdict, parameter, value, sum(r.found for r in same), len(same))
             for verdict, group in _grouped(self.faulty).items()
             for parameter, value in sorted({r.expectation.grade for r in group if r.expectation.grade})
             for same in [[r for r in group if r.expectation.grade == (parameter, value)]]
@@ -312,7 +294,7 @@ class Report:
             "strata": [vars(stratum) for stratum in strata(self.results, self.criteria)],
             "confusion": self.confusion(),
             "detection": [
-                {"verdict": d.verdict, "width": d.width, "found": d.found, "asked": d.scenarios, "probability": d.probability._asdict()}
+                {"verdict": d.verdict, "width": d.value, "found": d.found, "asked": d.scenarios, "probability": d.probability._asdict()}
                 for d in self.detections()
             ],
             "graded_detection": [{**vars(d), "probability": d.probability._asdict()} for d in self.graded_detections()],

@@ -139,7 +139,7 @@ def _limit(limit: float) -> str:
 
 def _detections(report: Report) -> Iterator[Table]:
     rows = [
-        (row.verdict, f"{row.width * 1e3:g}", f"{row.found} of {row.scenarios}", bounds(row.probability)) for row in report.detections()
+        (row.verdict, f"{row.value * 1e3:g}", f"{row.found} of {row.scenarios}", bounds(row.probability)) for row in report.detections()
     ]
     title = f"Detection by width, {CONFIDENCE:.0%} confidence (Clopper-Pearson)"
     return _filled(title, ("fault", "width [mm]", "detected", "probability of detection"), rows)

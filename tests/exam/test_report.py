@@ -132,7 +132,7 @@ def test_strata_of_their_own_are_left_out_of_the_detections_over_the_width() -> 
         result("outer_ring", "outer_ring", 1.0, width=0.002),
         result("outer_ring", "healthy", width=0.002, difficulty="masked by the background"),
     )
-    assert [(d.width, d.found, d.scenarios) for d in masked.detections()] == [(0.002, 1, 1)]
+    assert [(d.value, d.found, d.scenarios) for d in masked.detections()] == [(0.002, 1, 1)]
 
 
 def test_a_report_of_last_verdicts_has_their_share_and_no_exam_score(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -164,7 +164,7 @@ def test_the_statistics_of_a_report_follow_from_its_results() -> None:
     assert (outer.verdict, outer.limit, outer.found, outer.scenarios, outer.median, outer.p95) == ("outer_ring", 5.0, 2, 3, 1.5, 1.95)
     assert (sensor.verdict, sensor.found, sensor.scenarios) == ("sensor", 1, 1)
     narrow, wide = MIXED.detections()
-    assert [(d.verdict, d.width, d.found, d.scenarios) for d in (narrow, wide)] == [
+    assert [(d.verdict, d.value, d.found, d.scenarios) for d in (narrow, wide)] == [
         ("outer_ring", 0.001, 0, 1),
         ("outer_ring", 0.002, 2, 2),
     ]
