@@ -6,13 +6,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import groupby
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.messages.cdr import FRAME, POINT_CLOUD, STAMP_END, TEMPLATES, decoded, encoded, header, ros_type, stamp_of, stamps
+from dcrb_ros.messages.cdr import FRAME, POINT_CLOUD, TEMPLATES, decoded, encoded, header, ros_type, stamp_of
 from dcrb_ros.messages.message_template import MessageTemplate, placeholder_bytes
 from dcrb_ros.schema.arrays import Floats, Samples
 from dcrb_ros.schema.refusal import Refusal
@@ -132,14 +131,9 @@ def decode_vibration(data: bytes) -> Vibration:
         Refusal: the fields are not those of `sample_type`, or the length does not fit them.
     """
     stamp_ns, points = decode_cloud(data, LAYOUTS, WAVEFORM, "a waveform block", "samples", 1)
-    tracked = "shaft_angle" in (points.dtype.names or ())
-    angle = points["shaft_angle"].copy() if tracked else np.full(len(points), np.nan, np.float32)
-    return Vibration(stamp_ns, points["t"].copy(), _axes(points), angle)
-
-
-def _axes(points: npt.NDArray[Any]) -> Samples:
-    """Return the accelerations of structured samples of any shape, shape (samples, axes) [m/s^2]."""
-    return np.stack([points[name].reshape(-1) for name in AXES if name in (points.dtype.names or ())], axis=1)
+    names = points.dtype.names or ()
+    angle = points["shaft_angle"].copy() if "shaft_angle" in names else np.full(len(points), np.nan, np.float32)
+    return Vibration(stamp_ns, points["t"].copy(), np.stack([points[name] for name in AXES if name in names], axis=1), angle)
 
 
 def fields_of(kind: np.dtype[Any]) -> list[tuple[str, int, int, int]]:
@@ -150,42 +144,14 @@ def fields_of(kind: np.dtype[Any]) -> list[tuple[str, int, int, int]]:
 def decode_waveform(messages: Sequence[bytes]) -> tuple[npt.NDArray[np.int64], Samples, Samples]:
     """Return the samples of consecutive blocks: time [ns], acceleration [m/s^2] of shape (samples, axes), shaft angle [rad].
 
-    Blocks of equal length have the same fields; decoding those once is many times as fast.
-
     Raises:
         Refusal: as `decode_vibration`, or blocks differ in their axes.
     """
-    times, accelerations, angles = zip(*(_stretch(list(run)) for _, run in groupby(messages, len)), strict=True)
-    if len({part.shape[1] for part in accelerations}) > 1:
-        raise Refusal("blocks of a waveform have two and three axes: publish the same fields in all of them")
-    return np.concatenate(times), np.concatenate(accelerations), np.concatenate(angles)
-
-
-def _stretch(messages: Sequence[bytes]) -> tuple[npt.NDArray[np.int64], Samples, Samples]:
-    """Return the samples of blocks whose messages have the same length."""
-    points = _repeated(messages, decode_vibration(messages[0]))
-    if points is not None:
-        time_ns = (stamps(messages)[:, None] + points["t"]).reshape(-1)
-        return time_ns, _axes(points), points["shaft_angle"].reshape(-1)
     blocks = [decode_vibration(data) for data in messages]
-    pieces = [(block.stamp_ns + block.offsets_ns.astype(np.int64), block.acceleration, block.shaft_angle) for block in blocks]
-    times, accelerations, angles = zip(*pieces, strict=True)
-    return np.concatenate(times), np.concatenate(accelerations), np.concatenate(angles)
-
-
-def _repeated(messages: Sequence[bytes], first: Vibration) -> npt.NDArray[Any] | None:
-    """Return the samples, shape (messages, samples), if the messages differ from the ``first`` in stamp and samples only."""
-    kind = sample_type(first.acceleration.shape[1])
-    size = len(first.shaft_angle) * kind.itemsize
-    rows = np.frombuffer(b"".join(messages), np.uint8).reshape(len(messages), -1)
-    # The samples begin at a multiple of four bytes; the byte is_dense and up to three bytes of padding follow them.
-    begin = (rows.shape[1] - size - 1) // 4 * 4
-    if begin < STAMP_END or not (rows[:, STAMP_END:begin] == rows[0, STAMP_END:begin]).all():
-        return None
-    points = np.ascontiguousarray(rows[:, begin : begin + size]).view(kind)
-    as_read = [points["t"][0], _axes(points[0]), points["shaft_angle"][0]]
-    alike = map(np.array_equal, as_read, [first.offsets_ns, first.acceleration, first.shaft_angle])
-    return points if all(alike) else None
+    if len({block.acceleration.shape[1] for block in blocks}) > 1:
+        raise Refusal("blocks of a waveform have two and three axes: publish the same fields in all of them")
+    times = np.concatenate([block.stamp_ns + block.offsets_ns.astype(np.int64) for block in blocks])
+    return times, np.concatenate([block.acceleration for block in blocks]), np.concatenate([block.shaft_angle for block in blocks])
 
 
 def encode_spectrum(time_ns: int, orders: Floats, amplitude: Floats, shaft_frequency: float, frame: str = FRAME) -> bytes:

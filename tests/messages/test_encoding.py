@@ -78,15 +78,11 @@ def test_three_axes_round_trip(tracked: bool) -> None:
         decode_waveform([*data, encode_vibration(blocks[1], samples[:512, :2])])
 
 
-@pytest.mark.parametrize("frames", [("outer_ring",), ("outer_ring", "inner_ring"), ("box1", "box12")])
-def test_many_messages_decode_to_the_same_waveform_as_one_by_one(frames: tuple[str, ...]) -> None:
-    indices, counts = [0, 1024, 2048, 9000, 9512, 9700], [1024, 1024, 1024, 512, 188, 512]
-    data = [
-        encode_vibration(block, block.acceleration, frames[k % len(frames)])
-        for k, block in enumerate(block_at(*both) for both in zip(indices, counts, strict=True))
-    ]
+def test_many_messages_decode_to_the_same_waveform_as_one_by_one() -> None:
+    blocks = [block_at(index, count) for index, count in ((0, 1024), (1024, 1024), (9000, 512), (9512, 188))]
+    data = [encode_vibration(block, block.acceleration) for block in blocks]
     # Middleware pads a message to a multiple of four bytes.
-    data[2] += bytes(-len(data[2]) % 4)
+    data[1] += bytes(-len(data[1]) % 4)
     time_ns, acceleration, shaft_angle = decode_waveform(data)
     each = [decode_vibration(message) for message in data]
     assert time_ns.tolist() == [block.stamp_ns + int(offset) for block in each for offset in block.offsets_ns]
