@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dcrb_ros.measurement.features import features
 from dcrb_ros.messages.cdr import FRAME, JOINT_STATE, TEMPLATES, decoded, encoded, header, ros_type, stamp_of
@@ -26,8 +27,10 @@ class Joints:
     effort: Floats
 
 
-def encode_joints(time_ns: int, names: Sequence[str], position: Floats, velocity: Floats, effort: Floats, frame: str = FRAME) -> bytes:
-    """Return a JointState."""
+def encode_joints(
+    time_ns: int, names: Sequence[str], position: ArrayLike, velocity: ArrayLike = (), effort: ArrayLike = (), frame: str = FRAME
+) -> bytes:
+    """Return a JointState; quantities other than positions, velocities and efforts are in ``position``."""
     numbers = [np.asarray(values, "<f8").tobytes() for values in (position, velocity, effort)]
     return _joints_template(frame, tuple(names), *map(len, numbers)).filled(time_ns, *numbers)
 
@@ -43,8 +46,8 @@ def _joints_template(frame: str, names: tuple[str, ...], *sizes: int) -> Message
 
 def encode_features(block: Block, frame: str = FRAME) -> bytes:
     """Return the features of a block as a JointState; the values are in position."""
-    values, empty = features(block.acceleration, block.clipped), np.zeros(0)
-    return encode_joints(block.stamp_ns, list(values), np.array(list(values.values())), empty, empty, frame)
+    values = features(block.acceleration, block.clipped)
+    return encode_joints(block.stamp_ns, list(values), list(values.values()), frame=frame)
 
 
 def decode_joints(data: bytes) -> Joints:

@@ -5,12 +5,10 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
-from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from dcrb_ros.messages.cdr import FRAME, encoded, header, ros_type
-from dcrb_ros.messages.joints import encode_joints
+from dcrb_ros.messages.cdr import encoded, header, ros_type
 from dcrb_ros.messages.plain import decode_text
 from dcrb_ros.messages.statuses import ERROR, OK, WARN, Status, decode_diagnostics, encode_diagnostics
 from dcrb_ros.messages.topics.transforms import TF, stamped
@@ -152,10 +150,3 @@ def _level(name: str, verdict: str) -> int:
     if verdict in ("healthy", "waiting") or kind_of(name) in CONTEXT:
         return OK
     return WARN if verdict == UNDECIDED or kind_of(name) == "sensor" else ERROR
-
-
-def encode_indicators(time_ns: int, indicators: Mapping[str, float], frame: str = FRAME) -> bytes:
-    """Return quantities by name as a JointState; the values are in position."""
-    names: Iterable[str] = indicators
-    empty = np.zeros(0)
-    return encode_joints(time_ns, list(names), np.array(list(indicators.values()), np.float64), empty, empty, frame)

@@ -7,9 +7,10 @@ import sys
 from collections.abc import Callable, Iterator
 from typing import Any
 
+from dcrb_ros.messages.joints import encode_joints
 from dcrb_ros.messages.topics import AMBIENT_TEMPERATURE, ENVELOPE_SPECTRUM, OUTER_RING_TEMPERATURE, SENSOR, VIBRATION, Message, Topic
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DETECTED, VEHICLE_DIAGNOSIS, VEHICLE_INDICATORS
-from dcrb_ros.messages.vehicle import BASE, encode_indicators, encode_vehicle_diagnosis
+from dcrb_ros.messages.vehicle import BASE, encode_vehicle_diagnosis
 from dcrb_ros.nodes.base import BenchNode
 from dcrb_ros.nodes.detector_input import Response
 from dcrb_ros.nodes.programs import main
@@ -76,10 +77,10 @@ class VehicleDetectorNode(BenchNode):
             self._publish(diagnosis)
 
     def _publish(self, diagnosis: VehicleDiagnosis) -> None:
-        time_ns = diagnosis.time_ns
+        time_ns, indicators = diagnosis.time_ns, diagnosis.indicators
         self._publisher.write_messages(
             [
-                Message(VEHICLE_INDICATORS, time_ns, encode_indicators(time_ns, diagnosis.indicators, BASE)),
+                Message(VEHICLE_INDICATORS, time_ns, encode_joints(time_ns, list(indicators), list(indicators.values()), frame=BASE)),
                 Message(VEHICLE_DIAGNOSIS, time_ns, encode_vehicle_diagnosis(diagnosis)),
             ]
         )

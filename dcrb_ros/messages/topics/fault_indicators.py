@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from dcrb_ros.messages.cdr import FRAME, JOINT_STATE
 from dcrb_ros.messages.description import INDICATORS
 from dcrb_ros.messages.joints import decode_joints, encode_joints
@@ -13,8 +11,7 @@ from dcrb_ros.stream.diagnosis import Diagnosis
 
 def encode_indicators(diagnosis: Diagnosis, frame: str = FRAME) -> bytes:
     """Return the levels over background [dB] as a JointState; the values are in ``position``."""
-    levels, empty = np.array([diagnosis.levels.get(name, 0.0) for name in INDICATORS]), np.zeros(0)
-    return encode_joints(diagnosis.time_ns, INDICATORS, levels, empty, empty, frame)
+    return encode_joints(diagnosis.time_ns, INDICATORS, [diagnosis.levels.get(name, 0.0) for name in INDICATORS], frame=frame)
 
 
 FAULT_INDICATORS = DetectedTopic(

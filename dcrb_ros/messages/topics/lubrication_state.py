@@ -52,11 +52,10 @@ def arrays_of(names: tuple[str, ...], values: Floats) -> dict[str, Floats] | Non
 
 
 def _encode(block: Block, source: EncodedBench) -> Encoded:
-    empty = np.zeros(0)
     for states in block.states:
         if states.lubrication is not None:
-            values = values_of(states.lubrication)
-            yield states.time_ns, encode_joints(states.time_ns, names_of(len(states.cage_offset)), values, empty, empty, source.frame)
+            names = names_of(len(states.cage_offset))
+            yield states.time_ns, encode_joints(states.time_ns, names, values_of(states.lubrication), frame=source.frame)
 
 
 LUBRICATION_STATE = SimulatedTopic(

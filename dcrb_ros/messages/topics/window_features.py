@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
-
 from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.messages.cdr import JOINT_STATE
 from dcrb_ros.messages.joints import decode_joints, encode_joints
@@ -18,7 +16,7 @@ def _begin(source: EncodedBench) -> Callable[[Block, EncodedBench], Encoded]:
     """Return the encoder of a run, which keeps the samples of the present window."""
     from dcrb_ros.diagnosis.features.extraction import FeatureExtractor  # scipy is for those who publish features
 
-    rate, empty = source.configuration.sensor.sampling_rate, np.zeros(0)
+    rate = source.configuration.sensor.sampling_rate
     extractor = FeatureExtractor(characteristic_orders(source.configuration.bearing), rate)
 
     def encode(block: Block, source: EncodedBench) -> Encoded:
@@ -27,7 +25,7 @@ def _begin(source: EncodedBench) -> Callable[[Block, EncodedBench], Encoded]:
         table = extractor.update(block.index, block.acceleration, block.shaft_angle)
         for end, values in zip(table.time, table.values, strict=True):
             end_ns = nanoseconds(round(end * rate), rate)
-            yield end_ns, encode_joints(end_ns, extractor.names, values, empty, empty, source.frame)
+            yield end_ns, encode_joints(end_ns, extractor.names, values, frame=source.frame)
 
     return encode
 
