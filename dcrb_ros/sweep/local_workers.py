@@ -12,7 +12,7 @@ from multiprocessing.connection import Connection, wait
 from typing import cast
 
 from dcrb_ros.runtime.linear_algebra import ONE_THREAD
-from dcrb_ros.runtime.processes import available_memory, cores, resident_memory, worker_signals_blocked
+from dcrb_ros.runtime.processes import ORPHANED, available_memory, cores, resident_memory, worker_signals_blocked
 from dcrb_ros.runtime.threads import NamedThread
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.sweep.execution import CommonSettings, run_task
@@ -28,8 +28,8 @@ CHECK_INTERVAL = 0.2
 """Time between two checks of a worker's memory [s]."""
 ENDING_TIME = 5.0
 """Longest wait for the exit status of a process that has closed its connection [s]."""
-OUT_OF_MEMORY, ORPHANED = 74, 75
-"""Exit statuses of a worker that exceeded its memory limit, or whose parent process has ended."""
+OUT_OF_MEMORY = 74
+"""Exit status of a worker that exceeded its memory limit."""
 
 
 def parsed_memory(memory: str, count: int) -> int | None:
