@@ -10,6 +10,7 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from multiprocessing import resource_tracker
+from multiprocessing.connection import wait
 from pathlib import Path
 from typing import TypeVar
 
@@ -19,8 +20,10 @@ from dcrb_ros.runtime.signals import accept_termination
 from dcrb_ros.runtime.threads import NamedThread
 from dcrb_ros.schema.refusal import AlteredSamples
 
-ORPHANED = 75
-"""Exit status of a worker whose parent process has ended."""
+OUT_OF_MEMORY, ORPHANED = 74, 75
+"""Exit statuses of a worker that exceeded its memory limit, or whose parent process has ended."""
+CHECK_INTERVAL = 0.2
+"""Time between two checks of a worker's memory [s]."""
 Key = TypeVar("Key")
 Value = TypeVar("Value")
 
@@ -85,11 +88,14 @@ def _prepare_worker() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     accept_termination()
     keep_freed_memory()
-    NamedThread("parent", _end_with_parent).start()
+    NamedThread("parent", watch_parent).start()
 
 
-def _end_with_parent() -> None:
+def watch_parent(memory: int | None = None) -> None:
+    """End this process, a worker, when its parent has ended or it exceeds a memory limit [byte]."""
     parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(ORPHANED)
+    assert parent is not None
+    while not wait([parent.sentinel], None if memory is None else CHECK_INTERVAL):
+        if memory is not None and (resident_memory() or 0) > memory:
+            os._exit(OUT_OF_MEMORY)
+    os._exit(ORPHANED)

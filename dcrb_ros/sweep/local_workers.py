@@ -12,7 +12,7 @@ from multiprocessing.connection import Connection, wait
 from typing import cast
 
 from dcrb_ros.runtime.linear_algebra import ONE_THREAD
-from dcrb_ros.runtime.processes import ORPHANED, available_memory, cores, resident_memory, worker_signals_blocked
+from dcrb_ros.runtime.processes import OUT_OF_MEMORY, available_memory, cores, resident_memory, watch_parent, worker_signals_blocked
 from dcrb_ros.runtime.threads import NamedThread
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.sweep.execution import CommonSettings, run_task
@@ -24,12 +24,8 @@ from dcrb_ros.text.counts import counted
 SPAWN = multiprocessing.get_context("spawn")
 MOST_ATTEMPTS = 4
 """Times that a task is begun if its worker is lost each time [-]."""
-CHECK_INTERVAL = 0.2
-"""Time between two checks of a worker's memory [s]."""
 ENDING_TIME = 5.0
 """Longest wait for the exit status of a process that has closed its connection [s]."""
-OUT_OF_MEMORY = 74
-"""Exit status of a worker that exceeded its memory limit."""
 
 
 def parsed_memory(memory: str, count: int) -> int | None:
@@ -186,7 +182,7 @@ def _inherited_settings() -> Iterator[None]:
 def _process_tasks(connection: Connection, memory: int | None) -> None:
     """Process tasks until the other end of the connection is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # on systems without signal masks
-    NamedThread("watch", lambda: _watch(memory)).start()
+    NamedThread("watch", lambda: watch_parent(memory)).start()
     while True:
         try:
             common, task = connection.recv()
@@ -199,13 +195,3 @@ def _process_tasks(connection: Connection, memory: int | None) -> None:
         except Exception as error:
             outcome = RuntimeError(f"{type(error).__name__}: {error}")
         connection.send(outcome)
-
-
-def _watch(memory: int | None) -> None:
-    """End this process when its parent has ended or it exceeds its memory limit [byte]."""
-    parent = multiprocessing.parent_process()
-    assert parent is not None
-    while not wait([parent.sentinel], CHECK_INTERVAL):
-        if memory is not None and (resident_memory() or 0) > memory:
-            os._exit(OUT_OF_MEMORY)
-    os._exit(ORPHANED)
