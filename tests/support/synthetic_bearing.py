@@ -21,6 +21,8 @@ Signal = tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]
 def bursts(turns: Floats, order: float, amplitude: float, *, modulation: Floats | None = None, rate: int = RATE) -> Floats:
     """Return impacts that ring at 7 kHz, ``order`` of them per revolution; ``modulation`` scales each of them."""
     samples = len(turns)
+    if amplitude == 0.0:
+        return np.zeros(samples)
     impacts = np.flatnonzero(np.diff(np.floor(turns * order)) != 0.0)
     pulses = np.zeros(samples)
     pulses[impacts] = amplitude if modulation is None else amplitude * modulation[impacts]

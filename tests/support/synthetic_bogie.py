@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Mapping, Sequence
 
@@ -33,8 +34,15 @@ DESCRIPTION = VehicleDescription(
 Boxes = dict[str, Signal]
 
 
+@functools.cache
+def quiet(seed: int) -> Signal:
+    """Return the signal of an undamaged bearing, which is shared: copy it before you change it."""
+    return synthetic(seconds=SECONDS, seed=seed)
+
+
+@functools.cache
 def rail(side: int, delay: float) -> Floats:
-    """Return the acceleration by the long waves of one rail, 20 to 150 Hz, after a delay [s]."""
+    """Return the acceleration by the long waves of one rail, 20 to 150 Hz, after a delay [s]; the array is shared."""
     count = round(2.0 * SECONDS * RATE)
     frequency = np.fft.rfftfreq(count, 1.0 / RATE)
     random = np.random.default_rng(100 + side)
@@ -64,15 +72,11 @@ def bogie(
     """
     time = np.arange(round(SECONDS * RATE)) / RATE
     turns = FREQUENCY * time
-    quiet = {name: synthetic(seconds=SECONDS, seed=number) for number, name in enumerate(BOXES)}
-    sources = {
-        name: synthetic(seconds=SECONDS, seed=9, **parts)[0] - synthetic(seconds=SECONDS, seed=9)[0]
-        for name, parts in (damage or {}).items()
-    }
+    sources = {name: synthetic(seconds=SECONDS, seed=9, **parts)[0] - quiet(9)[0] for name, parts in (damage or {}).items()}
     signals: Boxes = {}
     for number, name in enumerate(BOXES):
         trailing, side = divmod(number, 2)
-        acceleration = quiet[name][0].astype(np.float64)
+        acceleration = quiet(number)[0].astype(np.float64)
         acceleration[:, 1] += rail(side, LAG * trailing)
         for source, motion in sources.items():
             acceleration += _transfer(source, name, across, along) * motion
@@ -85,7 +89,7 @@ def bogie(
             for begin in joints if side in joint_sides else ():
                 acceleration[:, 1] += heard * kink(time, begin + LAG * axle, joint)
         gain = (gains or {}).get(name, 1.0)
-        signals[name] = (gain * acceleration).astype(np.float32), quiet[name][1]
+        signals[name] = (gain * acceleration).astype(np.float32), quiet(number)[1].copy()
     return signals
 
 
