@@ -52,14 +52,14 @@ unit: environment ## The tests without ROS processes, file by file on two cores 
 	$(BIN)/python -m pytest -m "not node and $(SPEED)" -n 2 --dist loadfile
 
 kernels: environment ## The laws of the kernels once more, without the compiler
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -m kernel
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest tests/core -m kernel
 
 # A failure is final. Twice, rclpy's destroy_node crashed a test process while a client left the graph of killed nodes, the second time in its
 # last step, which ends the DDS participant; 140 provoked closings did not repeat it. So the tests whose process crashed (exit status 9,
 # tests/support/crashed_workers.py) are run once more.
 nodes: environment compiled ## The tests that start ROS nodes (SPEED=slow for the slow ones)
-	@status=0; PYTHONPATH=tests/support $(BIN)/python -m pytest -m "node and $(SPEED)" -n 2 --dist worksteal -p crashed_workers || status=$$?; \
-	if [ $$status -eq 9 ]; then $(BIN)/python -m pytest -m "node and $(SPEED)" --last-failed --last-failed-no-failures none; \
+	@status=0; PYTHONPATH=tests/support $(BIN)/python -m pytest tests/nodes -m "node and $(SPEED)" -n 2 --dist worksteal -p crashed_workers || status=$$?; \
+	if [ $$status -eq 9 ]; then $(BIN)/python -m pytest tests/nodes -m "node and $(SPEED)" --last-failed --last-failed-no-failures none; \
 	else exit $$status; fi
 
 validate: environment ## The paper's numbers and figures: a table, and a report in validation/
