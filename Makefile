@@ -19,7 +19,7 @@ demo: environment ## Run the bench with an outer-ring defect for 10 s: verdict, 
 
 # Two at a time: a node test waits for its nodes half of the time.
 test: environment ## Run the checks that a change needs, some ten minutes on two cores
-	@$(MAKE) --no-print-directory -j 2 types compiled lint architecture kernels docs
+	@EXECUTE_NOTEBOOKS=false $(MAKE) --no-print-directory -j 2 types compiled lint architecture kernels docs
 	@$(MAKE) --no-print-directory unit
 	@$(MAKE) --no-print-directory nodes
 	@echo "All checks hold; make test_slow runs the others."
@@ -27,7 +27,7 @@ test: environment ## Run the checks that a change needs, some ten minutes on two
 test_slow: environment ## Run the other checks, which continuous integration runs as well
 	@$(MAKE) --no-print-directory unit SPEED=slow
 	@$(MAKE) --no-print-directory nodes SPEED=slow
-	@$(MAKE) --no-print-directory validate
+	@$(MAKE) --no-print-directory docs validate
 	@$(MAKE) --no-print-directory colcon
 	@echo "All slow checks hold."
 
@@ -100,8 +100,7 @@ hostile: environment compiled ## All hostile inputs: files, command lines, messa
 pictures: environment ## Make pictures of the documentation (PICTURES='rerun order-map'); without names, list those that are out of date
 	MEASURED=$(MEASURED) $(BIN)/python benchmarks/pictures.py $(PICTURES)
 
-docs: environment ## The site, into site/, some two minutes: two notebooks are executed
-	@echo "Building the site executes the notebooks of docs/tutorials; this takes some two minutes."
+docs: environment ## The site, into site/, some two minutes: two notebooks are executed, except in make test
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 
 colcon: environment ## Build and test as a ROS package

@@ -59,9 +59,9 @@ def on_page_content(content: str, **_: Any) -> str:
     return PICTURE.sub(r'<a href="\1">\g<0></a>', BLOCK_OR_CODE.sub(broken, content))
 
 
-def on_post_page(output: str, page: Any, **_: Any) -> str:
-    """Refuse a notebook that shows no figure or prints warnings; one that fails has already ended the build."""
-    if page.file.src_uri.endswith(".ipynb"):
+def on_post_page(output: str, page: Any, config: Any) -> str:
+    """Refuse an executed notebook that shows no figure or prints warnings; one that fails has already ended the build."""
+    if page.file.src_uri.endswith(".ipynb") and config.plugins["mkdocs-jupyter"].config["execute"]:
         if FIGURE not in output:
             raise PluginError(f"{page.file.src_uri} shows no figure")
         if WARNINGS.search(output):

@@ -26,14 +26,15 @@ def test_there_are_two_notebooks_without_outputs() -> None:
         assert [cell for cell in cells if cell.outputs or cell.execution_count] == [], "clear the outputs: the site makes them anew"
 
 
-def built(page: str, output: str) -> str:
+def built(page: str, output: str, *, execute: bool = True) -> str:
     """Return a page as the hook of the site leaves it."""
     spec = importlib.util.spec_from_file_location("hooks", ROOT / "docs" / "hooks.py")
     assert spec is not None
     assert spec.loader is not None
     hooks = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(hooks)
-    return str(hooks.on_post_page(output, page=SimpleNamespace(file=SimpleNamespace(src_uri=page))))
+    config = SimpleNamespace(plugins={"mkdocs-jupyter": SimpleNamespace(config={"execute": execute})})
+    return str(hooks.on_post_page(output, page=SimpleNamespace(file=SimpleNamespace(src_uri=page)), config=config))
 
 
 def test_the_site_refuses_a_notebook_without_a_figure_or_with_warnings() -> None:
@@ -41,6 +42,7 @@ def test_the_site_refuses_a_notebook_without_a_figure_or_with_warnings() -> None
     figure = '<style>div[data-mime-type="application/vnd.jupyter.stderr"]{}</style><img src="data:image/png;base64,iVBORw0K">'
     assert built("first.ipynb", figure) == figure
     assert built("page.md", "text") == "text"
+    assert built("first.ipynb", "text", execute=False) == "text"
     with pytest.raises(plugins.PluginError, match=r"first\.ipynb shows no figure"):
         built("first.ipynb", "text")
     with pytest.raises(plugins.PluginError, match=r"first\.ipynb prints warnings"):

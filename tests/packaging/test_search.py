@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-SITE = yaml.safe_load((Path(__file__).parents[2] / "mkdocs.yml").read_text(encoding="utf-8"))
+SITE = yaml.safe_load((Path(__file__).parents[2] / "mkdocs.yml").read_text(encoding="utf-8").replace("!ENV", ""))
 
 
 @pytest.mark.parametrize(
