@@ -46,8 +46,6 @@ from dcrb_ros.nodes.bench import Observer
 from dcrb_ros.nodes.publisher import message_class, qos
 from dcrb_ros.nodes.ros import spin
 from dcrb_ros.recordings.reader import Recording
-from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.stream.events import ScenarioEvent, SpeedCommand
 
 pytestmark = pytest.mark.node
@@ -55,7 +53,7 @@ pytestmark = pytest.mark.node
 PROGRAM = [sys.executable, "-m", "dcrb_ros.cli.program"]
 
 
-@pytest.mark.parametrize(("fault", "verdict"), [("outer_1", "outer_ring"), ("inner_1", "inner_ring"), ("", "healthy")])
+@pytest.mark.parametrize(("fault", "verdict"), [("outer_1", "outer_ring"), ("", "healthy")])
 def test_the_detector_finds_the_fault_over_dds(fault: str, verdict: str, tmp_path: Path) -> None:
     number = domain()
     faulty = {f"faults__{fault}__width": 0.002} if fault else {}
@@ -123,8 +121,7 @@ def test_commands_take_effect_and_invalid_ones_are_refused(tmp_path: Path) -> No
         assert simulator.output.count("is refused") <= 3  # explained once, not for every message
 
 
-@pytest.mark.parametrize("number_of_signals", [1, 2])
-@pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize(("kind", "number_of_signals"), [(signal.SIGINT, 1), (signal.SIGTERM, 2)])
 def test_signals_close_the_recording(kind: signal.Signals, number_of_signals: int, tmp_path: Path) -> None:
     number, bag = domain(), tmp_path / "bag"
     with (
@@ -144,23 +141,11 @@ def test_signals_close_the_recording(kind: signal.Signals, number_of_signals: in
         assert np.array_equal(recorded[block.stamp_ns].acceleration, block.acceleration)  # the same bytes, published and recorded
 
 
-def test_samples_do_not_depend_on_the_time_scale(tmp_path: Path) -> None:
-    expected = np.concatenate([block.acceleration for block in Simulation(Configuration()).blocks(0.5)])
-    for scale in (0.5, 0.0):
-        bag = tmp_path / f"scale{scale}"
-        arguments = ["--duration", "0.5", *parameters(recording__path=bag, time_scale=scale, publishing__block_size=700)]
-        with node("simulator", arguments, environment(domain()), tmp_path / "log") as simulator:
-            assert simulator.process.wait(PATIENCE) == 0, simulator.output
-        assert np.array_equal(np.concatenate([v.acceleration for v in Recording(bag).vibrations()]), expected)
-
-
 @pytest.mark.parametrize(
     ("values", "sentence"),
     [
         ({"bearing__roler_radius": 0.015}, "did you mean 'bearing.roller_radius'?"),
-        ({"bearing__roller_radius": 15.0}, "did you mean 0.015?"),
         ({"operating__speed": 1772}, "is outside -1000 .. 1000 rad/s"),
-        ({"cage__joint": "welded"}, "is not one of revolute"),
     ],
 )
 def test_invalid_parameters_end_the_node_with_one_sentence(values: dict[str, object], sentence: str, tmp_path: Path) -> None:
@@ -174,7 +159,6 @@ def test_invalid_parameters_end_the_node_with_one_sentence(values: dict[str, obj
     ("arguments", "sentence"),
     [
         (["--duration", "nan"], "--duration nan s is not a finite number"),
-        (["--duration", "-1"], "--duration -1 s is out of range"),
         (["--scenario", "nowhere"], "there is no scenario 'nowhere': give a YAML file or one of bogie_ride, braking, burn_off"),
     ],
 )
@@ -229,12 +213,12 @@ def test_bench_command_ends_with_the_verdict(tmp_path: Path) -> None:
     bag, story = tmp_path / "bench", tmp_path / "story.yaml"
     story.write_text("timeline: [{at: 0.5, set: {operating.load: 95000.0}}]")
     command = [*PROGRAM, "bench", "outer_ring_defect"]
-    command += ["--duration", "10", "--record", str(bag), "--scenario", str(story)]
+    command += ["--duration", "5", "--record", str(bag), "--scenario", str(story)]
     done = subprocess.run(command, env=environment(domain()), capture_output=True, text=True, timeout=2 * PATIENCE, check=False)
     assert done.returncode == 0, done.stderr
     assert "verdict: outer_ring" in done.stdout
     recording = Recording(bag)
-    assert sum(len(v.shaft_angle) for v in recording.vibrations()) == 10 * 51200
+    assert sum(len(v.shaft_angle) for v in recording.vibrations()) == 5 * 51200
     assert recording.counts()["/dcrb/diagnosis"] > 3
     truths = [decode_truth(message.data) for message in recording.messages((GROUND_TRUTH,))]
     assert [t.time_ns for t in truths if t.event == ScenarioEvent({"operating.load": 95000.0})] == [500_000_000]
@@ -346,17 +330,7 @@ def test_two_simulators_in_one_namespace_warn_of_each_other(tmp_path: Path) -> N
         client.until(lambda: client.status["other_publishers"] == "/dcrb/simulator", "the status")
 
 
-def test_time_scale_changes_while_running(tmp_path: Path) -> None:
-    number = domain()
-    with graph_client(number) as client, node("simulator", parameters(time_scale=0.25), environment(number), tmp_path / "log"):
-        client.until(lambda: client.received[VIBRATION], "the first block")
-        assert not client.set(time_scale=-1.0)[0]
-        assert client.set(time_scale=0.5) == (True, "")
-        client.until(lambda: client.status["time_scale"] == "0.5", "the new time scale in /diagnostics")
-
-
-@pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
-def test_malformed_commands_are_counted_and_the_bench_continues(kind: signal.Signals, tmp_path: Path) -> None:
+def test_malformed_commands_are_counted_and_the_bench_continues(tmp_path: Path) -> None:
     from geometry_msgs.msg import Wrench
     from std_msgs.msg import Float64
 
@@ -376,7 +350,7 @@ def test_malformed_commands_are_counted_and_the_bench_continues(kind: signal.Sig
         speed.publish(Float64(data=140.0))
         client.until(lambda: decode_truth(client.received[GROUND_TRUTH][-1]).speed == pytest.approx(140.0), "the speed commanded")
         client.until(lambda: len(client.received[VIBRATION]) > blocks, "more blocks")
-        assert simulator.end_promptly(kind) == 0, simulator.output
+        assert simulator.end_promptly(signal.SIGINT) == 0, simulator.output
     assert "command/speed: a message of" in simulator.output
     assert "command/load: a message of" in simulator.output
     assert simulator.output.count("is not a valid") <= 4  # explained once, not for every message
@@ -384,8 +358,7 @@ def test_malformed_commands_are_counted_and_the_bench_continues(kind: signal.Sig
     assert Recording(bag).complete
 
 
-@pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_ends_the_node_during_compilation(kind: signal.Signals, tmp_path: Path) -> None:
+def test_a_signal_ends_the_node_during_compilation(tmp_path: Path) -> None:
     from std_msgs.msg import Float64
 
     number, bag = domain(), tmp_path / "bag"
@@ -399,7 +372,7 @@ def test_a_signal_ends_the_node_during_compilation(kind: signal.Signals, tmp_pat
         status = decode_diagnostics(client.received[BENCH_DIAGNOSTICS][-1])[1][0]
         assert (status.level, status.values["real_time_factor"]) == (WARN, "")
         assert status.message.startswith("compiling the kernels")
-        assert simulator.end_promptly(kind) == 0, simulator.output
+        assert simulator.end_promptly(signal.SIGTERM) == 0, simulator.output
         client.until(lambda: not processes("dcrb_ros.core.compilation", str(tmp_path)), "the end of the process that compiles with it")
     assert not client.received[VIBRATION]
     assert not bag.exists()  # a recording without a block is removed

@@ -179,24 +179,21 @@ def test_reports_are_stamped_with_the_wall_clock_unless_simulated_time_is_used(s
     with graph_client(number) as client, node("simulator", parameters(use_sim_time=simulated), environment(number), tmp_path / "log"):
         client.until(lambda: client.status["model"] == "running", "a report of the running bench")
         stamp_ns, (status,) = decode_diagnostics(client.received[BENCH_DIAGNOSTICS][-1])
+        assert client.node.count_publishers("/clock") == 0
+    assert not client.received[CLOCK]  # by default
     if simulated:
         assert stamp_ns == pytest.approx(float(status.values["simulated [s]"]) * 1e9, abs=1e6)
     else:
         assert began <= stamp_ns <= time.time_ns()
 
 
-def test_there_is_no_clock_by_default(tmp_path: Path) -> None:
-    number = domain()
-    with graph_client(number) as client, node("simulator", parameters(), environment(number), tmp_path / "log"):
-        client.until(lambda: client.status["model"] == "running", "a report of the running bench")
-        assert not client.received[CLOCK]
-        assert client.node.count_publishers("/clock") == 0
-
-
-def test_an_integer_is_accepted_for_a_floating_point_parameter(tmp_path: Path) -> None:
+def test_the_time_scale_changes_while_running_and_accepts_an_integer(tmp_path: Path) -> None:
     number = domain()
     with graph_client(number) as client, node("simulator", parameters(), environment(number), tmp_path / "log") as simulator:
         client.until(lambda: client.received[VIBRATION], "the first block")
+        assert not client.set(time_scale=-1.0)[0]
+        assert client.set(time_scale=0.5) == (True, "")
+        client.until(lambda: client.status["time_scale"] == "0.5", "the new time scale in /diagnostics")
         assert client.set(time_scale=2) == (True, "")  # as of `ros2 param set /dcrb/simulator time_scale 2`
         client.until(lambda: client.status.get("time_scale") == "2", "the time scale in the status")
         assert not client.set(publishing__block_size=2.0)[0]
