@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from even_surfaces import EVEN
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.special import j1
@@ -19,8 +20,6 @@ from dcrb_ros.core.layout.records import Integers
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
 
-SPREADS = ("roller_spread", "clearance_spread", "row_spread", "run_out", "pocket_spread", "pocket_clearance_spread", "cage_unbalance")
-EVEN: dict[str, Any] = {"law": "profile", "waviness": 0, "waviness_spread": 0, "roundness": 0} | dict.fromkeys(SPREADS, 0)
 OUTER_RADIUS, INNER_RADIUS = 17.390e-3, 12.603e-3
 """Reduced radii of the default bearing [m]."""
 

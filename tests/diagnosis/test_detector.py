@@ -121,7 +121,7 @@ def test_with_a_baseline_the_size_of_the_lines_counts(limit: float, verdict: str
     assert "baseline" in "; ".join(diagnosis.remarks)
 
 
-@pytest.mark.parametrize("gain", [0.01, 0.1, 10.0, 100.0])
+@pytest.mark.parametrize("gain", [0.01, 100.0])
 @pytest.mark.parametrize("impacts", [{}, {"outer": 100.0}, {"inner": 200.0}, {"cage": 100.0}], ids=["healthy", "outer", "inner", "cage"])
 def test_no_gain_changes_the_verdict(impacts: dict[str, float], gain: float) -> None:
     acceleration, angle = synthetic(seconds=2.6, **impacts)

@@ -249,7 +249,7 @@ def test_a_scenario_that_changes_nothing_in_the_run_is_refused(command: str, tmp
 
 
 @pytest.mark.parametrize("command", BENCHES)
-@pytest.mark.parametrize("content", ["", "timeline: []", "{}"])
+@pytest.mark.parametrize("content", ["", "{}"])
 def test_a_scenario_without_entries_is_refused(content: str, command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     scenario = tmp_path / "empty.yaml"
     scenario.write_text(content)
