@@ -5,7 +5,7 @@ STAMPED := $(shell date +%Y%m%d-%H%M%S)
 # A sourced ROS, or a middleware that is not in .venv, would end every node at once.
 unexport RMW_IMPLEMENTATION PYTHONPATH PYTHONHOME AMENT_PREFIX_PATH
 
-.PHONY: help environment demo test test_slow lint types compiled architecture unit kernels nodes validate bench sim_to_real predictivity soak signals exam bags mutants hostile hot_boxes pictures docs colcon clean
+.PHONY: help environment demo test test_slow lint types compiled architecture unit kernels nodes validate bench sim_to_real predictivity soak signals exam mutants hostile hot_boxes pictures docs colcon clean
 .DEFAULT_GOAL := help
 
 help: ## Show this list
@@ -74,9 +74,6 @@ sim_to_real: environment ## Train on simulated bearings, test on measured ones i
 
 predictivity: environment ## Compare replicas of the recordings in MEASURED with them, hours on two cores: rewrites docs/results/predictivity.md (PREDICTIVITY='--workers 8', or '--leaderboard docs/leaderboard' for its entries in seconds)
 	$(BIN)/python benchmarks/predictivity.py $(MEASURED) $(PREDICTIVITY)
-
-bags: environment ## Make the recordings of bags/ anew, where the model has changed
-	$(BIN)/python benchmarks/bags.py
 
 soak: environment ## An hour flat out and ten minutes in real time, with random commands and faults (SOAK='--flat-out 60 ...')
 	$(BIN)/python benchmarks/soak.py $(SOAK)

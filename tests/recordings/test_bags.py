@@ -50,4 +50,4 @@ def test_shipped_recordings_agree_with_the_present_model(bag: Path) -> None:
     simulation = Simulation(recording.configuration)
     made = np.concatenate([block.acceleration for block in simulation.blocks(BEFORE_CHAOS)])
     kept = next(iter(recording.vibrations())).acceleration[: len(made)]
-    assert np.abs(made - kept).max() < 1e-3 * np.abs(kept).max(), "the model has changed: make bags"
+    assert np.abs(made - kept).max() < 1e-3 * np.abs(kept).max(), "the model has changed: see bags/README.md"
