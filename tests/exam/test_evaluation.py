@@ -191,6 +191,19 @@ def broken_link_as_folder(path: Path, other: Path) -> None:
     path.symlink_to(path.with_name("missing"))
 
 
+@pytest.fixture(scope="module")
+def two_recorded(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Case]]:
+    """Return a folder with the recordings of two scenarios, and the scenarios."""
+    settings = {"cage.joint": "revolute"}
+    scenarios = [
+        {"name": name, "verdict": "healthy", "set": settings, "duration": 0.1, "seeds": [k]} for k, name in enumerate(("mine", "other"), 1)
+    ]
+    folder, cases = tmp_path_factory.mktemp("recorded"), list(exam_of({"exam": "t", "scenarios": scenarios}, "t").cases)
+    for case in cases:
+        cached_recording(case, folder)
+    return folder, cases
+
+
 @pytest.mark.timeout(200)  # a pipe would be waited for
 @pytest.mark.parametrize(
     ("damage", "sentence"),
@@ -210,13 +223,14 @@ def broken_link_as_folder(path: Path, other: Path) -> None:
     ],
 )
 def test_a_damaged_or_swapped_recording_is_reported_and_simulated_again(
-    damage: Callable[[Path, Path], None], sentence: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    damage: Callable[[Path, Path], None],
+    sentence: str,
+    two_recorded: tuple[Path, list[Case]],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    settings = {"cage.joint": "revolute"}
-    scenarios = [
-        {"name": name, "verdict": "healthy", "set": settings, "duration": 0.1, "seeds": [k]} for k, name in enumerate(("mine", "other"), 1)
-    ]
-    mine, other = exam_of({"exam": "t", "scenarios": scenarios}, "t").cases
+    folder, (mine, other) = two_recorded
+    shutil.copytree(folder, tmp_path, dirs_exist_ok=True)
     path = cached_recording(mine, tmp_path)
     files = {file.name for file in path.iterdir()}
     samples = Recording(path).waveform().acceleration

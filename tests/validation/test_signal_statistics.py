@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import sys
 from pathlib import Path
 
@@ -13,7 +12,8 @@ sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
 
 from impact_trains import Scatter, delays, scatter_of, shared_jitter, train_of
 from line_ratio import HARMONICS, WINDOW, kurtogram_bands, kurtogram_ratio, line_ratio
-from signal_statistics import SignalStatistics, signal_statistics
+from signal_machines import measured_rows
+from signal_statistics import signal_statistics
 from spectrum_shares import band_level, cut_off, octave_kurtosis
 
 from dcrb_ros.bearing.frequencies import Orders
@@ -170,41 +170,27 @@ def test_short_signals_are_refused_with_their_length() -> None:
         kurtogram_ratio(np.ones(RATE // 2), RATE, FREQUENCY, SHAFT)
 
 
-def of_rig(rig: str, elements: int) -> list[SignalStatistics]:
-    """Return the statistics of the outer-ring defects of a rig."""
-    found = []
-    for row in csv.DictReader((MEASURED / "recordings.csv").open()):
-        if (row["rig"], row["truth"]) == (rig, "outer_ring"):
-            with np.load(MEASURED / "recordings" / f"{row['name']}.npz") as content:
-                values = content["a"].astype(np.float64)
-            orders = Orders(**{name: float(row[name.upper()]) for name in ("ftf", "bpfo", "bpfi", "bsf")})
-            found.append(
-                signal_statistics(values, float(row["sampling_rate"]), float(row["speed_rpm_from_lines"]) / 60.0, orders, elements)
-            )
-    return found
-
-
 @measured
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("rig", "elements", "ratio", "scatter", "jitter", "crest", "cage", "sidebands"),
+    ("rig", "ratio", "scatter", "jitter", "crest", "cage", "sidebands"),
     [
-        ("cwru12", 9, 33.0, 1.3, 0.04, 17.0, 0.12, 0.54),
-        ("hitself", 9, 27.0, 0.76, 0.21, 23.0, 0.17, 0.17),
-        ("mfpt", 8, 46.0, 0.28, 0.04, 12.0, 0.03, 0.09),
+        ("CWRU", 33.0, 1.3, 0.04, 17.0, 0.12, 0.54),
+        ("HIT", 27.0, 0.76, 0.21, 23.0, 0.17, 0.17),
+        ("MFPT", 46.0, 0.28, 0.04, 12.0, 0.03, 0.09),
     ],
 )
 def test_measured_rigs_have_the_medians_of_the_specification(
-    rig: str, elements: int, ratio: float, scatter: float, jitter: float, crest: float, cage: float, sidebands: float
+    rig: str, ratio: float, scatter: float, jitter: float, crest: float, cage: float, sidebands: float
 ) -> None:
     """docs/explanation/realism.md: an independent implementation, whose band has other edges, had these medians.
 
     Jitter of 0.04 ms is within the error of the estimator, which depends on the two bands.
     """
-    all_of_them = of_rig(rig, elements)
+    rows = measured_rows(MEASURED, rig, "outer")
 
     def median(field: str) -> float:
-        return float(np.nanmedian([getattr(one, field) for one in all_of_them]))
+        return float(np.nanmedian([getattr(row.statistics, field) for row in rows]))
 
     assert median("ratio") == pytest.approx(ratio, rel=0.12)
     assert median("energy_scatter") == pytest.approx(scatter, rel=0.15)
