@@ -21,8 +21,8 @@ VEHICLE_DESCRIPTION = Topic(
 VEHICLE_STATE = Topic(
     "vehicle/state",
     "nav_msgs/msg/Odometry",
-    "motion of the vehicle per block, at the beginning of the last frame: `base_link` in `odom`, from the distance run and the curvature of "
-    "the track; speed [m/s] in `twist.twist.linear.x`, yaw rate [rad/s] in `twist.twist.angular.z`; exact, so all covariances are zero",
+    "motion of the vehicle per block, at the beginning of the last frame: `base_link` in `odom`, from the distance run and the curvature "
+    "of the track; speed [m/s] in `twist.twist.linear.x`, yaw rate [rad/s] in `twist.twist.angular.z`; exact, so all covariances are zero",
 )
 VEHICLE_TRUTH = Topic(
     "vehicle/ground_truth",
