@@ -50,6 +50,7 @@ class HeatMonitor:
         self.rejected = 0
         """Readings that were no temperatures of a bearing."""
         self._before: float | None = None
+        self._judgement: HeatJudgement | None = None
         self._cool: float | None = None
         self._suspicions = {rule.trouble: Suspicion() for rule in rules}
         self._running = 0.0
@@ -82,10 +83,15 @@ class HeatMonitor:
         evidence = HeatEvidence(rise, expected, deviation, self._starved(rise - expected, deviation), usual)
         findings = [rule.finding(evidence) for rule in self._rules]
         self._learn(rise, passed, deviation)
-        return HeatJudgement(evidence, self._confirmed(findings), {finding.trouble: finding.excess for finding in findings})
+        self._judgement = HeatJudgement(evidence, self._confirmed(findings), {finding.trouble: finding.excess for finding in findings})
+        return self._judgement
+
+    def judgement_at(self, time: float) -> HeatJudgement | None:
+        """Return what the latest reading says at a ``time`` [s]; None if it is the first one, or if a pause has begun since."""
+        return self._judgement if self._before is not None and time - self._before <= LONGEST_PAUSE else None
 
     def _restart(self, time: float) -> None:
-        self._before, self._cool, self._running = time, None, 0.0
+        self._before, self._judgement, self._cool, self._running = time, None, None, 0.0
         self.model.restart()
         self._suspicions = {rule.trouble: Suspicion() for rule in self._rules}
 

@@ -17,7 +17,7 @@ import numpy.typing as npt
 from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.diagnosis.demodulation import NYQUIST_SHARE
 from dcrb_ros.diagnosis.detector import FaultDetector
-from dcrb_ros.diagnosis.heat_monitor import HeatJudgement, HeatMonitor
+from dcrb_ros.diagnosis.heat_monitor import HeatMonitor
 from dcrb_ros.diagnosis.heat_rule import HeatFinding
 from dcrb_ros.diagnosis.hysteresis import Suspicion, probability
 from dcrb_ros.diagnosis.registry import HEAT_RULES
@@ -60,7 +60,6 @@ class ThermalFaultDetector(FaultDetector):
         self._noise, self._loud = StarvedNoise(p), Suspicion()
         """Rule for the level of vibration, and how long the level has been high."""
         self._noise_finding: HeatFinding | None = None
-        self._heat: HeatJudgement | None = None
         self._frequency = math.nan
         """Latest shaft frequency [Hz], but for `_angle`."""
         self._angle: Floats | None = None
@@ -76,7 +75,7 @@ class ThermalFaultDetector(FaultDetector):
         """
         self._take_angle()
         if not math.isnan(self._frequency):
-            self._heat = self._monitor.update(time, self._frequency, bearing, ambient, load) or self._heat
+            self._monitor.update(time, self._frequency, bearing, ambient, load)
 
     def update(self, index: int, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any] | None = None) -> Diagnosis | None:
         """Take a block; see `FaultDetector.update`."""
@@ -111,15 +110,16 @@ class ThermalFaultDetector(FaultDetector):
         """Return a diagnosis with what the temperature says."""
         rejected = self._monitor.rejected
         remarks = (f"{rejected} readings were no temperatures of a bearing",) if rejected else ()
-        if self._heat is None:
+        judgement = self._monitor.judgement_at(diagnosis.time)
+        if judgement is None:
             return dataclasses.replace(diagnosis, remarks=(*diagnosis.remarks, *remarks)) if remarks else diagnosis
-        scores: Mapping[Trouble, float] = self._heat.scores
+        scores: Mapping[Trouble, float] = judgement.scores
         heated = dataclasses.replace(
             diagnosis,
             scores={**diagnosis.scores, **{str(name): score for name, score in scores.items()}},
-            remarks=(*diagnosis.remarks, *remarks, self._heat.evidence.sentence),
+            remarks=(*diagnosis.remarks, *remarks, judgement.evidence.sentence),
         )
-        for finding in self._heat.confirmed.values():
+        for finding in judgement.confirmed.values():
             heated = with_trouble(heated, finding)
         return heated
 

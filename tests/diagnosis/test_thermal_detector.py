@@ -88,6 +88,25 @@ def test_a_faulty_accelerometer_does_not_hide_a_hot_bearing() -> None:
     assert heated(dead, HOT)[-1].verdict == "overheating"
 
 
+@pytest.mark.parametrize(("pause", "verdict"), [(599.0, "overheating"), (602.0, "healthy")])
+def test_a_reading_counts_for_ten_minutes(pause: float, verdict: str) -> None:
+    one, (acceleration, angle) = detector(), healthy()
+    for k in range(20):
+        one.update(k * 1024, acceleration[k * 1024 : (k + 1) * 1024], angle[k * 1024 : (k + 1) * 1024])
+        one.take_temperature(0.02 * k, HOT, 20.0)
+    assert diagnoses(one, (acceleration, angle), first=round((pause - 2.5) * RATE))[-1].verdict == verdict
+
+
+def test_after_a_pause_of_the_readings_the_last_one_before_it_does_not_count() -> None:
+    judge = ThermalFaultDetector(ORDERS, RATE)._monitor
+    for time in (0.0, 1.0, 2.0, 3.0):
+        judge.update(time, 20.0, HOT, 20.0)
+    assert judge.judgement_at(603.0) is not None
+    assert judge.judgement_at(603.1) is None
+    assert judge.update(700.0, 20.0, HOT, 20.0) is None
+    assert judge.judgement_at(700.0) is None
+
+
 def test_readings_that_are_no_temperatures_are_remarked() -> None:
     last = heated(healthy(), float("nan"))[-1]
     assert last.verdict == "healthy"

@@ -55,8 +55,10 @@ class BoxDetector(ThermalFaultDetector):
     def __init__(self, *arguments: Any, relief: float, **options: Any) -> None:
         """Prepare as `ThermalFaultDetector`; ``relief`` is by how much fainter the lines of faint findings may be [dB]."""
         super().__init__(*arguments, **options)
-        self._faint_rules = [fainter(rule, relief) for rule in self.rules]
-        self._faint = Combination(self._faint_rules, self.parameters.release_margin)
+        usual, faint = ([fainter(rule, each) for rule in self.rules] for each in (0.0, relief))
+        self._copied = [*usual, *faint]
+        """Rules for the window without the wheels, which learn from it alone."""
+        self._usual, self._faint = (Combination(rules, self.parameters.release_margin) for rules in (usual, faint))
         p, hops = self.parameters, max(1, round(self.parameters.window / self.parameters.hop))
         demodulator = Demodulator(self._bands, self.rate, self._hop + 2 * self._margin, p.whitening, tones=False)
         bins = self._window.bins_per_turn
@@ -68,7 +70,7 @@ class BoxDetector(ThermalFaultDetector):
     def take_bearing(self, bearing: object) -> None:
         """Take the geometry of the bearing; see `FaultDetector.take_bearing`."""
         super().take_bearing(bearing)
-        for rule in self._faint_rules:
+        for rule in self._copied:
             rule.take_bearing(bearing)
 
     def align(self, origin: int) -> None:
@@ -86,7 +88,8 @@ class BoxDetector(ThermalFaultDetector):
     @property
     def troubles(self) -> tuple[HeatFinding, ...]:
         """Confirmed troubles of the bearing, by its temperature and by the level of its vibration."""
-        hot = self._heat.confirmed.values() if self._heat is not None else ()
+        judgement = self._monitor.judgement_at(self._end)
+        hot = judgement.confirmed.values() if judgement is not None else ()
         return (*hot, self._noise_finding) if self._noise_finding is not None and self._loud.confirmed else tuple(hot)
 
     @property
@@ -118,7 +121,7 @@ class BoxDetector(ThermalFaultDetector):
             limited = np.where(missing, limited[:, ~missing].mean(axis=1, dtype=np.float64).astype(np.float32)[:, None], limited)
         # The last band lies below that of the detector.
         envelopes = TurnEnvelopes(limited[:-1], self._rest.bins_per_turn)
-        return Judgement(evidence, self._combination.findings(evidence), self._faint.findings(evidence), envelopes)
+        return Judgement(evidence, self._usual.findings(evidence), self._faint.findings(evidence), envelopes)
 
 
 def fainter(rule: BearingRule[Any], relief: float) -> BearingRule[Any]:
