@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -52,7 +52,7 @@ class Diagnosis:
     shaft_frequency: float = 0.0
     """Mean over the window [Hz]."""
     spectrum: Spectrum = field(default_factory=lambda: (np.zeros(0), np.zeros(0)))
-    """Orders [-], and square root of the amplitudes of the squared envelope spectrum [m/s^2]; empty without a verdict."""
+    """Orders [-], and square root of the amplitudes of the squared envelope spectrum [m/s^2]; empty without a verdict, or if not kept."""
     gaps: int = 0
     """Gaps in the signal so far."""
     scores: dict[str, float] = field(default_factory=dict)
@@ -70,12 +70,16 @@ class Diagnosis:
     remarks: tuple[str, ...] = ()
     """Peculiarities of the signal that do not prevent a verdict."""
     spectrum_remark: str = ""
-    """The one of ``remarks`` that names the band of ``spectrum``; empty without a spectrum."""
+    """The one of ``remarks`` that names the band of ``spectrum``; empty without a verdict."""
 
     @property
     def time_ns(self) -> int:
         """Time of the last sample [ns]."""
         return round(self.time * 1e9)
+
+    def without_spectrum(self) -> Diagnosis:
+        """Return the diagnosis with an empty spectrum, which takes less memory."""
+        return replace(self, spectrum=(np.zeros(0), np.zeros(0)))
 
     def __repr__(self) -> str:
         about = f"<Diagnosis: {self.verdict} at {self.time:.2f} s, confidence {self.confidence:.2f}"

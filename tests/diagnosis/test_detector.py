@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from synthetic_bearing import ORDERS, RATE, TURN, Signal, diagnoses, synthetic
 
+from dcrb_ros.bearing.waveform import Waveform
+from dcrb_ros.diagnosis.detection import watch
 from dcrb_ros.diagnosis.detector import Diagnosis, FaultDetector
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.recordings.reader import Recording
@@ -165,6 +168,20 @@ def test_spectrum_has_the_line_at_its_order() -> None:
     orders, amplitude = last(synthetic(outer=600.0)).spectrum
     near = np.abs(orders - ORDERS.bpfo) < 1.0
     assert orders[near][np.argmax(amplitude[near])] == pytest.approx(ORDERS.bpfo * 0.998, abs=0.02)
+
+
+def test_of_a_whole_signal_the_last_verdict_alone_has_its_spectrum() -> None:
+    """Also if nothing follows but hops without a verdict, as after a gap."""
+    acceleration, angle = synthetic(outer=600.0, seconds=4.0)
+    cut = np.r_[: round(3.1 * RATE), round(3.4 * RATE) : len(angle)]
+    whole = Waveform.from_arrays(acceleration, RATE, shaft_angle=angle, bearing=ORDERS)
+    parted = dataclasses.replace(whole, acceleration=acceleration[cut], shaft_angle=angle[cut], index=np.arange(len(angle))[cut])
+    for signal, hops in ((whole, 8), (parted, 7)):
+        found = watch(signal)
+        assert [diagnosis for diagnosis in found.history if len(diagnosis.spectrum[0])] == [found.last]
+        assert (found.last.verdict, len(found.history)) == ("outer_ring", hops)
+    short = watch(whole.between(0.0, 2.1))
+    assert [len(diagnosis.spectrum[0]) > 0 for diagnosis in short.history] == [False] * 3 + [True]
 
 
 def test_there_is_a_diagnosis_per_hop_and_a_verdict_once_confirmed() -> None:

@@ -369,6 +369,19 @@ def test_the_diagnoses_of_a_recording_do_not_depend_on_the_length_of_its_pieces(
     assert [comparable(list(detect_vehicle(recording(signals, length)).history)) for length in (1000, 10**6)] == [expected, expected]
 
 
+def test_of_a_recording_the_last_diagnosis_alone_has_spectra() -> None:
+    result = detect_vehicle(recording(bogie()))
+    spectra = [{name for name, box in diagnosis.boxes.items() if len(box.spectrum[0])} for diagnosis in result.history]
+    assert spectra == [set()] * (len(spectra) - 1) + [set(BOXES)]
+
+
+def test_the_limits_of_each_box_are_learned_for_their_time() -> None:
+    """From the first judgement on, at the fourth hop of half a second."""
+    found = diagnosed(bogie(), detector=VehicleDetector(DESCRIPTION, box_parameters=DetectorParameters(learn=10.0)))
+    remarks = [[box.baseline for box in diagnosis.boxes.values()] for diagnosis in found]
+    assert remarks[-1] == ["learning for another 8.5 s: outer-ring defects are not reported yet"] * len(BOXES)
+
+
 def test_the_evidence_required_depends_on_the_length_of_the_window(monkeypatch: pytest.MonkeyPatch) -> None:
     windows: list[float] = []
     monkeypatch.setattr("dcrb_ros.diagnosis.vehicle.detector.least_evidence", lambda _, window, least: windows.append(window) or least)
