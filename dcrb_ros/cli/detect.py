@@ -145,10 +145,10 @@ def _print_table(bag: Path, recording: Recording, result: DetectionResult, param
     """Print the last diagnosis as a table and sentences; a ``learned`` baseline lowers thresholds of depth."""
     from dcrb_ros.runtime.terminal import console, table
     from dcrb_ros.schema.printable import decimal
-    from dcrb_ros.schema.verdicts import CHARACTERISTIC, title_of
+    from dcrb_ros.schema.verdicts import CHARACTERISTIC
 
     last = result.last
-    title, rows = f"{bag}: {title_of(last.verdict, last.scores)}", []
+    title, rows = f"{bag}: {last.title}", []
     for fault, name in CHARACTERISTIC.items():
         if fault not in last.scores:
             continue

@@ -269,6 +269,7 @@ class FaultDetector:
             shaft_frequency=evidence.shaft_frequency,
             spectrum=self._published(selected.spectrum, evidence.shaft_frequency),
             scores={str(component): value for component, value in excess.items()},
+            faults=tuple(map(str, confirmed)),
             lines={str(component): lines for component, finding in findings.items() if (lines := found_lines(finding)) is not None},
             severity=severity,
             trend=self._trend.slope(time, verdict, severity),

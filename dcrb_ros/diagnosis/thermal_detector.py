@@ -120,7 +120,7 @@ class ThermalFaultDetector(FaultDetector):
             remarks=(*diagnosis.remarks, *remarks, judgement.evidence.sentence),
         )
         for finding in judgement.confirmed.values():
-            heated = with_trouble(heated, finding)
+            heated = dataclasses.replace(with_trouble(heated, finding), faults=(*heated.faults, str(finding.trouble)))
         return heated
 
     def _with_noise(self, diagnosis: Diagnosis) -> Diagnosis:

@@ -28,7 +28,7 @@ from dcrb_ros.recordings.verification import unsigned
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.printable import decimal, printable
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.schema.verdicts import CHARACTERISTIC, COMPONENTS, TITLES, is_alarm, title_of
+from dcrb_ros.schema.verdicts import CHARACTERISTIC, COMPONENTS, TITLES, is_alarm
 from dcrb_ros.stream.diagnosis import Diagnosis
 
 RESOLUTION = 110
@@ -154,7 +154,7 @@ def _section(number: int, entry: DiagnosedRecording) -> dict[str, Any]:
     return {
         "number": number,
         "name": printable(entry.name),
-        "title": title_of(last.verdict, last.scores),
+        "title": last.title,
         "state": "alarm" if is_alarm(last.verdict) else last.verdict,
         "verdict": last.verdict,
         "confidence": f"{last.confidence:.2f}",

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.schema.verdicts import CHARACTERISTIC, Verdict
+from dcrb_ros.schema.verdicts import CHARACTERISTIC, Verdict, title_of
 
 Spectrum = tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]
 
@@ -57,6 +57,8 @@ class Diagnosis:
     """Gaps in the signal so far."""
     scores: dict[str, float] = field(default_factory=dict)
     """Evidence for a fault of each component relative to its threshold [dB]."""
+    faults: tuple[str, ...] = ()
+    """The confirmed faults, of which several make ``compound``."""
     lines: dict[str, FoundLines] = field(default_factory=dict)
     """Lines found for each component, in the band in which their evidence is strongest; empty without a judgement."""
     severity: float = 0.0
@@ -76,6 +78,11 @@ class Diagnosis:
     def time_ns(self) -> int:
         """Time of the last sample [ns]."""
         return round(self.time * 1e9)
+
+    @property
+    def title(self) -> str:
+        """The verdict in words, with the names of several faults."""
+        return title_of(self.verdict, {name: self.scores[name] for name in self.faults})
 
     def without_spectrum(self) -> Diagnosis:
         """Return the diagnosis with an empty spectrum, which takes less memory."""

@@ -63,6 +63,12 @@ def test_the_diagnosis_has_units_and_names_every_fault(capsys: pytest.CaptureFix
     assert len([line for line in shown.splitlines() if line.startswith("compound, confidence")]) == 1
 
 
+def test_evidence_that_is_not_confirmed_is_not_called_a_fault() -> None:
+    scores = {"outer_ring": 5.0, "inner_ring": 4.0, "roller": -3.0, "cage": 0.5}
+    faults = "outer_ring", "inner_ring"
+    assert Diagnosis(0, 1.0, "compound", "", scores=scores, faults=faults).title == "several faults: outer ring defect, inner ring defect"
+
+
 def test_a_diagnosis_by_temperatures_alone_has_no_table_of_lines(capsys: pytest.CaptureFixture[str]) -> None:
     hot = Diagnosis(0, 1.0, "overheating", "it overheats", scores={"overheating": 3.0, "lubrication": -5.0})
     recording = SimpleNamespace(complete=True)
