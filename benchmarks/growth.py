@@ -29,8 +29,6 @@ KEPT_DURATION = 6.0
 """Time for which each of them is watched [s]."""
 ONSET, DURATION = 1.0, 15.0
 """Beginning of the growth and end of the run [s]."""
-NOTICED = 3.0
-"""Trend of a steady defect, in standard errors, up to which it counts as steady [-]."""
 
 
 def scenario(ring: str, growing: bool) -> dict[str, Any]:
@@ -92,22 +90,7 @@ def main() -> None:
         print(json.dumps([kept(ring, speed, width, seed) for ring, speed, seed in kinds for width in KEPT], indent=2))
         return
     trials = [trial(ring, speed, growing, seed) for ring, speed, seed in kinds for growing in (True, False)]
-    known = [run for run in trials if run["trend"] is not None]
-    grown, steady = ([run for run in known if run["growing"] is growing] for growing in (True, False))
-    print(
-        json.dumps(
-            {
-                "runs": trials,
-                "growing": len(grown),
-                "direction_right": sum(run["trend"] > 0.0 for run in grown),
-                "doubling_time_over_true": [run["true"] / run["trend"] for run in grown if run["trend"] > 0.0],
-                "steady": len(steady),
-                "steady_taken_for_growing": sum(run["trend"] > NOTICED * run["error"] for run in steady),
-                "steady_trends": [run["trend"] for run in steady],
-            },
-            indent=2,
-        )
-    )
+    print(json.dumps(trials, indent=2))
 
 
 if __name__ == "__main__":
