@@ -1,9 +1,9 @@
 """How far the rules for the bearing carry over to a rig that has set none of their thresholds.
 
-``python benchmarks/leave_one_rig_out.py MEASURED RECORDINGS [--balls]`` prints a table in Markdown. Rigs are those of the folder of
+``python benchmarks/leave_one_rig_out.py MEASURED RECORDINGS`` prints a table in Markdown. Rigs are those of the folder of
 measured recordings, the healthy double-row roller bearings in its folder ``ims`` (every fifth snapshot, both axes together and each
-alone), and two simulated ones: the axle box, from the folder of recordings of the exam ``standard`` (the last 4 s of each healthy or
-damaged bearing), and with ``--balls`` a ball bearing 6205. They contribute the faults of rolling elements and cages that no other rig has.
+alone), and a simulated one: the axle box, from the folder of recordings of the exam ``standard`` (the last 4 s of each healthy or damaged
+bearing). It contributes the faults of rolling elements and cages that no other rig has.
 
 The threshold of each rule is chosen on a grid by the share of its fault that it names less the share of other signals that it calls so,
 each a mean over rigs; of equal thresholds the one in the middle is taken. A row has the right verdicts with the shipped thresholds, with
@@ -18,7 +18,7 @@ import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -34,7 +34,6 @@ from dcrb_ros.exam.measured import LONGEST, read_measured
 from dcrb_ros.exam.recording_cache import cached_recording
 from dcrb_ros.recordings.reader import Recording as FileRecording
 from dcrb_ros.schema.arrays import Floats
-from dcrb_ros.simulation.run import simulate
 from dcrb_ros.text.markdown import table
 
 THRESHOLDS = {"outer_ring": "outer_depth", "inner_ring": "inner_depth", "roller": "roller_depth", "cage": "cage_scatter"}
@@ -47,10 +46,6 @@ EVERY = 5
 """Snapshots of which one is taken."""
 SECONDS = 4.0
 """Length of a simulated signal."""
-SPALL = {"kind": "spall", "depth": 6e-5, "share": 0.35}
-BALLS = (0.0004, 125.664), (0.0006, 188.18)
-"""Widths of the defects of the ball bearing [m] and its speeds [rad/s]."""
-RINGS = ("outer", "inner")
 CLASSES = ("twin", "outer", "inner", "roller", "cage")
 """Names of the scenarios of the exam that are evaluated."""
 
@@ -109,18 +104,6 @@ def recorded(folder: Path) -> Iterator[Recording]:
         acceleration = np.concatenate([piece.acceleration for piece in pieces])[-samples:]
         angle = np.concatenate([piece.shaft_angle for piece in pieces])[-samples:]
         yield Recording("simulated box", case.expectation.verdict, acceleration, recording.sampling_rate, angle, recording.orders)
-
-
-def simulated() -> Iterator[Recording]:
-    """Yield signals of a simulated ball bearing behind six modes."""
-    for width, speed in BALLS:
-        rings = {f"{ring}_ring": {f"faults.{ring}_1.{key}": value for key, value in {**SPALL, "width": width}.items()} for ring in RINGS}
-        ball = {"faults.roller_1.roller": 1, "faults.roller_1.width": width, "faults.roller_1.depth": 2e-5}
-        cases: list[tuple[str, dict[str, Any]]] = [("healthy", {}), *rings.items(), ("roller", ball)]
-        for truth, fault in cases:
-            run = simulate("ball_bearing_6205", SECONDS, settings={"operating.speed": speed, "structure.modes": 6, **fault})
-            acceleration, angle = np.asarray(run.acceleration, np.float64), np.asarray(run.shaft_angle, np.float64)
-            yield Recording("simulated 6205", truth, acceleration, run.sampling_rate, angle, run.orders)
 
 
 def turning(samples: int, rate: int, frequency: float) -> Floats:
@@ -183,10 +166,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("measured", type=Path)
     parser.add_argument("recordings", type=Path)
-    parser.add_argument("--balls", action="store_true", help="simulate a ball bearing as well, some minutes")
     options = parser.parse_args()
     np.seterr(all="ignore")
-    recordings = [*measured(options.measured), *recorded(options.recordings), *(simulated() if options.balls else ())]
+    recordings = [*measured(options.measured), *recorded(options.recordings)]
     shipped = DetectorParameters()
     evidence = [evidence_of(recording) for recording in recordings]
     judged = []
