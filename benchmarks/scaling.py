@@ -1,6 +1,6 @@
 """How processor time and memory grow with the size of a task, as a Markdown table with fitted exponents.
 
-``python benchmarks/scaling.py`` measures each point in processes of its own, medians of ``--runs``. The time is that of the task alone: its
+``python benchmarks/scaling.py`` measures each point in processes of its own, medians of three. The time is that of the task alone: its
 process has imported everything, loaded the kernels and run a short task before. The memory is the largest resident memory of the process.
 An exponent p is the slope of a straight line through the logarithms: cost = c n^p.
 """
@@ -164,9 +164,6 @@ QUANTITIES = {
     "dry-2": Quantity("rollers in two rows, `dry`", f"{SIMULATED:g} s of the kernel", (16, 32, 64), rollers_in("dry", 2)),
     "healthy-1": Quantity("rollers in one row, `healthy`", f"{SIMULATED:g} s of the kernel", (8, 16, 32, 60), rollers_in("healthy", 1)),
     "healthy-2": Quantity("rollers in two rows, `healthy`", f"{SIMULATED:g} s of the kernel", (16, 32, 64), rollers_in("healthy", 2)),
-    "rows": Quantity(
-        "rows of 16 rollers, `healthy`", f"{SIMULATED:g} s of the kernel", (1, 2), lambda rows: simulated(of_rollers("healthy", rows, 16))
-    ),
     "bearings": Quantity("bearings in a sweep", f"{SWEPT:g} s each by one worker; memory of the worker", (1, 4, 16, 64), bearings),
     "duration": Quantity("duration [s]", "`dcrb simulate healthy` to a recording", (1, 10, 60), duration),
     "topics": Quantity("topics beside those of `healthy`", f"{5 * SIMULATED:g} s to a recording", tuple(range(len(TOPICS))), topics),
@@ -206,10 +203,10 @@ def point(key: str, size: int) -> Cost:
     return Cost(taken, largest_memory())
 
 
-def measured(key: str, size: int, runs: int) -> Cost:
+def measured(key: str, size: int) -> Cost:
     """Return the medians of a point, each time in a new process."""
     command = [sys.executable, __file__, "--point", key, str(size)]
-    costs = [Cost(*json.loads(subprocess.run(command, stdout=subprocess.PIPE, check=True).stdout)) for _ in range(runs)]
+    costs = [Cost(*json.loads(subprocess.run(command, stdout=subprocess.PIPE, check=True).stdout)) for _ in range(3)]
     return Cost(statistics.median(cost.seconds for cost in costs), statistics.median(cost.memory for cost in costs))
 
 
@@ -234,8 +231,6 @@ def row(quantity: Quantity, costs: dict[int, Cost]) -> str:
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--runs", type=int, default=3, help="processes of each point")
-    parser.add_argument("--only", nargs="+", choices=QUANTITIES, default=list(QUANTITIES), help="quantities")
     parser.add_argument("--point", nargs=2, metavar=("QUANTITY", "SIZE"), help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.point:
@@ -243,9 +238,8 @@ def main() -> None:
         return
     print("| quantity | of | sizes | processor time [s] | memory [MB] | exponent of time | of memory |\n|---|---|---|---|---|---|---|")
     hour = ""
-    for key in options.only:
-        quantity = QUANTITIES[key]
-        costs = {size: measured(key, size, options.runs) for size in quantity.sizes}
+    for key, quantity in QUANTITIES.items():
+        costs = {size: measured(key, size) for size in quantity.sizes}
         print(row(quantity, costs), flush=True)
         if key == "duration":
             longest = max(costs)

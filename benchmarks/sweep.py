@@ -1,18 +1,14 @@
-"""Overhead of a sweep: simulated time per second of processor time relative to the kernel, and a long plan.
+"""Overhead of a sweep: simulated time per second of processor time relative to the kernel.
 
 The kernel is measured before and after in as many parallel processes as there are workers; processor times are compared.
 """
 
 from __future__ import annotations
 
-import argparse
 import os
 import statistics
 import tempfile
-import time
-import tracemalloc
 from functools import partial
-from typing import Any
 
 import psutil
 from real_time import kernel_factor
@@ -26,12 +22,12 @@ from dcrb_ros.sweep.plan import Plan
 from dcrb_ros.sweep.store import Store
 
 
-def plan(joint: str, runs: int, duration: float, **more: Any) -> Plan:
+def plan(joint: str, runs: int, duration: float) -> Plan:
     """Return a plan of healthy and faulty runs of a duration [s]."""
     cases = {"healthy": {}, "outer": {"faults.outer_1.width": {"low": 0.001, "high": 0.003}}}
     vary = {"operating.load": {"low": 4e4, "high": 1.2e5}}
     tree = {"base": "healthy", "set": {"cage.joint": joint}, "design": "random", "points": max(runs // 2, 1), "vary": vary, "cases": cases}
-    return Plan(sweep_of({**tree, "duration": duration, **more}, "benchmark"))
+    return Plan(sweep_of({**tree, "duration": duration}, "benchmark"))
 
 
 def kernels(joint: str, workers: int) -> list[float]:
@@ -61,34 +57,11 @@ def measured(joint: str, runs: int, duration: float) -> str:
     return f"| {joint} | {runs} of {duration:g} s | {alone:.2f} | {factor:.2f} | {factor / alone:.2f} |"
 
 
-def long_plan(runs: int) -> None:
-    """Print the processor time to the first and to the last task of a long plan, and its memory."""
-    tracemalloc.start()
-    begin = time.process_time()
-    long = plan("revolute", runs, 10.0)
-    tasks = long.tasks(set(), 2.0)
-    next(tasks)
-    first, after_first = time.process_time() - begin, tracemalloc.get_traced_memory()[0]
-    count = 1 + sum(1 for _ in tasks)
-    last, peak = time.process_time() - begin, tracemalloc.get_traced_memory()[1]
-    tracemalloc.stop()
-    print(
-        f"\nA plan of {runs} runs: first task after {first:.2f} s, all {count} tasks after {last:.2f} s, {after_first / 1e6:.1f} MB after "
-        f"the first and at most {peak / 1e6:.1f} MB (processor time, with the tracing of memory)."
-    )
-
-
 def main() -> None:
     """Print the table."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--runs", type=int, default=16)
-    parser.add_argument("--duration", type=float, default=10.0, help="simulated time of a run [s]")
-    parser.add_argument("--joints", nargs="+", default=["revolute", "pocket"])
-    options = parser.parse_args()
     print("| `healthy` with the cage joint | runs | simulated seconds per second, kernel | sweep | ratio |\n|---|---|---|---|---|")
-    for joint in options.joints:
-        print(measured(joint, options.runs, options.duration), flush=True)
-    long_plan(10_000)
+    for joint in ("revolute", "pocket"):
+        print(measured(joint, 16, 10.0), flush=True)
 
 
 if __name__ == "__main__":
