@@ -6,7 +6,6 @@ is written to a file, since the cost of a window depends on the graphics hardwar
 
 from __future__ import annotations
 
-import argparse
 import os
 import statistics
 import tempfile
@@ -188,17 +187,10 @@ def views(rounds: int, seconds: float, folder: Path) -> None:
 
 def main() -> None:
     """Print the tables."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--flat-out", type=float, default=4.0, help="wall time of each measurement at full speed [s]; 0 for none")
-    parser.add_argument("--duration", type=float, default=20.0, help="wall time at time scale 1.0 [s]; 0 for none")
-    parser.add_argument("--views", type=int, default=3, help="runs without and with a view, each of the same wall time, at least 1")
-    options = parser.parse_args()
     with observing(), tempfile.TemporaryDirectory(prefix="dcrb-") as folder:
-        if options.flat_out > 0.0:
-            full_speed(options.flat_out, Path(folder))
-        if options.duration > 0.0:
-            real_time(options.duration, Path(folder))
-            views(options.views, options.duration, Path(folder))
+        full_speed(4.0, Path(folder))
+        real_time(20.0, Path(folder))
+        views(3, 20.0, Path(folder))
 
 
 if __name__ == "__main__":

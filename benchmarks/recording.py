@@ -5,7 +5,6 @@ The blocks of one simulated run are written repeatedly, so the speed of the mode
 
 from __future__ import annotations
 
-import argparse
 import dataclasses
 import statistics
 import sys
@@ -27,6 +26,8 @@ from dcrb_ros.stream.block import Block
 
 RAW = 12
 """Size of a sample, ax, ay and shaft angle as single floats [B]."""
+DURATION = 30.0
+"""Recorded time, and time converted to a Rerun file [s]."""
 
 
 def repeated(blocks: list[Block], seconds: float) -> Iterator[Block]:
@@ -73,27 +74,22 @@ def commanded(bag: Path, file: Path) -> float:
     return cost([sys.executable, "-m", "dcrb_ros.cli.program", "view", str(bag), "--save", str(file)]).processor
 
 
-def print_view(folder: Path, simulation: Simulation, blocks: list[Block], seconds: float, runs: int) -> None:
-    """Print the cost of converting ``seconds`` [s] of a recording to a Rerun file: median and extremes of ``runs``."""
+def print_view(folder: Path, simulation: Simulation, blocks: list[Block]) -> None:
+    """Print the cost of converting a recording to a Rerun file: the median of seven runs."""
     bag, file = folder / "view", folder / "view.rrd"
     configuration = load_configuration("outer_ring_defect")
     encoder = BlockEncoder(configuration, simulation.bodies)
-    written(bag, configuration, simulation, [encoder.encode(block) for block in repeated(blocks, seconds)])
+    written(bag, configuration, simulation, [encoder.encode(block) for block in repeated(blocks, DURATION)])
     converted(bag, file)  # import everything
-    print(f"\n| `dcrb view --save` of {seconds:g} s | recorded seconds per second | processor time [s] |\n|---|---|---|")
+    print(f"\n| `dcrb view --save` of {DURATION:g} s | recorded seconds per second | processor time [s] |\n|---|---|---|")
     for name, work in (("conversion", converted), ("whole command", commanded)):
-        taken = statistics.median(work(bag, file) for _ in range(runs))
-        print(f"| {name}, median of {runs} | {seconds / taken:.0f} | {taken:.2f} |", flush=True)
-    print(f"\n{file.stat().st_size / seconds / 1e6:.2f} MB per recorded second")
+        taken = statistics.median(work(bag, file) for _ in range(7))
+        print(f"| {name}, median of 7 | {DURATION / taken:.0f} | {taken:.2f} |", flush=True)
+    print(f"\n{file.stat().st_size / DURATION / 1e6:.2f} MB per recorded second")
 
 
 def main() -> None:
     """Print tables."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--duration", type=float, default=30.0, help="recorded time [s]")
-    parser.add_argument("--view", type=float, default=30.0, help="recorded time converted to a Rerun file [s]; 0 for none")
-    parser.add_argument("--runs", type=int, default=7, help="number of conversions")
-    options = parser.parse_args()
     simulation = Simulation(load_configuration("outer_ring_defect"))
     blocks = list(simulation.blocks(1.0))
     heads = (
@@ -111,20 +107,19 @@ def main() -> None:
         for compression in ("zstd", "lz4", "none"):
             configuration = load_configuration("outer_ring_defect", [f"recording.compression={compression}"])
             encoder = BlockEncoder(configuration, simulation.bodies)
-            encoded = [encoder.encode(block) for block in repeated(blocks, options.duration)]
+            encoded = [encoder.encode(block) for block in repeated(blocks, DURATION)]
             data = sum(len(message.data) for messages in encoded for message in messages)
             path = Path(folder) / compression
             took = timed(lambda path=path, c=configuration, e=encoded: written(path, c, simulation, e))  # type: ignore[misc]
             size = sum(file.stat().st_size for file in path.iterdir())
             back = timed(lambda path=path: sum(1 for _ in Recording(path).vibrations()))  # type: ignore[misc]
-            raw = options.duration * configuration.sensor.sampling_rate * RAW
+            raw = DURATION * configuration.sensor.sampling_rate * RAW
             print(
-                f"| {compression} | {len(encoded) / took:.0f} | {data / took / 1e6:.1f} | {options.duration / took:.0f} | "
-                f"{size / options.duration / 1e6:.2f} | {size / raw:.2f} | {size / data:.2f} | {options.duration / back:.0f} |",
+                f"| {compression} | {len(encoded) / took:.0f} | {data / took / 1e6:.1f} | {DURATION / took:.0f} | "
+                f"{size / DURATION / 1e6:.2f} | {size / raw:.2f} | {size / data:.2f} | {DURATION / back:.0f} |",
                 flush=True,
             )
-        if options.view:
-            print_view(Path(folder), simulation, blocks, options.view, options.runs)
+        print_view(Path(folder), simulation, blocks)
         messages = sum(1 for _ in Recording(Path(folder) / "zstd").messages((VIBRATION,)))
         assert messages == len(encoded)
 

@@ -16,7 +16,7 @@ import sys
 import tempfile
 import time
 from collections import Counter, deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -183,12 +183,12 @@ def recording_flaws(shot: Shot, bag: Path, heard: float) -> list[str]:
     return flaws
 
 
-def shots(count: int, chance: random.Random, programs: Sequence[str], latest: float = LATEST) -> Iterator[Shot]:
+def shots(count: int, chance: random.Random) -> Iterator[Shot]:
     """Yield random shots; every fourth is a pair of signals."""
     for number in range(count):
         kind = chance.choice(KINDS)
         again = chance.uniform(*SECOND) if number % 4 == 0 and kind is not signal.SIGKILL else None
-        yield Shot(chance.choice(programs), kind, chance.uniform(0.0, latest), again)
+        yield Shot(chance.choice(PROGRAMS), kind, chance.uniform(0.0, LATEST), again)
 
 
 BOXES = 4
@@ -228,8 +228,6 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--runs", type=int, default=100, help="number of random instants")
     parser.add_argument("--seed", type=int, default=int(time.time()), help="seed of the instants, printed for repetition")
-    parser.add_argument("--program", choices=PROGRAMS, action="append", help="only this program; may be repeated")
-    parser.add_argument("--latest", type=float, default=LATEST, help="latest instant [s]")
     options = parser.parse_args()
     signal.signal(signal.SIGINT, signal.default_int_handler)  # in the background it would be ignored, also by the programs
     print(f"seed {options.seed}", flush=True)
@@ -237,7 +235,7 @@ def main() -> int:
     failed = early = 0
     longest, first = 0.0, 1 + os.getpid() % 90
     with tempfile.TemporaryDirectory(prefix="signals-") as folder:
-        for number, shot in enumerate(shots(options.runs, random.Random(options.seed), options.program or PROGRAMS, options.latest)):
+        for number, shot in enumerate(shots(options.runs, random.Random(options.seed))):
             folder_of_run = Path(folder) / str(number)
             folder_of_run.mkdir()
             # The next run begins in another domain, in which nothing of this one is left.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import os
 import statistics
 import subprocess
@@ -125,14 +124,10 @@ def print_first_starts() -> None:
 
 def main() -> None:
     """Print the tables."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--warm", action="store_true", help="measure only starts with compiled kernels")
-    given = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         print_starts(Path(folder))
     print_parts()
-    if not given.warm:
-        print_first_starts()
+    print_first_starts()
 
 
 if __name__ == "__main__":
