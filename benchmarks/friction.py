@@ -1,15 +1,17 @@
-"""The friction moment of the simulated bearing over that of SKF's model, over speed, load, temperature and lubricant.
+"""The friction of the simulated bearing over that of SKF's model, over speed, load, temperature and lubricant, and the slip of its cages.
 
-``python benchmarks/friction.py`` prints the tables of docs/results/realism.md: the ratio, and where the film is thin or SKF's bearing is
-starved. A run takes two seconds, all of them some minutes.
+``python benchmarks/friction.py`` prints the tables of docs/results/realism.md. A run takes seconds, all of them some minutes.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
+from dcrb_ros.bearing.payload import cage_speed
 from dcrb_ros.core.laws.lubricants import lubricant_of
 from dcrb_ros.core.laws.viscosity import kinematic_viscosity
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.text.markdown import table
@@ -25,10 +27,27 @@ TEMPERATURES = (20, 50, 70, 90)
 """Temperatures of the oil [deg C]."""
 SETTLING, DURATION = 0.3, 0.4
 """Simulated time before the mean of the power, and of it [s]."""
+POINTS = (
+    *((rpm, 100, 60) for rpm in (300, 600, 1200, 1800)),
+    *((1200, load, 60) for load in (5, 20, 50, 200)),
+    *((1200, 100, temperature) for temperature in (40, 80)),
+)
+"""Speed [1/min], load [kN] and temperature [deg C] at which power and slip are printed, with grease."""
 
 
-def ratio(lubricant: str, rpm: float, load: float, temperature: float) -> float:
-    """Return the simulated friction moment over that of two single-row bearings by SKF, each under half the load [-]."""
+class Friction(NamedTuple):
+    """Means of a run."""
+
+    power: float
+    """[W]"""
+    by_skf: float
+    """Of two single-row bearings, each under half the load [W]."""
+    slip: Floats
+    """Of the cage of each row [-]."""
+
+
+def friction(lubricant: str, rpm: float, load: float, temperature: float, settling: float, duration: float) -> Friction:
+    """Return the friction after a settling time, during a time [s]."""
     speed = rpm * math.pi / 30.0
     configuration = load_configuration(
         "healthy",
@@ -38,15 +57,31 @@ def ratio(lubricant: str, rpm: float, load: float, temperature: float) -> float:
             *(f"lubrication.temperature={temperature}", f"lubrication.lubricant={lubricant}"),
         ),
     )
-    blocks = Simulation(configuration).blocks(SETTLING + DURATION)
-    accounts = [(block.end_ns * 1e-9, block.energy.drive) for block in blocks if block.energy]
-    (start, before), (end, after) = next(each for each in accounts if each[0] >= SETTLING), accounts[-1]
+    simulation = Simulation(configuration)
+    list(simulation.blocks(settling))
+    before, angles = simulation.energy.drive, simulation._state.cage_position[:, 2].copy()
+    list(simulation.blocks(duration))
+    slip = 1.0 - (simulation._state.cage_position[:, 2] - angles) / duration / cage_speed(configuration, speed)
     viscosity = kinematic_viscosity(lubricant_of(dict(configuration.lubrication)), temperature)
-    return (after - before) / (end - start) / speed / (2.0 * friction_moment(BORE, OUTSIDE, 0.5 * load, speed, viscosity))
+    by_skf = 2.0 * speed * friction_moment(BORE, OUTSIDE, 0.5 * load, speed, viscosity)
+    return Friction((simulation.energy.drive - before) / duration, by_skf, slip)
+
+
+def ratio(lubricant: str, rpm: float, load: float, temperature: float) -> float:
+    """Return the simulated friction over that of SKF [-]."""
+    found = friction(lubricant, rpm, load, temperature, SETTLING, DURATION)
+    return found.power / found.by_skf
 
 
 def main() -> None:
-    """Print a table for each lubricant: the range of the ratio over the loads."""
+    """Print power and slip at some points, and for each lubricant the range of the ratio over the loads."""
+    rows = []
+    for rpm, load, temperature in POINTS:
+        found = friction("grease", rpm, 1e3 * load, temperature, 0.5, 2.0)
+        slips = ", ".join(f"{100.0 * share:.2f}" for share in found.slip)
+        rows.append((rpm, load, temperature, slips, f"{found.power:.0f}", f"{found.by_skf:.0f}", f"{found.power / found.by_skf:.2f}"))
+    heads = ("speed rpm", "load kN", "temperature °C", "cage slip of row 1, row 2 %", "power W", "SKF W", "ratio")
+    print(table(heads, rows), flush=True)
     for lubricant in LUBRICANTS:
         rows = []
         for rpm in SPEEDS:

@@ -18,14 +18,7 @@ from matplotlib.axes import Axes
 from scipy import signal
 from signal_machines import DURATION, SETTLING, Case, case_of, recordings
 
-from dcrb_ros.bearing.payload import cage_speed
-from dcrb_ros.core.laws.lubricants import lubricant_of
-from dcrb_ros.core.laws.viscosity import kinematic_viscosity
-from dcrb_ros.settings.files import load_configuration
-from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.run import simulate
-from dcrb_ros.validation.friction_moment import friction_moment
-from dcrb_ros.validation.oiled_bench import BORE, OUTSIDE
 from dcrb_ros.validation.realism import Statistics, lines_of, squared_envelope, statistics
 
 BENCHES = {"healthy": "healthy", "outer_ring": "outer_ring_defect"}
@@ -38,12 +31,6 @@ SHOWN = ("cw48_N_0", "hitself_Normal_1200", "mfpt_O3", "hitself_OR5_1200")
 """Measured recordings in the pictures: two of healthy bearings, two of outer-ring faults."""
 ROW_NAMES = ("time [ms], acceleration over its rms [-]", "frequency [kHz], power density over the power [1/Hz]")
 """First axes of a row of a picture."""
-POINTS = (
-    *((speed, 100e3, 60.0) for speed in (31.416, 62.832, 125.664, 188.496)),
-    *((125.664, load, 60.0) for load in (5e3, 20e3, 50e3, 200e3)),
-    *((125.664, 100e3, temperature) for temperature in (40.0, 80.0)),
-)
-"""Speed [rad/s], load [N] and temperature [deg C]."""
 
 
 def simulated(bench: str, seed: int, *settings: str) -> tuple[Case, Case]:
@@ -66,26 +53,6 @@ def table(title: str, cases: dict[str, list[Case]]) -> None:
             values = np.array([s.harmonics[int(number) // 8] if field.startswith("harmonic ") else getattr(s, field) for s in group])
             cells.append(f"{np.median(values):.3g} ({values.min():.3g} to {values.max():.3g})")
         print(f"| {field} | " + " | ".join(cells) + " |")
-
-
-def operating_points() -> None:
-    """Print cage slip and friction over speed, load and temperature, with the friction moment by SKF."""
-    print("\n| speed rpm | load kN | temperature deg C | cage slip of both rows % | power lost W | by SKF W | ratio |")
-    print("|---" * 7 + "|")
-    for speed, load, temperature in POINTS:
-        given = {"operating.speed": speed, "operating.load": load, "lubrication.temperature": temperature}
-        still = ["operating.speed_fluctuation=0", "operating.speed_ripple=0"]
-        configuration = load_configuration("healthy", [*(f"{key}={value}" for key, value in given.items()), *still])
-        simulation = Simulation(configuration)
-        list(simulation.blocks(0.5))
-        before, angles = simulation.energy, simulation._state.cage_position[:, 2].copy()
-        list(simulation.blocks(2.0))
-        slip = 1.0 - (simulation._state.cage_position[:, 2] - angles) / 2.0 / cage_speed(configuration, speed)
-        power = (simulation.energy.drive - before.drive) / 2.0
-        viscosity = kinematic_viscosity(lubricant_of(dict(configuration.lubrication)), temperature)
-        skf = 2.0 * speed * friction_moment(BORE, OUTSIDE, 0.5 * load, speed, viscosity)
-        slips = ", ".join(f"{100.0 * share:.2f}" for share in slip)
-        print(f"| {speed * 30 / np.pi:.0f} | {load / 1e3:g} | {temperature:g} | {slips} | {power:.0f} | {skf:.0f} | {power / skf:.2f} |")
 
 
 def draw_row(row: Sequence[Axes], case: Case, order: float) -> None:
@@ -130,7 +97,7 @@ def draw_pictures(folder: Path, pictures: Path) -> None:
 
 
 def print_tables(folder: Path) -> None:
-    """Print the statistics of simulated and measured bearings, and friction over the operating points."""
+    """Print the statistics of simulated and measured bearings."""
     ours, rings = {}, {}
     for truth, bench in BENCHES.items():
         ours[truth], rings[truth] = map(list, zip(*(simulated(bench, seed) for seed in SEEDS), strict=True))
@@ -143,7 +110,6 @@ def print_tables(folder: Path) -> None:
         table(truth, groups)
     at_speeds = {name: [simulated("healthy", seed, f"operating.speed={speed}")[1] for seed in SEEDS] for name, speed in SPEEDS.items()}
     table("healthy, rigid box", {"1200 rpm": rings["healthy"], **at_speeds})
-    operating_points()
 
 
 def main() -> None:
