@@ -12,14 +12,14 @@ import argparse
 import json
 import math
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from hot_box_fleet import DAY, STEP, Fleet, Growth, Temperatures
 from hot_box_heat import Fault, HeatTable, heat_table
+from scipy.stats import quantile_test
 
 import dcrb_ros
 from dcrb_ros.diagnosis.heat_monitor import HeatMonitor
@@ -38,43 +38,23 @@ SHORTEST, LONGEST = 3600.0, 8.0 * 3600.0
 TITLES: dict[Fault, str] = {"loss": "loss of lubricant", "clearance": "loss of clearance"}
 
 
-@dataclass(frozen=True)
-class Alarm:
-    """The first alarm of a detector of one box, or one of several."""
+class Alarm(NamedTuple):
+    """An alarm of the detector of one box."""
 
     time: float
     """[s]"""
     verdict: str
-    residual: float
-    """Excess over the expected temperature [K]."""
 
 
-@dataclass(frozen=True)
-class Watched:
-    """The verdicts of the detector of one box."""
-
-    alarms: list[Alarm]
-    """Each when it was raised."""
-    most: float
-    """Largest departure above the expected temperature, in standard deviations [-]."""
-    least: float
-    """The same below it."""
-
-
-@dataclass(frozen=True)
-class Outcome:
+class Outcome(NamedTuple):
     """An axle with a fault of its first box."""
 
-    onset: float
-    """[s]"""
     early: bool
     """Whether an alarm was raised before the onset."""
     detector: Alarm | None
     """First alarm of the detector after the onset."""
     wayside: float
     """Time of the first alarm of a wayside detector after the onset [s]; infinite without one."""
-    hottest: float
-    """Largest rise of the box above ambient [K]."""
 
     @property
     def lead(self) -> float:
@@ -82,30 +62,24 @@ class Outcome:
         return self.wayside - self.detector.time if self.detector is not None else -math.inf
 
 
-def watched(parameters: DetectorParameters, speed: Floats, ring: Floats, air: Floats) -> Watched:
+def watched(parameters: DetectorParameters, speed: Floats, ring: Floats, air: Floats) -> list[Alarm]:
     """Return the alarms of the detector of a box for readings of shape (steps,) [rad/s], [deg C]."""
     p: Any = parameters
     monitor, alarms, current = HeatMonitor(p, [rule(p) for rule in HEAT_RULES], p.release_margin), [], ""
-    most = least = 0.0
     rows = zip((speed / (2.0 * math.pi)).tolist(), ring.tolist(), air.tolist(), strict=True)
     for k, (frequency, outer_ring, ambient) in enumerate(rows):
         heat = monitor.update(k * STEP, frequency, outer_ring, ambient)
         if heat is None:
             continue
-        departure = heat.evidence.residual / heat.evidence.deviation
-        most, least = max(most, departure), min(least, departure)
         verdict = next(iter(heat.confirmed), "")
         if verdict and not current:
-            alarms.append(Alarm(k * STEP, verdict, heat.evidence.residual))
+            alarms.append(Alarm(k * STEP, verdict))
         current = verdict
-    return Watched(alarms, most, least)
+    return alarms
 
 
-def healthy_days(fleet: Fleet, table: HeatTable, parameters: DetectorParameters) -> tuple[list[Watched], int]:
-    """Return the alarms of the detectors of both boxes of each axle, and the number of axles whose first box a wayside detector finds hot.
-
-    The boxes of an axle follow each other.
-    """
+def healthy_days(fleet: Fleet, table: HeatTable, parameters: DetectorParameters) -> tuple[list[list[Alarm]], int]:
+    """Return the alarms of each box, of one axle after the other, and the number of axles whose first box a wayside detector finds hot."""
     truth = fleet.temperatures(table)
     ring, air = fleet.readings(truth)
     boxes = [watched(parameters, fleet.duty.speed[:, k], ring[:, k, side], air[:, k]) for k in range(fleet.axles) for side in (0, 1)]
@@ -126,11 +100,10 @@ def faulty_days(fleet: Fleet, table: HeatTable, growth: Growth, parameters: Dete
     outcomes = []
     for k in range(fleet.axles):
         onset = float(growth.onset[k])
-        alarms = watched(parameters, fleet.duty.speed[:, k], ring[:, k, 0], air[:, k]).alarms
+        alarms = watched(parameters, fleet.duty.speed[:, k], ring[:, k, 0], air[:, k])
         early = any(alarm.time < onset for alarm in alarms)
         first = next((alarm for alarm in alarms if alarm.time >= onset), None)
-        rise = float((truth.box[:, k, 0] - fleet.duty.ambient[:, k]).max())
-        outcomes.append(Outcome(onset, early, first, wayside_alarm(fleet, truth, k, onset), rise))
+        outcomes.append(Outcome(early, first, wayside_alarm(fleet, truth, k, onset)))
     return outcomes
 
 
@@ -154,14 +127,7 @@ def configuration() -> dcrb_ros.Configuration:
 def healthy_fleet(seed: int) -> dict[str, Any]:
     """Return the alarms of a healthy fleet."""
     boxes, hot = healthy_days(Fleet(AXLES, DAYS, seed), heat_table(configuration(), "loss"), DetectorParameters())
-    alarms = [(k, alarm.time / 3600.0, alarm.verdict, alarm.residual) for k, box in enumerate(boxes) for alarm in box.alarms]
-    return {
-        "axle_days": AXLES * DAYS,
-        "alarms": alarms,
-        "wayside": hot,
-        "most": max(box.most for box in boxes),
-        "least": min(box.least for box in boxes),
-    }
+    return {"alarms": [(k, *alarm) for k, alarms in enumerate(boxes) for alarm in alarms], "wayside": hot}
 
 
 def faulty_fleet(fault: Fault, axles: int, seed: int) -> list[Outcome]:
@@ -169,15 +135,6 @@ def faulty_fleet(fault: Fault, axles: int, seed: int) -> list[Outcome]:
     fleet = Fleet(axles, 4, seed)
     growth = drawn_growth(fleet, LAST[fault], SHORTEST, LONGEST)
     return faulty_days(fleet, heat_table(configuration(), fault), growth, DetectorParameters())
-
-
-def median_bounds(values: np.ndarray) -> tuple[float, float, float]:
-    """Return the median with its 95 % interval from the order of the values (binomial)."""
-    from scipy.stats import binom
-
-    ordered, count = np.sort(values), len(values)
-    low = int(binom.ppf(0.025, count, 0.5))
-    return float(np.median(ordered)), float(ordered[max(low - 1, 0)]), float(ordered[min(count - low, count - 1)])
 
 
 def summary(outcomes: list[Outcome]) -> dict[str, Any]:
@@ -189,10 +146,10 @@ def summary(outcomes: list[Outcome]) -> dict[str, Any]:
         "axles": len(outcomes),
         "found": len(names),
         "found_by_wayside": len(hot),
-        "found_by_wayside_only": int(np.isneginf(lead).sum()),
         "earlier": int((lead > 0.0).sum()),
-        "lead_median": median_bounds(lead),
-        "lead_percentiles": {str(p): float(np.percentile(lead, p, method="lower")) for p in (5, 25, 75, 95)},
+        "lead_median": float(np.median(lead)),
+        "lead_median_interval": list(quantile_test(lead, p=0.5).confidence_interval(0.95)),
+        "lead_percentiles": {str(p): float(np.percentile(lead, p, method="lower")) for p in (5, 95)},
         "names": {name: names.count(name) for name in ("lubrication", "overheating")},
         "alarm_before_onset": sum(outcome.early for outcome in outcomes),
     }
@@ -238,16 +195,14 @@ def main() -> None:
         kinds: list[Fault] = ["loss", "clearance"]
         fates = pool.map(partial(faulty_fleet, axles=given.faulty, seed=given.seed + 500), kinds)
         faulty: dict[Fault, list[Outcome]] = dict(zip(kinds, fates, strict=True))
-    days, alarms = sum(fleet["axle_days"] for fleet in fleets), [alarm for fleet in fleets for alarm in fleet["alarms"]]
-    often = rate(len(alarms), days / 1000.0)
+    days, alarms = len(fleets) * AXLES * DAYS, [alarm for fleet in fleets for alarm in fleet["alarms"]]
     about: dict[str, Any] = {
         "healthy": {
             "axle_days": days,
             "false_alarms": len(alarms),
-            "per_1000_axle_days": list(often),
+            "per_1000_axle_days": list(rate(len(alarms), days / 1000.0)),
             "alarms": alarms,
             "wayside_alarms": sum(fleet["wayside"] for fleet in fleets),
-            "largest_departures": [min(fleet["least"] for fleet in fleets), max(fleet["most"] for fleet in fleets)],
         },
     }
     about |= {str(fault): summary(outcomes) for fault, outcomes in faulty.items()}
