@@ -106,7 +106,7 @@ def _field(key: str, value: Any) -> ParameterField:
 
 def _kinds(all_axes: Iterable[Axes]) -> dict[str, type]:
     """Return the types of the varied parameters; one below `BOX` is a parameter of each box that its case lists."""
-    kinds = {}
+    kinds: dict[str, type] = {}
     for axes in all_axes:
         listed = axes.get(BOX, Choice(("",)))
         for box in listed.values if isinstance(listed, Choice) else ():
