@@ -39,8 +39,8 @@ from dcrb_ros.sweep.verification import DIGEST, ERRORS, LABELS, flaw, label_name
 from dcrb_ros.sweep.windows import cut_windows, waveform_file, window_labels, window_starts, windows_file
 from dcrb_ros.text.json import digest_of
 
-WAVEFORM_PUBLISHING = {"block_size": 8192, "state_rate": 1}
-"""Parameters of `publishing` if only the waveform is written; the samples do not depend on them."""
+WAVEFORM_PUBLISHING = {"block_size": 8192, "state_rate": 1, "truth_rate": 100}
+"""Parameters of `publishing` if only the waveform is written, with the ground truth for the labels; the samples do not depend on them."""
 
 
 @dataclass(frozen=True)

@@ -265,6 +265,16 @@ def test_a_scenario_labels_its_windows(tmp_path: Path) -> None:
     assert list(table["start"]) == [256 * k for k in range(7)]
 
 
+def test_windows_within_a_gradual_change_are_mixed(tmp_path: Path) -> None:
+    scenario = tmp_path / "scenario.yaml"
+    scenario.write_text("timeline: [{at: 0.0, over: 0.2, set: {faults.outer_1.width: 0.003}}]", encoding="utf-8")  # in steps of 0.05 s
+    case = {"faults.outer_1.width": 0.001, "scenario": str(scenario)}
+    tree = {**QUICK, "settle": 0.025, "duration": 0.25, "windows": {"length": 2560, "kind": "parquet"}, "cases": {"grows": case}}
+    ((run, _),) = run_alone(tree, tmp_path / "set")
+    table = pd.read_parquet(tmp_path / "set" / "windows" / run.split / f"{run.name}.parquet")
+    assert list(table["mixed"]) == [True, True, True, True, False]
+
+
 def test_a_scenario_sets_its_initial_speed(tmp_path: Path) -> None:
     scenario = tmp_path / "scenario.yaml"
     scenario.write_text("start: {operating.speed: 40.0}\ntimeline: [{at: 1.0, set: {operating.speed: 50.0}}]", encoding="utf-8")
