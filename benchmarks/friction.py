@@ -83,11 +83,11 @@ def main() -> None:
     heads = ("speed rpm", "load kN", "temperature °C", "cage slip of row 1, row 2 %", "power W", "SKF W", "ratio")
     print(table(heads, rows), flush=True)
     for lubricant in LUBRICANTS:
-        rows = []
+        ranges = []
         for rpm in SPEEDS:
             ratios = [[ratio(lubricant, rpm, 1e3 * load, temperature) for load in LOADS] for temperature in TEMPERATURES]
-            rows.append((f"{rpm}", *(f"{min(each):.2f} to {max(each):.2f}" for each in ratios)))
-        print(f"\n{lubricant}\n", table(("speed [rpm]", *(f"{t} deg C" for t in TEMPERATURES)), rows), sep="\n", flush=True)
+            ranges.append((f"{rpm}", *(f"{min(each):.2f} to {max(each):.2f}" for each in ratios)))
+        print(f"\n{lubricant}\n", table(("speed [rpm]", *(f"{t} deg C" for t in TEMPERATURES)), ranges), sep="\n", flush=True)
 
 
 if __name__ == "__main__":

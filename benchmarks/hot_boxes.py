@@ -141,6 +141,7 @@ def summary(outcomes: list[Outcome]) -> dict[str, Any]:
     """Return the figures of one kind of fault."""
     hot = [outcome for outcome in outcomes if outcome.wayside < math.inf]
     lead = np.array([outcome.lead for outcome in hot]) / 60.0
+    bounds: Any = quantile_test(lead, p=0.5).confidence_interval(0.95)
     names = [outcome.detector.verdict for outcome in outcomes if outcome.detector is not None]
     return {
         "axles": len(outcomes),
@@ -148,7 +149,7 @@ def summary(outcomes: list[Outcome]) -> dict[str, Any]:
         "found_by_wayside": len(hot),
         "earlier": int((lead > 0.0).sum()),
         "lead_median": float(np.median(lead)),
-        "lead_median_interval": list(quantile_test(lead, p=0.5).confidence_interval(0.95)),
+        "lead_median_interval": [float(bounds.low), float(bounds.high)],
         "lead_percentiles": {str(p): float(np.percentile(lead, p, method="lower")) for p in (5, 95)},
         "names": {name: names.count(name) for name in ("lubrication", "overheating")},
         "alarm_before_onset": sum(outcome.early for outcome in outcomes),
