@@ -7,13 +7,10 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Awaitable, Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from dcrb_ros.nodes.services import OVER, TIMEOUT, Services
+from dcrb_ros.nodes.services import OVER, TIMEOUT, Served, Services
 from dcrb_ros.schema.refusal import Refusal
-
-if TYPE_CHECKING:
-    from dcrb_ros.nodes.simulating import SimulatingNode
 
 PACKAGE = "simulation_interfaces"
 FEATURES = (
@@ -44,7 +41,7 @@ class Declined(Refusal):
 class SimulationInterfaces:
     """Offers features, state, step and reset; every answer has a Result with the code of its outcome."""
 
-    def __init__(self, node: SimulatingNode, services: Services) -> None:
+    def __init__(self, node: Served, services: Services) -> None:
         """Offer the services on ``node``; ``services`` restarts the engine."""
         from rclpy.callback_groups import ReentrantCallbackGroup
 
