@@ -213,10 +213,8 @@ def test_every_file_begins_with_the_last_messages_on_latched_topics(tmp_path: Pa
     ("qos", "latched"),
     [
         ("- durability: transient_local", True),
-        ("- durability: 1", True),
         ("- {durability: volatile}\n- {durability: transient_local}", True),
         ("- durability: volatile", False),
-        ("- durability: 2", False),
         ("- transient_local", False),
         ("[]", False),
         ("{", False),
