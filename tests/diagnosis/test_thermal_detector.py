@@ -78,7 +78,7 @@ def test_a_hot_bearing_with_a_defect_has_several_faults() -> None:
     last = heated(damaged(), HOT)[-1]
     assert last.verdict == "compound"
     assert last.faults == ("outer_ring", "overheating")
-    assert last.title == "several faults: overheating, outer ring defect"
+    assert last.title == "several faults: outer ring defect, overheating"
     assert "BPFO" in last.reason
     assert "it overheats" in last.reason
 
