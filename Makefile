@@ -18,7 +18,7 @@ demo: environment ## Run the bench with an outer-ring defect for 10 s: verdict, 
 	$(BIN)/dcrb bench outer_ring_defect --duration 10 --record recordings/demo-$(STAMPED)
 
 # Two at a time: a node test waits for its nodes half of the time.
-test: environment ## Run the checks that a change needs, some ten minutes on two cores
+test: environment ## Run the checks that a change needs, some eight minutes on two cores
 	@EXECUTE_NOTEBOOKS=false $(MAKE) --no-print-directory -j 2 types compiled lint architecture kernels docs
 	@$(MAKE) --no-print-directory unit
 	@$(MAKE) --no-print-directory nodes

@@ -391,6 +391,7 @@ def test_a_figure_without_data_says_so() -> None:
     assert [text.get_text() for text in axes(figure._confusion, report()).texts] == ["no scenario"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in shipped("exam") if "vehicle" not in read_yaml(find_shipped("exam", name))])
 def test_the_figure_of_every_shipped_exam_has_the_colour_of_each_of_its_verdicts(name: str, tmp_path: Path) -> None:
     exam = read_exam(name)

@@ -49,6 +49,7 @@ def noise() -> np.ndarray[Any, Any]:
     return np.random.default_rng(8).normal(0.0, 0.3, 5000)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", list(WRITERS))
 def test_export_and_import_round_trip(suffix: str, tmp_path: Path) -> None:
     bag = BAGS / "outer_ring_defect"

@@ -85,6 +85,7 @@ def test_info_shows_the_stated_and_the_actual_digest(intact: Path, flipped: Path
         assert ("NOT as stated" in words) is not match
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["detect", "score", "export", "recover", "plot", "calibrate", "compare", "view"])
 def test_commands_warn_of_samples_that_do_not_match(command: str, intact: Path, flipped: Path, tmp_path: Path) -> None:
     for bag in (intact, flipped):

@@ -107,6 +107,7 @@ def test_a_spall_between_joints_is_found() -> None:
     assert (diagnosis.statuses["track"].verdict, diagnosis.damaged()) == ("joint", {"axle_1/left": "outer_ring"})
 
 
+@pytest.mark.slow
 def test_joints_whose_frequency_divides_that_of_a_fault_damage_no_bearing() -> None:
     """Every joint strikes four times, longer than the part of the time in which envelopes are limited."""
     joints = np.arange(0.2, SECONDS, 18.0 / (ORDERS.bpfo * FREQUENCY))
