@@ -240,7 +240,7 @@ class LevelHistory:
         self._frequency = 0.0
 
     def restart(self) -> None:
-        """Forget all hops."""
+        """Discard all hops."""
         self._latest.clear()
         self._first = None
 

@@ -73,7 +73,7 @@ class HeatModel:
         self._stray = 1.0 / (LAG * rate) + (self._stray - 1.0 / (LAG * rate)) * kept
 
     def restart(self) -> None:
-        """Forget how warm the bearing is, not what has been learned."""
+        """Discard how warm the bearing is, not what has been learned."""
         self._begun, self._doubt = False, START_DEVIATION
 
     @property

@@ -74,7 +74,7 @@ class Hysteresis:
         self.reset()
 
     def reset(self) -> None:
-        """Forget all judgements."""
+        """Discard all judgements."""
         self._suspicions: dict[Component, Suspicion] = {component: Suspicion() for component in COMPONENTS}
         self._pairs: dict[tuple[Component, Component], Suspicion] = {pair: Suspicion() for pair in itertools.combinations(COMPONENTS, 2)}
         self._any_related, self._shares = Suspicion(), dict.fromkeys(self._related, 0.0)

@@ -240,7 +240,7 @@ class SampleRule(Rule[Parameters]):
     """Clipped samples that the rule has counted so far."""
 
     def restart(self) -> None:
-        """Forget earlier hops."""
+        """Discard earlier hops."""
 
     @abstractmethod
     def flaw(self, evidence: SampleEvidence) -> str:

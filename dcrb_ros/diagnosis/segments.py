@@ -75,7 +75,7 @@ class Segmenter:
         self._origin = origin
 
     def _restart(self, index: int) -> None:
-        """Forget the samples before ``index``; those before the first segment count as missing."""
+        """Discard the samples before ``index``; those before the first segment count as missing."""
         self._begin = index if self._origin is None else index + (self._origin - index) % self.hop
         self._pieces: list[HeldSamples] = []
         self._held = 0

@@ -144,12 +144,12 @@ class ManagedDetectorNode(LifecycleNodeMixin, BenchNode):
         return SUCCESS
 
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Forget detector and publishers."""
+        """Discard detector and publishers."""
         self._forget()
         return SUCCESS
 
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Forget detector and publishers for good; the process waits for a termination signal."""
+        """Discard detector and publishers for good; the process waits for a termination signal."""
         self._forget()
         return SUCCESS
 

@@ -73,7 +73,7 @@ class Dead(SampleRule[DeadParameters]):
         """Shaft frequency [Hz] and power [(m/s^2)^2] of the latest hops in which an axis was alive."""
 
     def restart(self) -> None:
-        """Forget earlier hops."""
+        """Discard earlier hops."""
         self._powers.clear()
 
     def flaw(self, evidence: SampleEvidence) -> str:

@@ -52,7 +52,7 @@ class RattlingMount(SampleRule[RattlingMountParameters]):
         self._latest: deque[Floats] = deque(maxlen=LATEST)
 
     def restart(self) -> None:
-        """Forget earlier hops."""
+        """Discard earlier hops."""
         self._earlier.clear()
         self._latest.clear()
 

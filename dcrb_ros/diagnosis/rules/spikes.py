@@ -42,7 +42,7 @@ class Spikes(SampleRule[SpikeParameters]):
         self._counts: list[Jumps] = []
 
     def restart(self) -> None:
-        """Forget earlier hops."""
+        """Discard earlier hops."""
         self._counts = []
 
     def flaw(self, evidence: SampleEvidence) -> str:

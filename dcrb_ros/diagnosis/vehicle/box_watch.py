@@ -98,7 +98,7 @@ class BoxWatch:
         return restarted
 
     def forget(self) -> None:
-        """Forget what has not been compared yet: its indices are of a time before a restart."""
+        """Discard what has not been compared yet: its indices are of a time before a restart."""
         self.hops.clear()
         self.reached = -1
 
