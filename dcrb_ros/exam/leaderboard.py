@@ -80,23 +80,15 @@ def boards(entries: Sequence[Entry]) -> list[Board]:
     Raises:
         Refusal: an entry has no exam score, or two entries of one exam have the same name.
     """
-    groups: dict[tuple[str, str, bool], list[Entry]] = {}
+    groups: dict[tuple[str, str, bool, str], list[Entry]] = {}
     for entry in entries:
         if not entry.exam_score:
             raise Refusal(f"the entry '{entry.detector}' of the exam {entry.exam} has no exam score: it takes faults and healthy time")
         # One exam may have several titles, such as a replica of the same table in folders of two names.
         title = "" if entry.scenarios_sha256 else entry.exam
-        groups.setdefault((title, entry.scenarios_sha256, entry.last_verdict), []).append(entry)
-    ordered = sorted(groups.values(), key=lambda group: (group[0].exam, group[0].scenarios_sha256, group[0].last_verdict))
-    return [_board(same) for group in ordered for same in _with_equal_criteria(group)]
-
-
-def _with_equal_criteria(entries: Sequence[Entry]) -> list[list[Entry]]:
-    """Return entries by their criteria; those that state none have those of the others, if these are equal."""
-    stated = sorted({entry.criteria_sha256 for entry in entries} - {""})
-    if len(stated) < 2:
-        return [list(entries)]
-    return [same for each in ("", *stated) if (same := [entry for entry in entries if entry.criteria_sha256 == each])]
+        groups.setdefault((title, entry.scenarios_sha256, entry.last_verdict, entry.criteria_sha256), []).append(entry)
+    ordered = sorted(groups.items(), key=lambda item: (item[1][0].exam, *item[0][1:]))
+    return [_board(group) for _, group in ordered]
 
 
 def _board(entries: Sequence[Entry]) -> Board:

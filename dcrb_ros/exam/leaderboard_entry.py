@@ -30,7 +30,6 @@ from dcrb_ros.text.json import digest_of, parsed_json
 from dcrb_ros.text.writing import write_whole
 
 FORMAT: Literal["dcrb exam entry 2"] = "dcrb exam entry 2"
-"""Format that is written; the first had no diagnoses."""
 DIGEST = "sha256"
 """Key of a file with the digest of the others."""
 AGREEMENT = 1e-4
@@ -122,8 +121,8 @@ class EntryScenario(Group):
     """Time without a verdict [s]."""
     failure: str = Field("", max_length=LONGEST_FAILURE)
     """Why the detector stopped early; empty if it did not."""
-    diagnoses: StoredDiagnoses | None = None
-    """The diagnoses, from which everything else follows; None in the first format."""
+    diagnoses: StoredDiagnoses
+    """The diagnoses, from which everything else follows."""
 
     @property
     def right(self) -> bool:
@@ -134,7 +133,7 @@ class EntryScenario(Group):
 class Entry(Group):
     """The results of one detector in one exam."""
 
-    format: Literal["dcrb exam entry 1", "dcrb exam entry 2"]
+    format: Literal["dcrb exam entry 2"]
     detector: str = Field(min_length=1, max_length=200)
     exam: str
     scenarios_sha256: str
@@ -158,7 +157,7 @@ class Entry(Group):
     last_verdict: bool = False
     """Whether the answers are last verdicts, as in a replica; then entries are sorted by the correct ones."""
     criteria_sha256: str = ""
-    """Hash of the criteria; empty for last verdicts, and in entries of former versions."""
+    """Hash of the criteria; empty for last verdicts."""
 
     def contributions(self) -> list[Contribution]:
         """Return what each scenario contributes to the exam score."""
@@ -218,12 +217,8 @@ def write_entry(entry: Entry, file: Path) -> None:
     """
     tree = entry.model_dump(exclude_unset=True)
     text = json.dumps(tree | {DIGEST: digest_of(tree, DIGEST)}, separators=(",", ":"), allow_nan=False) + "\n"
-    parsed_json(
-        text,
-        f"the entry {file}, with {sum(len(s.diagnoses.time) for s in entry.scenarios if s.diagnoses)} diagnoses,",
-        LARGEST,
-        MOST_VALUES,
-    )
+    diagnoses = sum(len(scenario.diagnoses.time) for scenario in entry.scenarios)
+    parsed_json(text, f"the entry {file}, with {diagnoses} diagnoses,", LARGEST, MOST_VALUES)
     write_whole(file, text)
 
 
@@ -259,7 +254,7 @@ def _check(entry: Entry, path: Path) -> None:
     profiles = {profile.name for profile in PROFILES}
     given: dict[str, set[str]] = {}
     for scenario in entry.scenarios:
-        given.setdefault(BOX.sub("", scenario.name), set()).update(scenario.diagnoses.verdicts if scenario.diagnoses else ())
+        given.setdefault(BOX.sub("", scenario.name), set()).update(scenario.diagnoses.verdicts)
     for scenario in entry.scenarios:
         faulty = scenario.family != "healthy"
         invalid = set(scenario.credit) != (profiles if faulty else set()) or not all(
@@ -291,7 +286,7 @@ def _contradiction(scenario: EntryScenario, verdicts: set[str]) -> str:
     ``verdicts`` are those of the scenario, or of all boxes of its vehicle.
     """
     faulty, delay = scenario.family != "healthy", scenario.delay_turns
-    if scenario.diagnoses is not None and scenario.diagnoses.flaw:
+    if scenario.diagnoses.flaw:
         return scenario.diagnoses.flaw
     if scenario.answer not in (*VERDICTS, NO_ANSWER):
         return f"'{scenario.answer}' is not a verdict"
@@ -308,10 +303,10 @@ def _contradiction(scenario: EntryScenario, verdicts: set[str]) -> str:
 
 def _contradicted_answer(scenario: EntryScenario) -> str:
     """Return how the answer of a scenario differs from its last verdict; the empty string if it does not."""
-    given = [verdict for verdict in scenario.diagnoses.verdicts if verdict != WAITING] if scenario.diagnoses else []
     # The verdicts before the onset are no answer, so a detector may have none.
-    if scenario.diagnoses is None or scenario.answer in (WAITING, NO_ANSWER):
+    if scenario.answer in (WAITING, NO_ANSWER):
         return ""
+    given = [verdict for verdict in scenario.diagnoses.verdicts if verdict != WAITING]
     last = given[-1] if given else NO_ANSWER
     # With criteria.name_right off, every bearing fault is taken as the correct one.
     any_fault = {last, scenario.family} <= set(BEARING_FAULTS) and scenario.answer == scenario.family
@@ -319,11 +314,7 @@ def _contradicted_answer(scenario: EntryScenario) -> str:
 
 
 def _most_credit(scenario: EntryScenario, verdicts: set[str], profile: Profile) -> float:
-    """Return the largest credit that the verdicts of a scenario allow, or without them its delay."""
-    if scenario.diagnoses is None:
-        # A late detection costs nothing where the half-life is infinite.
-        late = scenario.delay_turns is None and profile.naming > 0.0 and math.isfinite(profile.half_life)
-        return 1.0 - 2.0 * EXACT if late else 1.0
+    """Return the largest credit that the verdicts of a scenario allow."""
     alarm = any(map(is_alarm, verdicts))
     # An alarm on the damaged box of a vehicle earns a part of the share of the name without its component.
     named = alarm if BOX.search(scenario.name) else scenario.family in verdicts

@@ -9,22 +9,19 @@ from typing import Any
 from dcrb_ros.exam.case import simulation_seeds
 from dcrb_ros.exam.exam_file import Exam
 from dcrb_ros.exam.exam_scenarios import expectations
-from dcrb_ros.exam.leaderboard_entry import FORMAT, Entry, entry_of
+from dcrb_ros.exam.leaderboard_entry import Entry, entry_of
 from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.scoring import score_scenario
 from dcrb_ros.runtime.version import __version__
 
 STATED = ("format", "detector", "dcrb_ros", "model", "software", "criteria_sha256", "scenarios")
-"""Fields that do not follow from the diagnoses or that former versions lack, and the scenarios, which are compared one by one."""
+"""Fields that do not follow from the diagnoses, and the criteria and scenarios, which are compared apart."""
 CLOSE = 1e-6
 """Largest relative and absolute difference of two numbers; powers differ between machines in the last digits."""
 
 
 def differences(entry: Entry, exam: Exam) -> Iterator[str]:
     """Yield a sentence for everything in an entry that does not follow from its diagnoses in an exam."""
-    if entry.format != FORMAT or any(scenario.diagnoses is None for scenario in entry.scenarios):
-        yield f"it has no diagnoses from which it could be computed again; entries of the format '{FORMAT}' have them"
-        return
     stated = {scenario.name: scenario for scenario in entry.scenarios}
     names = [case.expectation.name for case in exam.cases]
     lacking, foreign = [name for name in names if name not in stated], sorted(set(stated) - set(names))
@@ -32,13 +29,12 @@ def differences(entry: Entry, exam: Exam) -> Iterator[str]:
         yield f"it lacks the scenario '{lacking[0]}' of the exam" if lacking else f"the exam has no scenario '{foreign[0]}'"
         return
     results = tuple(
-        score_scenario(expectation, scenario.diagnoses.received(), exam.criteria, failure=scenario.failure)
+        score_scenario(expectation, stated[expectation.name].diagnoses.received(), exam.criteria, failure=stated[expectation.name].failure)
         for expectation in expectations(exam)
-        if (scenario := stated[expectation.name]).diagnoses is not None
     )
     seeds = simulation_seeds(exam.cases)
     follows = entry_of(Report(exam.name, entry.detector, exam.criteria, exam.digest, results, exam.seal, seeds))
-    if entry.criteria_sha256 not in ("", follows.criteria_sha256):
+    if entry.criteria_sha256 != follows.criteria_sha256:
         yield f"its criteria are not those of the exam in dcrb_ros {__version__}; dcrb_ros {entry.dcrb_ros} made it"
     yield from _unequal("", entry.model_dump(exclude=set(STATED)), follows.model_dump(exclude=set(STATED)))
     for computed in follows.scenarios:

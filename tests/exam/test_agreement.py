@@ -13,7 +13,7 @@ from scipy.stats import kendalltau, spearmanr
 
 from dcrb_ros.exam.agreement import agreement
 from dcrb_ros.exam.correlation import kendall_tau, spearman_rho
-from dcrb_ros.exam.leaderboard_entry import FORMAT, Entry, EntryScenario
+from dcrb_ros.exam.leaderboard_entry import FORMAT, Entry, EntryScenario, StoredDiagnoses
 from dcrb_ros.exam.marking import VerdictMarking
 from dcrb_ros.exam.profile import PROFILES
 from dcrb_ros.schema.refusal import Refusal
@@ -39,6 +39,7 @@ def entry(detector: str, skill: float, count: int = 20, seed: int | None = None)
             periods=100 if family == "healthy" else 0,
             spoiled=0,
             silent=0.0,
+            diagnoses=StoredDiagnoses.of([]),
         )
         for family in ("healthy", "outer_ring", "inner_ring")
         for k in range(count)

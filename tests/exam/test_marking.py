@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from dcrb_ros.exam.exam_score import draws
-from dcrb_ros.exam.leaderboard_entry import FORMAT, Entry, EntryScenario
+from dcrb_ros.exam.leaderboard_entry import FORMAT, Entry, EntryScenario, StoredDiagnoses
 from dcrb_ros.exam.marking import ScoreMarking, VerdictMarking, marking_of
 from dcrb_ros.exam.profile import PROFILES
 from dcrb_ros.schema.refusal import Refusal
@@ -24,7 +24,7 @@ def scenario(name: str, family: str, *, right: bool, required: bool = True) -> E
             **{"name": name, "family": family, "stratum": "wide" if faulty else None, "required": required},
             **{"answer": family if right else "roller", "found": faulty and right, "delay_turns": 1.0 if faulty and right else None},
             **{"evidence": None, "credit": {profile.name: float(right) for profile in PROFILES} if faulty else {}},
-            **{"periods": 1, "spoiled": 0, "silent": 0.0},
+            **{"periods": 1, "spoiled": 0, "silent": 0.0, "diagnoses": StoredDiagnoses.of([])},
         }
     )
 
