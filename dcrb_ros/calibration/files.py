@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dcrb_ros.runtime.exit_status import print_error
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import to_described_yaml
 from dcrb_ros.text.files import LARGEST_TEXT, read_bytes
@@ -55,8 +54,7 @@ def intervals_of(machine: Path) -> dict[str, Any]:
     """Return the axes in the file of intervals beside a calibrated configuration, ``my_machine.intervals.yaml`` beside ``my_machine.yaml``.
 
     Raises:
-        Refusal: there is none, or it has another form; or it or the configuration was changed. Those of an earlier version have no digest,
-            which is reported.
+        Refusal: there is none, or it has another form; or it or the configuration was changed.
     """
     intervals = intervals_beside(machine)
     tree = read_yaml(intervals)
@@ -64,11 +62,9 @@ def intervals_of(machine: Path) -> dict[str, Any]:
     if not isinstance(axes, Mapping):
         raise Refusal(f"{intervals} has no ranges below 'vary': dcrb calibrate writes the intervals of {machine.name} there")
     calibrate = "calibrate again, or give base and vary in the sweep instead of machine"
-    if DIGEST not in tree:
-        print_error("dcrb", f"{intervals} has no digest, as of an earlier version: whether it was changed is unknown")
-    elif tree[DIGEST] != digest_of(tree, DIGEST):
+    if tree.get(DIGEST) != digest_of(tree, DIGEST):
         raise Refusal(f"{intervals} was changed: its digest does not match; {calibrate}")
-    elif hashlib.sha256(read_bytes(machine, LARGEST_TEXT)).hexdigest() != tree.get(CONFIGURATION_DIGEST):
+    if hashlib.sha256(read_bytes(machine, LARGEST_TEXT)).hexdigest() != tree.get(CONFIGURATION_DIGEST):
         raise Refusal(f"{machine} was changed after its calibration, or {intervals.name} is that of another machine: {calibrate}")
     return {str(key): axis for key, axis in axes.items()}
 

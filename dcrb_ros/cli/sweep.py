@@ -139,10 +139,6 @@ def _compile(*, quiet: bool) -> None:
 
 def _report_flaws(data_set: DataSetWriter) -> None:
     """Name the files because of which runs are simulated again."""
-    if not data_set.checked:
-        typer.echo(
-            f"warning: {data_set.store.address} was made by an earlier version without digests, so a changed label is not found", err=True
-        )
     reasons = list(data_set.flaws.values())
     for reason in reasons[:SHOWN_FLAWS]:
         typer.echo(f"{reason}: the run is simulated again", err=True)

@@ -29,8 +29,6 @@ from dcrb_ros.sweep.workers import Workers
 from dcrb_ros.text.json import parsed_json
 from dcrb_ros.text.yaml import yaml_text
 
-DIGESTS = "digests"
-"""Key in `ABOUT`: whether the labels have digests."""
 PARTS = ("sweep", "base", "scenarios")
 """Inputs of a data set, by their keys in `ABOUT`."""
 TASK_SECONDS = 2.0
@@ -62,9 +60,6 @@ class DataSetWriter:
         known = known_inputs(store)
         self.store, self.plan = store, extended_plan(plan, known)
         about = _about(self.plan)
-        self.checked = bool(known.get(DIGESTS, not known))
-        """Whether all labels have digests; a data set of an earlier version has none, so that a changed label is not found."""
-        about[DIGESTS] = self.checked
         self.extended = False
         """Whether the data set had fewer points, lives or values before."""
         if known:
@@ -79,7 +74,7 @@ class DataSetWriter:
         store.write(KEPT_BASE, yaml_text({"/**": {"ros__parameters": nest(self.plan.sweep.base)}}).encode())
         store.remove_unfinished()
         labelled = sorted(name.removesuffix(".json") for name in store.names(LABELS))
-        self.flaws = flaws(store, labelled, digests=self.checked)
+        self.flaws = flaws(store, labelled)
         """Labelled runs that do not count, each with the reason; they are simulated again."""
         for name in self.flaws:
             store.remove(label_name(name))

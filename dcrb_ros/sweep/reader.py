@@ -70,7 +70,7 @@ class DataSet:
         if not (self.folder / LABELS).is_file():
             raise Refusal(f"{self.folder} has no {LABELS}, so it is not a finished data set: give the folder of dcrb sweep or dcrb collect")
         if self._sums is None:
-            _warn(f"{self.folder} has no {SUMS}, as of an earlier version or without its hashes: changes of its labels are not found")
+            _warn(f"{self.folder} has no {SUMS}, without its hashes: changes of its labels are not found")
         self._rows = self._read_rows()
         shared = {name: in_several((row.get(name), row["split"]) for row in self._rows.values()) for name in REMEDIES}
         for sentence in warnings_of(shared, remedy=False).values():
@@ -96,7 +96,7 @@ class DataSet:
         for row in self._rows.values():
             if row.get("window_faults"):
                 faults |= set(json.loads(row["window_faults"]))
-            elif row.get("scenario"):  # of an earlier version
+            elif row.get("scenario"):  # no windows were kept
                 faults |= {"healthy", *(class_of([name]) for name in json.loads(row["faults"] or "{}"))}
         return tuple(healthy_first(faults))
 

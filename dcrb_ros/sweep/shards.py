@@ -23,7 +23,6 @@ from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.parameter_field import first_problem
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.sweep.data_set import DIGESTS, known_inputs
 from dcrb_ros.sweep.execution import common_settings, run_task
 from dcrb_ros.sweep.kinds import plan_of
 from dcrb_ros.sweep.label import DONE
@@ -174,10 +173,9 @@ def pack(store: Store, shard: Shard, target: Path) -> None:
     Raises:
         Refusal: a run has no label or no waveform file.
     """
-    digests = bool(known_inputs(store).get(DIGESTS))
     with tarfile.open(target, mode="w", format=tarfile.USTAR_FORMAT) as tar:
         for run in itertools.chain.from_iterable(shard.tasks):
-            reason = flaw(store, run.name, digests=digests)
+            reason = flaw(store, run.name)
             if reason is not None:
                 raise Refusal(f"{reason}: repair or finish the data set with dcrb sweep first")
             label = read_label(store, run.name) or {}
@@ -217,6 +215,6 @@ def _read_index(index: Path) -> Index:
     except ValidationError as error:
         problem = first_problem(error)
         raise Refusal(f"{index} is damaged ({problem.key or 'the file'}: {problem.reason}): get the index again") from None
-    if not {COPY, KEPT_BASE} <= set(about.recipe) <= set(RECIPE):  # an index of an earlier version has these two
+    if set(about.recipe) != set(RECIPE):
         raise Refusal(f"{index} is damaged: its recipe must have {', '.join(RECIPE)}; get the index again")
     return about

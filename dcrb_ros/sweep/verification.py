@@ -93,8 +93,7 @@ def read_label(store: Store, run: str, folder: str = LABELS) -> dict[str, Any] |
     """Return the label of a run; None if it has none.
 
     Raises:
-        DamagedLabel: the label is empty, cut off, changed, or lacks an entry; one of an earlier version without a digest is not checked for
-            changes.
+        DamagedLabel: the label is empty, cut off, changed, or lacks an entry.
         StoreFailed: it cannot be read.
     """
     name = label_name(run, folder)
@@ -115,15 +114,14 @@ def read_label(store: Store, run: str, folder: str = LABELS) -> dict[str, Any] |
         raise DamagedLabel(f"{store.path(name)} is {'damaged: it is not JSON' if data else 'empty'}") from None
     if named != run:
         raise DamagedLabel(f"{store.path(name)} is damaged: it is the label of the run {named}")
-    if DIGEST in label and label[DIGEST] != digest_of(label, DIGEST):
-        raise DamagedLabel(f"{store.path(name)} has been changed: its contents do not have its digest")
+    if label.get(DIGEST) != digest_of(label, DIGEST):
+        reason = "its contents do not have its digest" if DIGEST in label else "it has no digest"
+        raise DamagedLabel(f"{store.path(name)} has been changed: {reason}")
     return dict(label)
 
 
-def flaw(store: Store, run: str, *, digests: bool = True) -> str | None:
+def flaw(store: Store, run: str) -> str | None:
     """Return why a labelled run does not count, with the name of the file; None if its label and its files are intact.
-
-    Labels without a digest do not count unless ``digests`` is false, for a data set of an earlier version.
 
     Raises:
         StoreFailed: the store cannot be read, which says nothing about the run.
@@ -132,17 +130,15 @@ def flaw(store: Store, run: str, *, digests: bool = True) -> str | None:
         label = read_label(store, run)
         if label is None:  # it is listed, but was removed since, or is a link to nothing
             return f"{store.path(label_name(run))} is missing"
-        if digests and DIGEST not in label:
-            return f"{store.path(label_name(run))} has been changed: it has no digest"
         return next((reason for name, stated in label.get("files", {}).items() if (reason := _file_flaw(store, name, stated))), None)
     except DamagedLabel as error:
         return str(error)
 
 
-def flaws(store: Store, runs: list[str], *, digests: bool = True) -> dict[str, str]:
+def flaws(store: Store, runs: list[str]) -> dict[str, str]:
     """Return the labelled runs that do not count, each with the reason; see `flaw`."""
     with ThreadPoolExecutor(cores(), "verify", show_name) as threads:
-        reasons = threads.map(lambda run: flaw(store, run, digests=digests), runs)
+        reasons = threads.map(lambda run: flaw(store, run), runs)
         return {run: reason for run, reason in zip(runs, reasons, strict=True) if reason is not None}
 
 

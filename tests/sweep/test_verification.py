@@ -244,19 +244,6 @@ def test_only_the_first_of_many_damaged_runs_are_named(tmp_path: Path, capsys: p
     assert lines[-1] == "damage in 2 further runs: simulated again"
 
 
-def test_a_data_set_of_an_earlier_version_is_continued_with_a_warning(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    plan, store, runs = simulated(tmp_path)
-    about = json.loads((tmp_path / "sweep.json").read_text())
-    (tmp_path / "sweep.json").write_text(json.dumps({key: value for key, value in about.items() if key != "digests"}))
-    for run in runs:
-        without("digest")(tmp_path / f"labels/{run}.json")
-    for _ in range(2):
-        with open_data_set(plan, store) as data_set:
-            assert (data_set.done, data_set.flaws) == (set(runs), {})
-            _report_flaws(data_set)
-        assert "was made by an earlier version without digests" in capsys.readouterr().err
-
-
 @pytest.mark.parametrize("name", ["labels.parquet", "dataset.yaml", "sweep.json", "sweep.yaml", "base.yaml", "README.md"])
 def test_every_table_and_description_has_a_hash(name: str, tmp_path: Path) -> None:
     simulated(tmp_path)
