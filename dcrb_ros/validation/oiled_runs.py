@@ -9,10 +9,9 @@ import numpy as np
 
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.stream.states import Account, LubricationState
-from dcrb_ros.validation.runs import command_line
+from dcrb_ros.validation.runs import OILED, RunSpec
 
 HEALTHY, SPALL = "healthy", "outer_ring_defect"
 """Shipped configurations of a lubricated bearing, healthy and with a spall of 2 mm."""
@@ -39,38 +38,16 @@ WAVES = (*(setting for setting in EVEN if not setting.startswith("surfaces.wavin
 """A bearing with the waviness of ground raceways alone, 0.1 um, whose inner ring carries no axle."""
 
 
-@dataclass(frozen=True)
-class OiledSpec:
-    """A run: a shipped configuration, changed parameters, and a duration after `SETTLING`."""
-
-    name: str
-    duration: float
-    """Simulated time that is kept [s]."""
-    settings: tuple[str, ...] = ()
-    bench: str = HEALTHY
-    settling: float = SETTLING
-    """Simulated time before that [s]."""
-
-    @property
-    def label(self) -> str:
-        """Name of the run, for the report."""
-        return f"{self.name}, lubricated"
-
-    @property
-    def command(self) -> str:
-        """The command line that records this run."""
-        return command_line(self.bench, self.settling + self.duration, ("sensor.noise_density=0", *self.settings), self.label)
-
-    def configuration(self, changes: tuple[str, ...] = ()) -> Configuration:
-        """Return the configuration, with further changes that count before the run's own."""
-        return load_configuration(self.bench, ("sensor.noise_density=0", *changes, *self.settings))
+def oiled_spec(name: str, duration: float, settings: tuple[str, ...] = (), *, bench: str = HEALTHY, settling: float = SETTLING) -> RunSpec:
+    """Return the specification of a run [s] of a lubricated bearing without noise."""
+    return RunSpec(name, OILED, bench, duration, ("sensor.noise_density=0", *settings), settling)
 
 
 @dataclass(frozen=True)
 class OiledRun:
     """The results of a run after its first part."""
 
-    spec: OiledSpec
+    spec: RunSpec
     configuration: Configuration
     duration: float
     """[s]"""
@@ -111,21 +88,21 @@ OiledRuns = Mapping[str, OiledRun]
 """Runs by name."""
 
 
-def oiled_specs() -> list[OiledSpec]:
+def oiled_specs() -> list[RunSpec]:
     """Return the specifications of all runs of lubricated bearings."""
     return [
-        OiledSpec("healthy", 2.0),
-        OiledSpec("spall", 1.5, ("structure.modes=6",), bench=SPALL),
-        OiledSpec("steady", 1.0, STEADY),
-        OiledSpec("light load", 0.8, (*STEADY, "operating.load=5000.0")),
-        OiledSpec("thin layer", 0.5, (*STEADY, "lubrication.layer=1e-6")),
-        OiledSpec("cold start", 0.02, (*STEADY, "operating.start=cold", "publishing.state_rate=3000"), settling=0.0),
-        OiledSpec("waves", 0.5, (*WAVES, "housing.box_mass=0")),
-        OiledSpec("waves with box", 0.5, WAVES),
+        oiled_spec("healthy", 2.0),
+        oiled_spec("spall", 1.5, ("structure.modes=6",), bench=SPALL),
+        oiled_spec("steady", 1.0, STEADY),
+        oiled_spec("light load", 0.8, (*STEADY, "operating.load=5000.0")),
+        oiled_spec("thin layer", 0.5, (*STEADY, "lubrication.layer=1e-6")),
+        oiled_spec("cold start", 0.02, (*STEADY, "operating.start=cold", "publishing.state_rate=3000"), settling=0.0),
+        oiled_spec("waves", 0.5, (*WAVES, "housing.box_mass=0")),
+        oiled_spec("waves with box", 0.5, WAVES),
     ]
 
 
-def simulate_oiled(spec: OiledSpec, changes: tuple[str, ...] = ()) -> OiledRun:
+def simulate_oiled(spec: RunSpec, changes: tuple[str, ...] = ()) -> OiledRun:
     """Simulate a run, with further changes of its parameters, and return its results."""
     configuration = spec.configuration(changes)
     simulation = Simulation(configuration)

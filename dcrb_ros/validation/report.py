@@ -7,9 +7,8 @@ from importlib import resources
 
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.text.markdown import table
-from dcrb_ros.validation.oiled_runs import OiledSpec
 from dcrb_ros.validation.report_row import ReportRow
-from dcrb_ros.validation.runs import PaperRunSpec
+from dcrb_ros.validation.runs import RunSpec
 
 HEADINGS = ("quantity", "joint", "paper", "this model", "accepted", "result")
 CAPTIONS = {
@@ -47,7 +46,7 @@ def tables(rows: Sequence[ReportRow]) -> list[str]:
     return lines
 
 
-def markdown(rows: Sequence[ReportRow], specs: Sequence[PaperRunSpec | OiledSpec], figures: Sequence[str]) -> str:
+def markdown(rows: Sequence[ReportRow], specs: Sequence[RunSpec], figures: Sequence[str]) -> str:
     """Return the report as Markdown; the figures are files in the same folder."""
     lines = [
         "# Validation of dcrb_ros against Fan et al. 2025",

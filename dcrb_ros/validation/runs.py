@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +20,8 @@ from dcrb_ros.validation.report_row import ReportRow
 JOINTS = ("revolute", "pocket")
 BENCH = {"revolute": "paper", "pocket": "dry"}
 """The shipped configuration for each joint."""
+OILED = "lubricated"
+"""In place of the joint of a run of a lubricated bearing."""
 
 PAPER_SPEED = 124.8
 """Shaft speed used in the paper's section 2.3.2 [rad/s]."""
@@ -47,25 +49,20 @@ POWER_LAW = (
 )
 
 
-def command_line(bench: str, duration: float, settings: Iterable[str], label: str) -> str:
-    """Return the command line that records a run [s] in a folder named after it; of several values of a parameter the last one counts."""
-    values = dict(setting.split("=", 1) for setting in settings)
-    options = [word for key, value in values.items() for word in ("--set", f"{key}={value}")]
-    folder = label.replace(",", "").replace(" ", "-")
-    return shlex.join(["dcrb", "simulate", bench, "--duration", f"{duration:g}", *options, "-o", folder])
-
-
 @dataclass(frozen=True)
-class PaperRunSpec:
+class RunSpec:
     """The specification of a run: a shipped configuration, changed parameters and a duration."""
 
     name: str
     joint: str
+    """Joint of the cage, or `OILED`."""
+    bench: str
+    """The shipped configuration."""
     duration: float
-    """Simulated time [s]."""
-    settings: tuple[str, ...] = ()
-    state_rate: int = 2000
-    """Rate at which states are kept [Hz]."""
+    """Simulated time that is kept [s]."""
+    settings: tuple[str, ...]
+    settling: float = 0.0
+    """Simulated time before that [s]."""
 
     @property
     def key(self) -> tuple[str, str]:
@@ -79,43 +76,48 @@ class PaperRunSpec:
 
     @property
     def command(self) -> str:
-        """The command line that records this run."""
-        return command_line(BENCH[self.joint], self.duration, self._all_settings, self.label)
+        """The command line that records this run in a folder named after it; of several values of a parameter the last one counts."""
+        values = dict(setting.split("=", 1) for setting in self.settings)
+        options = [word for key, value in values.items() for word in ("--set", f"{key}={value}")]
+        folder = self.label.replace(",", "").replace(" ", "-")
+        return shlex.join(["dcrb", "simulate", self.bench, "--duration", f"{self.settling + self.duration:g}", *options, "-o", folder])
 
-    @property
-    def _all_settings(self) -> tuple[str, ...]:
-        return (f"operating.speed={PAPER_SPEED}", f"publishing.state_rate={self.state_rate}", "sensor.noise_density=0.0", *self.settings)
+    def configuration(self, changes: tuple[str, ...] = ()) -> Configuration:
+        """Return the configuration, with further changes that count before the run's own."""
+        return load_configuration(self.bench, (*changes, *self.settings))
 
-    def configuration(self) -> Configuration:
-        """Return the configuration."""
-        return load_configuration(BENCH[self.joint], self._all_settings)
+
+def paper_spec(name: str, joint: str, duration: float, settings: tuple[str, ...] = (), state_rate: int = 2000) -> RunSpec:
+    """Return the specification of a run [s] without noise at the paper's speed, whose states are kept at a rate [Hz]."""
+    common = f"operating.speed={PAPER_SPEED}", f"publishing.state_rate={state_rate}", "sensor.noise_density=0.0"
+    return RunSpec(name, joint, BENCH[joint], duration, (*common, *settings))
 
 
 WIDTHS = (0.5, 1.0, 1.5, 2.0)
 """Widths of the outer-ring defect whose severity is compared [mm]."""
 
 
-def run_specs() -> list[PaperRunSpec]:
+def run_specs() -> list[RunSpec]:
     """Return the specifications of all runs, the longest first."""
     specs = []
     for joint in reversed(JOINTS):
         bars = f"faults.broken_bars=row1/bar{BROKEN_BAR}, row2/bar{BROKEN_BAR}"
         specs += [
-            PaperRunSpec("healthy", joint, 6.0, state_rate=3000),
-            PaperRunSpec("cage fracture", joint, 6.0, (bars,), 3000),
-            PaperRunSpec("outer ring defect", joint, 3.0, ("faults.outer_1.width=0.002",), 5000),
-            PaperRunSpec("inner ring defect", joint, 3.0, ("faults.inner_1.width=0.002",), 5000),
-            PaperRunSpec(QUARTER_STEP, joint, 3.0, ("faults.outer_1.width=0.002", "simulation.step=2.44140625e-6"), 500),
+            paper_spec("healthy", joint, 6.0, state_rate=3000),
+            paper_spec("cage fracture", joint, 6.0, (bars,), 3000),
+            paper_spec("outer ring defect", joint, 3.0, ("faults.outer_1.width=0.002",), 5000),
+            paper_spec("inner ring defect", joint, 3.0, ("faults.inner_1.width=0.002",), 5000),
+            paper_spec(QUARTER_STEP, joint, 3.0, ("faults.outer_1.width=0.002", "simulation.step=2.44140625e-6"), 500),
         ]
         specs += [
-            PaperRunSpec("roller defect", joint, 4.0, ("faults.roller_1.width=0.002",), 500),
-            PaperRunSpec("rows staggered", joint, 1.2, ("faults.outer_1.width=0.002", "bearing.row_phase=0.5"), 100),
+            paper_spec("roller defect", joint, 4.0, ("faults.roller_1.width=0.002",), 500),
+            paper_spec("rows staggered", joint, 1.2, ("faults.outer_1.width=0.002", "bearing.row_phase=0.5"), 100),
         ]
-        specs += [PaperRunSpec(f"outer ring defect {b:g} mm", joint, 1.2, (f"faults.outer_1.width={b * 1e-3:g}",), 100) for b in WIDTHS]
-        specs += [PaperRunSpec("cold start", joint, 3.0, ("operating.start=cold",))]
+        specs += [paper_spec(f"outer ring defect {b:g} mm", joint, 1.2, (f"faults.outer_1.width={b * 1e-3:g}",), 100) for b in WIDTHS]
+        specs += [paper_spec("cold start", joint, 3.0, ("operating.start=cold",))]
     specs += [
-        PaperRunSpec("power law, healthy", "revolute", 1.2, POWER_LAW),
-        PaperRunSpec("power law, outer ring defect", "revolute", 1.2, (*POWER_LAW, "faults.outer_1.width=0.002"), 5000),
+        paper_spec("power law, healthy", "revolute", 1.2, POWER_LAW),
+        paper_spec("power law, outer ring defect", "revolute", 1.2, (*POWER_LAW, "faults.outer_1.width=0.002"), 5000),
     ]
     return specs
 
@@ -127,7 +129,7 @@ class PaperRun:
     Shapes are (times, rollers) unless stated otherwise; rollers are columns, row of the bearing by row.
     """
 
-    spec: PaperRunSpec
+    spec: RunSpec
     configuration: Configuration
     acceleration: Floats
     """Vertical acceleration of the outer ring before noise, shape (samples,) [m/s^2]."""
@@ -215,7 +217,7 @@ PaperRuns = Mapping[tuple[str, str], PaperRun]
 """Runs by name and joint."""
 
 
-def simulate(spec: PaperRunSpec) -> PaperRun:
+def simulate(spec: RunSpec) -> PaperRun:
     """Simulate a run and return its results."""
     configuration = spec.configuration()
     rows, count = configuration.bearing.rows, configuration.bearing.rows * configuration.bearing.rollers_per_row

@@ -34,10 +34,6 @@ Progress = Callable[[int, int, str], None]
 """Called with the number of finished runs, the number of all runs, and the name of the last one."""
 
 
-OILED = "lubricated"
-"""In place of the joint of a run of a lubricated bearing."""
-
-
 class Results(NamedTuple):
     """Everything that the comparisons need."""
 
@@ -51,15 +47,15 @@ def run_all(workers: int, progress: Progress) -> Results:
     """Return all runs, and the deviations between the solvers; each is computed in a process of its own."""
     calls: dict[tuple[str, str], Callable[[], Any]] = {(name, ""): partial(compare_solvers, name) for name in WINDOWS}
     calls |= {spec.key: partial(simulate, spec) for spec in run_specs()}
-    calls |= {(spec.name, OILED): partial(simulate_oiled, spec) for spec in oiled_specs()}
+    calls |= {spec.key: partial(simulate_oiled, spec) for spec in oiled_specs()}
     done: dict[tuple[str, str], Any] = {}
-    for (name, joint), result in in_processes(calls, workers):
-        done[name, joint] = result
-        progress(len(done), len(calls), f"{name} {joint}".strip())
+    for key, result in in_processes(calls, workers):
+        done[key] = result
+        progress(len(done), len(calls), " ".join(key).strip())
     return Results(
         {spec.key: done[spec.key] for spec in run_specs()},
         {name: done[name, ""] for name in WINDOWS},
-        {spec.name: done[spec.name, OILED] for spec in oiled_specs()},
+        {spec.name: done[spec.key] for spec in oiled_specs()},
     )
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from dcrb_ros.validation import friction_moment, oiled_bench, surface_rows
-from dcrb_ros.validation.oiled_runs import OiledRun, OiledSpec, oiled_specs, simulate_oiled
+from dcrb_ros.validation.oiled_runs import OiledRun, oiled_spec, oiled_specs, simulate_oiled
 from dcrb_ros.validation.report import chapters, markdown
 from dcrb_ros.validation.report_row import ReportRow, about, between
 
@@ -86,7 +86,7 @@ def test_palmgren_is_the_sum_of_a_viscous_and_a_load_moment() -> None:
 def test_the_report_has_a_table_for_each_chapter() -> None:
     rows = [ReportRow("spin", "both", "-", "1", "1", True), ReportRow("film", "pocket", "-", "2", "2", True, "Oil")]
     assert list(chapters(rows)) == ["The paper", "Oil"]
-    text = markdown(rows, [OiledSpec("healthy", 1.0)], [])
+    text = markdown(rows, [oiled_spec("healthy", 1.0)], [])
     assert text.index("### The paper") < text.index("| spin |") < text.index("### Oil") < text.index("| film |")
     assert "dcrb simulate healthy --duration 1.2 --set sensor.noise_density=0" in text
 

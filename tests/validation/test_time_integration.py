@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from dcrb_ros.validation import shorter_steps, time_integration
-from dcrb_ros.validation.runs import PaperRunSpec, simulate
+from dcrb_ros.validation.runs import paper_spec, simulate
 
 
 @pytest.mark.slow
@@ -45,7 +45,7 @@ def test_forces_and_waveforms_of_a_defect_are_those_of_short_steps(joint: str, m
 
 
 def test_statistics_notice_levels_and_cage_speed() -> None:
-    run = simulate(PaperRunSpec("outer ring defect", "revolute", 0.5, ("faults.outer_1.width=0.002",)))
+    run = simulate(paper_spec("outer ring defect", "revolute", 0.5, ("faults.outer_1.width=0.002",)))
     assert shorter_steps.statistics_row(run, run).holds
     assert not shorter_steps.statistics_row(replace(run, acceleration=1.03 * run.acceleration), run).holds
     assert not shorter_steps.statistics_row(replace(run, cage_speed=1.001 * run.cage_speed), run).holds

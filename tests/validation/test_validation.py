@@ -19,7 +19,7 @@ from dcrb_ros.validation.measures import envelope_spectrum, load_zone, passes, p
 from dcrb_ros.validation.oiled_runs import oiled_specs
 from dcrb_ros.validation.report import markdown, summary
 from dcrb_ros.validation.report_row import ReportRow
-from dcrb_ros.validation.runs import PaperRun, PaperRunSpec, run_specs, simulate
+from dcrb_ros.validation.runs import PaperRun, paper_spec, run_specs, simulate
 from dcrb_ros.validation.validate import REPORT, report_folder
 
 
@@ -76,7 +76,7 @@ def test_the_commands_of_the_report_record_its_runs() -> None:
 
 @functools.cache
 def short(name: str, *settings: str) -> PaperRun:
-    return simulate(PaperRunSpec(name, "revolute", 0.35, settings))
+    return simulate(paper_spec(name, "revolute", 0.35, settings))
 
 
 def verdicts(healthy: PaperRun, cold: PaperRun) -> dict[str, bool]:
@@ -109,7 +109,7 @@ def test_a_comparison_outside_its_tolerance_falls_short() -> None:
 @functools.cache
 def dry_bench(*settings: str) -> dict[str, bool]:
     """Return whether each row of the dry bench holds over 1.5 s."""
-    run = simulate(PaperRunSpec("healthy", "pocket", 1.7, settings))
+    run = simulate(paper_spec("healthy", "pocket", 1.7, settings))
     return {comparison.quantity.split(",")[0]: comparison.holds for comparison in dry_bench_rows(run)}
 
 
@@ -130,7 +130,7 @@ def test_the_rows_of_the_dry_bench_notice_another_cage(settings: tuple[str, ...]
 
 def test_the_power_of_the_defects_law_notices_its_width() -> None:
     def holds(width: str) -> bool:
-        return power_of_sink(simulate(PaperRunSpec("outer ring defect", "revolute", 0.5, (f"faults.outer_1.width={width}",)))).holds
+        return power_of_sink(simulate(paper_spec("outer ring defect", "revolute", 0.5, (f"faults.outer_1.width={width}",)))).holds
 
     assert holds("0.002")
     assert not holds("0.0018")
