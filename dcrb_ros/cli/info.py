@@ -140,15 +140,11 @@ def _print(lines: Sequence[str], tables: Sequence[Table], damage: Sequence[str])
 
 def _lines(recording: Recording) -> list[str]:
     """Return lines on the software, the sensor, the faults and the outcome of the recording."""
-    from dcrb_ros.recordings.manifest import MEASURED_UNITS
-
     manifest, orders, outcome = recording.manifest, recording.orders, recording.outcome
-    # An import by an older version calls its time simulated.
-    units = manifest.get("units", {}) | ({"time": MEASURED_UNITS["time"]} if recording.imported else {})
     lines = [
         _origin(recording),
         f"sampling rate: {recording.sampling_rate} Hz",
-        "units: " + ", ".join(f"{key} [{unit}]" for key, unit in units.items()),
+        "units: " + ", ".join(f"{key} [{unit}]" for key, unit in manifest.get("units", {}).items()),
         f"orders: FTF {orders.ftf:.5f}, BPFO {orders.bpfo:.5f}, BPFI {orders.bpfi:.5f}, BSF {orders.bsf:.5f}",
     ]
     if recording.imported:

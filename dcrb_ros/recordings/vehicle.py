@@ -65,7 +65,7 @@ class VehicleRecording:
                 f"{path} was changed: it describes the box {printable(other[0])}, which its vehicle does not have; simulate it again"
             )
         self.model = str(about.get("model", ""))
-        """Fingerprint of the model of the vehicle; empty in a recording of an earlier version."""
+        """Fingerprint of the model of the vehicle."""
         self.scenario: Any = about.get("scenario")
         """The scenario as parsed from YAML; None without one."""
         self.namespace = str(about.get("namespace", NAMESPACE))
@@ -164,5 +164,5 @@ class VehicleReproduction(RunReproduction[VehicleSimulation, VehicleBlock]):
     def difference(self) -> str:
         """Return how model, software or processor differ from those that made the recording; the empty string if they do not."""
         made, present = self._recording.model, vehicle_fingerprint()
-        vehicles = f"the model of the vehicle was {made} and is {present}" if made not in ("", present) else ""
+        vehicles = f"the model of the vehicle was {made} and is {present}" if made != present else ""
         return "; ".join(filter(None, (vehicles, super().difference())))
