@@ -21,6 +21,7 @@ from dcrb_ros.exam.case import canonical
 from dcrb_ros.exam.recording_cache import keep, kept_content
 from dcrb_ros.exam.vehicle.exam_file import resolved
 from dcrb_ros.measurement.sensor import Measurement, Sensor
+from dcrb_ros.messages.vehicle import box_path
 from dcrb_ros.recordings.manifest import model_fingerprint, software, vehicle_fingerprint
 from dcrb_ros.schema.arrays import Floats, Samples
 from dcrb_ros.simulation.block_queue import wrapped
@@ -139,9 +140,9 @@ def simulated_signal(vehicle: Vehicle, duration: float, memory: MotionMemory, th
         raise
     return VehicleSignal(
         described(vehicle),
-        {_topic(name): np.concatenate([block.acceleration for block in blocks]) for name, blocks in pieces.items()},
-        {_topic(name): np.concatenate([block.shaft_angle for block in blocks]) for name, blocks in pieces.items()},
-        {_topic(name): rows for name, blocks in pieces.items() if len(rows := _readings(blocks))},
+        {box_path(name): np.concatenate([block.acceleration for block in blocks]) for name, blocks in pieces.items()},
+        {box_path(name): np.concatenate([block.shaft_angle for block in blocks]) for name, blocks in pieces.items()},
+        {box_path(name): rows for name, blocks in pieces.items() if len(rows := _readings(blocks))},
     )
 
 
@@ -167,7 +168,7 @@ def _mixed(vehicle: Vehicle, duration: float, motions: Sequence[Motion]) -> Vehi
         for j, (_, angle) in enumerate(frame):
             measured[j].append(sensors[j].measure(mixed[j], angle))
     count = round(duration * rate)
-    names = [_topic(box.name) for box in vehicle.boxes]
+    names = [box_path(box.name) for box in vehicle.boxes]
     accelerations = [np.concatenate([part.measured for part in parts])[:count].astype(np.float32) for parts in measured]
     angles = [wrapped(np.concatenate([part.angle for part in parts])[:count]) for parts in measured]
     return VehicleSignal(described(vehicle), dict(zip(names, accelerations, strict=True)), dict(zip(names, angles, strict=True)))
@@ -214,8 +215,3 @@ def _on_which_motion_depends(vehicle: Vehicle, box: Box) -> list[Any]:
     wheels = [[other.name, other.wheel.model_dump()] for other in vehicle.boxes]
     own = {key: value for key, value in box.configuration.model_dump().items() if key not in OF_SENSOR}
     return [groups, axles, wheels, box.name, own]
-
-
-def _topic(name: str) -> str:
-    """Return the name of a box in topics, such as ``axle_1/left``."""
-    return name.replace(".", "/")
