@@ -9,6 +9,7 @@ healthy axle-days take two minutes of one core. Seeds from 1000 on chose the thr
 from __future__ import annotations
 
 import argparse
+import itertools
 import json
 import math
 from concurrent.futures import ProcessPoolExecutor
@@ -19,31 +20,28 @@ from typing import Any, NamedTuple
 import numpy as np
 from hot_box_fleet import DAY, STEP, Fleet, Growth, Temperatures
 from hot_box_heat import Fault, HeatTable, heat_table
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from scipy.stats import quantile_test
 
-import dcrb_ros
 from dcrb_ros.diagnosis.heat_monitor import HeatMonitor
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.registry import HEAT_RULES
 from dcrb_ros.diagnosis.wayside import AxleBoxes, Wayside, WaysideParameters
 from dcrb_ros.exam.statistics import rate
 from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.settings.files import load_configuration
 
 AXLES, DAYS = 20, 5
 """Axles of a healthy fleet and the days that they run."""
 LAST: dict[Fault, float] = {"loss": 1.0, "clearance": 1.5e-4}
 """Last size of each fault."""
 SHORTEST, LONGEST = 3600.0, 8.0 * 3600.0
-"""Of the growth of a fault [s]."""
+"""Shortest and longest growth of a fault [s]; durations are drawn evenly by their logarithm."""
 TITLES: dict[Fault, str] = {"loss": "loss of lubricant", "clearance": "loss of clearance"}
 
-
-class Alarm(NamedTuple):
-    """An alarm of the detector of one box."""
-
-    time: float
-    """[s]"""
-    verdict: str
+Alarm = tuple[float, str]
+"""Time [s] and verdict of an alarm of the detector of one box."""
 
 
 class Outcome(NamedTuple):
@@ -59,52 +57,21 @@ class Outcome(NamedTuple):
     @property
     def lead(self) -> float:
         """Time by which the detector was earlier [s]; minus infinity without its alarm."""
-        return self.wayside - self.detector.time if self.detector is not None else -math.inf
+        return self.wayside - self.detector[0] if self.detector is not None else -math.inf
 
 
-def watched(parameters: DetectorParameters, speed: Floats, ring: Floats, air: Floats) -> list[Alarm]:
+def detector_alarms(speed: Floats, ring: Floats, air: Floats) -> list[Alarm]:
     """Return the alarms of the detector of a box for readings of shape (steps,) [rad/s], [deg C]."""
-    p: Any = parameters
-    monitor, alarms, current = HeatMonitor(p, [rule(p) for rule in HEAT_RULES], p.release_margin), [], ""
-    rows = zip((speed / (2.0 * math.pi)).tolist(), ring.tolist(), air.tolist(), strict=True)
-    for k, (frequency, outer_ring, ambient) in enumerate(rows):
-        heat = monitor.update(k * STEP, frequency, outer_ring, ambient)
-        if heat is None:
-            continue
-        verdict = next(iter(heat.confirmed), "")
-        if verdict and not current:
-            alarms.append(Alarm(k * STEP, verdict))
-        current = verdict
+    p: Any = DetectorParameters()
+    monitor, alarms, current = HeatMonitor(p, [rule(p) for rule in HEAT_RULES], p.release_margin), list[Alarm](), ""
+    readings = zip((speed / (2.0 * math.pi)).tolist(), ring.tolist(), air.tolist(), strict=True)
+    for k, reading in enumerate(readings):
+        heat = monitor.update(k * STEP, *reading)
+        if heat is not None:
+            before, current = current, next(iter(heat.confirmed), "")
+            if current and not before:
+                alarms.append((k * STEP, current))
     return alarms
-
-
-def healthy_days(fleet: Fleet, table: HeatTable, parameters: DetectorParameters) -> tuple[list[list[Alarm]], int]:
-    """Return the alarms of each box, of one axle after the other, and the number of axles whose first box a wayside detector finds hot."""
-    truth = fleet.temperatures(table)
-    ring, air = fleet.readings(truth)
-    boxes = [watched(parameters, fleet.duty.speed[:, k], ring[:, k, side], air[:, k]) for k in range(fleet.axles) for side in (0, 1)]
-    return boxes, sum(wayside_alarm(fleet, truth, k, 0.0) < math.inf for k in range(fleet.axles))
-
-
-def drawn_growth(fleet: Fleet, last: float, shortest: float, longest: float) -> Growth:
-    """Return growths that begin on the second day, with durations between two [s], evenly by their logarithm."""
-    random = np.random.default_rng(fleet.seed)
-    onset = DAY * (1.0 + random.random(fleet.axles))
-    return Growth(onset, np.exp(random.uniform(math.log(shortest), math.log(longest), fleet.axles)), last)
-
-
-def faulty_days(fleet: Fleet, table: HeatTable, growth: Growth, parameters: DetectorParameters) -> list[Outcome]:
-    """Return the outcomes of all axles whose first box gets a fault."""
-    truth = fleet.temperatures(table, growth)
-    ring, air = fleet.readings(truth)
-    outcomes = []
-    for k in range(fleet.axles):
-        onset = float(growth.onset[k])
-        alarms = watched(parameters, fleet.duty.speed[:, k], ring[:, k, 0], air[:, k])
-        early = any(alarm.time < onset for alarm in alarms)
-        first = next((alarm for alarm in alarms if alarm.time >= onset), None)
-        outcomes.append(Outcome(early, first, wayside_alarm(fleet, truth, k, onset)))
-    return outcomes
 
 
 def wayside_alarm(fleet: Fleet, truth: Temperatures, axle: int, onset: float) -> float:
@@ -119,22 +86,37 @@ def wayside_alarm(fleet: Fleet, truth: Temperatures, axle: int, onset: float) ->
     return math.inf
 
 
-def configuration() -> dcrb_ros.Configuration:
-    """Return the greased bench with a thermal network."""
-    return dcrb_ros.load_configuration("healthy", {"thermal.law": "network"})
+def table_of(fault: Fault) -> HeatTable:
+    """Return the heat of the greased bench with a thermal network."""
+    return heat_table(load_configuration("healthy", {"thermal.law": "network"}), fault)
 
 
-def healthy_fleet(seed: int) -> dict[str, Any]:
-    """Return the alarms of a healthy fleet."""
-    boxes, hot = healthy_days(Fleet(AXLES, DAYS, seed), heat_table(configuration(), "loss"), DetectorParameters())
-    return {"alarms": [(k, *alarm) for k, alarms in enumerate(boxes) for alarm in alarms], "wayside": hot}
+def healthy_fleet(seed: int) -> tuple[list[tuple[int, float, str]], int]:
+    """Return the alarms of a healthy fleet, each with the number of its box, and how many axles have a first box hot by the wayside."""
+    fleet = Fleet(AXLES, DAYS, seed)
+    truth = fleet.temperatures(table_of("loss"))
+    ring, air = fleet.readings(truth)
+    alarms = [
+        (box, *alarm)
+        for box, (k, side) in enumerate(itertools.product(range(AXLES), (0, 1)))
+        for alarm in detector_alarms(fleet.duty.speed[:, k], ring[:, k, side], air[:, k])
+    ]
+    return alarms, sum(wayside_alarm(fleet, truth, k, 0.0) < math.inf for k in range(AXLES))
 
 
 def faulty_fleet(fault: Fault, axles: int, seed: int) -> list[Outcome]:
-    """Return what happened to axles with a fault that grows on their second day."""
-    fleet = Fleet(axles, 4, seed)
-    growth = drawn_growth(fleet, LAST[fault], SHORTEST, LONGEST)
-    return faulty_days(fleet, heat_table(configuration(), fault), growth, DetectorParameters())
+    """Return what happened to axles with a fault of their first box that begins on the second day."""
+    fleet, random = Fleet(axles, 4, seed), np.random.default_rng(seed)
+    onset = DAY * (1.0 + random.random(axles))
+    duration = np.exp(random.uniform(math.log(SHORTEST), math.log(LONGEST), axles))
+    truth = fleet.temperatures(table_of(fault), Growth(onset, duration, LAST[fault]))
+    ring, air = fleet.readings(truth)
+    outcomes = []
+    for k, begin in enumerate(onset.tolist()):
+        alarms = detector_alarms(fleet.duty.speed[:, k], ring[:, k, 0], air[:, k])
+        first = next((alarm for alarm in alarms if alarm[0] >= begin), None)
+        outcomes.append(Outcome(any(time < begin for time, _ in alarms), first, wayside_alarm(fleet, truth, k, begin)))
+    return outcomes
 
 
 def summary(outcomes: list[Outcome]) -> dict[str, Any]:
@@ -142,7 +124,7 @@ def summary(outcomes: list[Outcome]) -> dict[str, Any]:
     hot = [outcome for outcome in outcomes if outcome.wayside < math.inf]
     lead = np.array([outcome.lead for outcome in hot]) / 60.0
     bounds: Any = quantile_test(lead, p=0.5).confidence_interval(0.95)
-    names = [outcome.detector.verdict for outcome in outcomes if outcome.detector is not None]
+    names = [outcome.detector[1] for outcome in outcomes if outcome.detector is not None]
     return {
         "axles": len(outcomes),
         "found": len(names),
@@ -158,12 +140,8 @@ def summary(outcomes: list[Outcome]) -> dict[str, Any]:
 
 def picture(outcomes: dict[Fault, list[Outcome]], file: Path) -> None:
     """Plot the share of hot boxes over the lead time."""
-    import matplotlib as mpl
-
-    mpl.use("Agg")
-    import matplotlib.pyplot as plt
-
-    figure, axes = plt.subplots(figsize=(8.0, 4.0), layout="constrained")
+    figure = Figure(figsize=(8.0, 4.0), layout="constrained")
+    axes: Axes = figure.subplots()
     for fault, colour in zip(outcomes, ("tab:blue", "tab:red"), strict=True):
         lead = np.sort([outcome.lead / 60.0 for outcome in outcomes[fault] if outcome.wayside < math.inf])
         share = 1.0 - np.arange(len(lead)) / len(lead)
@@ -193,21 +171,17 @@ def main() -> None:
     given = parser.parse_args()
     with ProcessPoolExecutor(given.workers) as pool:
         fleets = list(pool.map(healthy_fleet, range(given.seed, given.seed + given.healthy)))
-        kinds: list[Fault] = ["loss", "clearance"]
-        fates = pool.map(partial(faulty_fleet, axles=given.faulty, seed=given.seed + 500), kinds)
-        faulty: dict[Fault, list[Outcome]] = dict(zip(kinds, fates, strict=True))
-    days, alarms = len(fleets) * AXLES * DAYS, [alarm for fleet in fleets for alarm in fleet["alarms"]]
-    about: dict[str, Any] = {
-        "healthy": {
-            "axle_days": days,
-            "false_alarms": len(alarms),
-            "per_1000_axle_days": list(rate(len(alarms), days / 1000.0)),
-            "alarms": alarms,
-            "wayside_alarms": sum(fleet["wayside"] for fleet in fleets),
-        },
+        outcomes = pool.map(partial(faulty_fleet, axles=given.faulty, seed=given.seed + 500), TITLES)
+        faulty = dict(zip(TITLES, outcomes, strict=True))
+    days, alarms = len(fleets) * AXLES * DAYS, [alarm for alarms, _ in fleets for alarm in alarms]
+    healthy = {
+        "axle_days": days,
+        "false_alarms": len(alarms),
+        "per_1000_axle_days": list(rate(len(alarms), days / 1000.0)),
+        "alarms": alarms,
+        "wayside_alarms": sum(hot for _, hot in fleets),
     }
-    about |= {str(fault): summary(outcomes) for fault, outcomes in faulty.items()}
-    print(json.dumps(about, indent=2))
+    print(json.dumps({"healthy": healthy, **{fault: summary(outcomes) for fault, outcomes in faulty.items()}}, indent=2))
     if given.figure is not None:
         picture(faulty, given.figure)
 
