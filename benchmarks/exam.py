@@ -5,17 +5,16 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import re
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 from result_pages import ROOT, replace_part, today
 
-from dcrb_ros.text.markdown import table as markdown_table
+from dcrb_ros.text.markdown import table
 
 PAGE, IMAGES = ROOT / "docs/results/exam.md", ROOT / "docs/images"
 SCORE = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()", "score"]
@@ -46,57 +45,47 @@ def interval(estimate: dict[str, Any], digits: int = 2) -> str:
     return f"{number(estimate['value'], digits)} ({number(estimate['low'], digits)} to {number(estimate['high'], digits)})"
 
 
-def table(headings: list[str], rows: list[list[str]]) -> Iterator[str]:
-    """Yield a table, if it has rows."""
-    if rows:
-        yield f"\n{markdown_table(headings, rows)}\n"
-
-
-def report_lines(report: dict[str, Any], image: str, caption: str) -> Iterator[str]:
-    """Yield a report as lines of Markdown."""
-    seconds = sum(scenario["duration"] for scenario in report["scenarios"])
+def report_parts(report: dict[str, Any], image: str, caption: str) -> Iterator[str]:
+    """Yield the paragraphs, the figure and the tables of a report in Markdown; one that has nothing to say is empty."""
+    scenarios, alarms = report["scenarios"], report["false_alarms"]
     yield (
-        f"{len(report['scenarios'])} scenarios, {seconds:.0f} s of signal; dcrb_ros {report['dcrb_ros']}, model `{report['model']}`, "
-        f"{today()}; scenarios `{report['scenarios_sha256'][:16]}`."
+        f"{len(scenarios)} scenarios, {sum(scenario['duration'] for scenario in scenarios):.0f} s of signal; "
+        f"dcrb_ros {report['dcrb_ros']}, model `{report['model']}`, {today()}; scenarios `{report['scenarios_sha256'][:16]}`."
     )
-    yield from table(
-        ["criterion", "required", "result", "status"],
-        [[c["name"], c["wanted"], c["got"], "passed" if c["holds"] else "**failed**"] for c in report["checks"]],
-    )
-    marks = [
-        [profile, interval(score, 1), number(score["detection"], 3), number(score["clean"], 3)]
-        for profile, score in report["exam_score"].items()
-    ]
-    yield from table(["profile", "exam score, 95 % confidence", "credit for faults", "factor for false alarms"], marks)
-    if report["delay"]:
-        yield f"![{caption}](../images/{image})"
+    checks = [(c["name"], c["wanted"], c["got"], "passed" if c["holds"] else "**failed**") for c in report["checks"]]
+    yield filled(("criterion", "required", "result", "status"), checks)
+    marks = [(name, interval(s, 1), number(s["detection"], 3), number(s["clean"], 3)) for name, s in report["exam_score"].items()]
+    yield filled(("profile", "exam score, 95 % confidence", "credit for faults", "factor for false alarms"), marks)
+    yield f"![{caption}](../images/{image})" if report["delay"] else ""
     delays = [
-        [verdict, f"{d['found']} of {d['asked']}", number(d["median"]), number(d["p95"]), f"{d['limit']:g}"]
+        (verdict, f"{d['found']} of {d['asked']}", number(d["median"]), number(d["p95"]), f"{d['limit']:g}")
         for verdict, d in report["delay"].items()
     ]
-    yield from table(["fault", "detected", "median delay [s]", "95th percentile [s]", "limit [s]"], delays)
+    yield filled(("fault", "detected", "median delay [s]", "95th percentile [s]", "limit [s]"), delays)
+    probability = "probability of detection, 95 % confidence"
     sizes = [
-        [d["verdict"], f"{d['width'] * 1e3:g}", f"{d['found']} of {d['asked']}", interval(d["probability"])] for d in report["detection"]
+        (d["verdict"], f"{d['width'] * 1e3:g}", f"{d['found']} of {d['asked']}", interval(d["probability"])) for d in report["detection"]
     ]
-    yield from table(["fault", "width [mm]", "detected", "probability of detection, 95 % confidence"], sizes)
+    yield filled(("fault", "width [mm]", "detected", probability), sizes)
     grades = [
-        [d["verdict"], f"`{d['parameter']}`", f"{d['value']:g}", f"{d['found']} of {d['scenarios']}", interval(d["probability"])]
+        (d["verdict"], f"`{d['parameter']}`", f"{d['value']:g}", f"{d['found']} of {d['scenarios']}", interval(d["probability"]))
         for d in report["graded_detection"]
     ]
-    yield from table(["fault", "parameter", "value", "detected", "probability of detection, 95 % confidence"], grades)
-    alarms = report["false_alarms"]
+    yield filled(("fault", "parameter", "value", "detected", probability), grades)
     yield (
         f"False alarms: {alarms['count']} in {alarms['healthy_hours'] * 60.0:.1f} min of healthy signal, "
         f"{interval(alarms['per_hour'], 1)} per hour. ROC area: {number(report['roc'] and report['roc']['area'], 3)}."
     )
-    wrong = [scenario for scenario in report["scenarios"] if not scenario["passed"]]
-    if wrong:
-        yield ""
-        first = f"; the first {MOST_FAILURES}" if len(wrong) > MOST_FAILURES else ""
-        wrong.sort(key=lambda scenario: not scenario["required"])
-        yield f"Errors in {len(wrong)} of {len(report['scenarios'])} scenarios, those required first{first}:"
-        rows = [[f"`{s['name']}`", s["verdict"], s["flaw"], "" if s["required"] else "not required"] for s in wrong[:MOST_FAILURES]]
-        yield from table(["scenario", "correct verdict", "error", "remark"], rows)
+    wrong = sorted((scenario for scenario in scenarios if not scenario["passed"]), key=lambda scenario: not scenario["required"])
+    first = f"; the first {MOST_FAILURES}" if len(wrong) > MOST_FAILURES else ""
+    yield f"Errors in {len(wrong)} of {len(scenarios)} scenarios, those required first{first}:" if wrong else ""
+    rows = [(f"`{s['name']}`", s["verdict"], s["flaw"], "" if s["required"] else "not required") for s in wrong[:MOST_FAILURES]]
+    yield filled(("scenario", "correct verdict", "error", "remark"), rows)
+
+
+def filled(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Return a table, or nothing if it has no rows."""
+    return table(heads, rows) if rows else ""
 
 
 REPORTS = {
@@ -124,9 +113,8 @@ def main() -> None:
         began = time.monotonic()
         exam, exam_options, caption = REPORTS[report]
         image = f"exam-{report}.png"
-        lines = report_lines(evaluate(exam, image, options + exam_options), image, caption)
-        text = re.sub(r"\n{3,}", "\n\n", "\n".join(lines)).strip()
-        replace_part(PAGE, f"<!-- report {report} -->", "<!-- end of report -->", text)
+        parts = report_parts(evaluate(exam, image, options + exam_options), image, caption)
+        replace_part(PAGE, f"<!-- report {report} -->", "<!-- end of report -->", "\n\n".join(filter(None, parts)))
         print(f"{report}: {time.monotonic() - began:.0f} s of wall time, using existing recordings")
     print(f"reports: {PAGE}")
 
