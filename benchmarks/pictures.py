@@ -71,6 +71,11 @@ STAND_IN = (
 BURN_OFF_RUN = "dcrb simulate healthy --scenario burn_off --duration 45 -o burn_off && "
 
 
+def drawn(draw: Callable[[Path], None], *shows: str) -> Picture:
+    """Return a picture that a function of `picture_drawings` draws."""
+    return Picture(draw, (*shows, f"drawing benchmarks/picture_drawings.py:{draw.__name__}"))
+
+
 def exam(report: str, name: str) -> Picture:
     """Return the figure of a report in docs/results/exam.md."""
     return Picture(f"python {{root}}/benchmarks/exam.py {report}", (f"file config/exams/{name}.yaml", *REPORT))
@@ -103,30 +108,18 @@ PICTURES = {
     "thermal-burn-off": Picture(
         BURN_OFF_RUN + "python {root}/examples/burn_off.py burn_off -o {file}", (*BURN_OFF, "drawing examples/burn_off.py")
     ),
-    "detector-spectra": Picture(
+    "detector-spectra": drawn(
         drawings.spectra,
-        (
-            *(f"bench {name} structure.modes=6" for name in drawings.FAMILIES),
-            *OILED,
-            "samples oiled_cage_fracture",
-            DETECTOR,
-            "drawing benchmarks/picture_drawings.py:spectra",
-        ),
+        *(f"bench {name} structure.modes=6" for name in drawings.FAMILIES),
+        *OILED,
+        "samples oiled_cage_fracture",
+        DETECTOR,
     ),
-    "detector-sizes": Picture(
-        drawings.sizes, ("bench dry", "samples outer_ring_defect", DETECTOR, "drawing benchmarks/picture_drawings.py:sizes")
-    ),
-    "measurement-faults": Picture(
-        drawings.sensor_faults,
-        ("bench outer_ring_defect structure.modes=6", "samples oiled_chain", "drawing benchmarks/picture_drawings.py:sensor_faults"),
-    ),
-    "measurement-transfer": Picture(
-        drawings.transfer, ("drawing dcrb_ros/settings/sensor.py", "samples chain", "drawing benchmarks/picture_drawings.py:transfer")
-    ),
-    "measurement-noise": Picture(
-        drawings.noise, ("drawing dcrb_ros/settings/sensor.py", "samples chain", "drawing benchmarks/picture_drawings.py:noise")
-    ),
-    "measurement-background": Picture(drawings.background, ("samples background", "drawing benchmarks/picture_drawings.py:background")),
+    "detector-sizes": drawn(drawings.sizes, "bench dry", "samples outer_ring_defect", DETECTOR),
+    "measurement-faults": drawn(drawings.sensor_faults, "bench outer_ring_defect structure.modes=6", "samples oiled_chain"),
+    "measurement-transfer": drawn(drawings.transfer, "drawing dcrb_ros/settings/sensor.py", "samples chain"),
+    "measurement-noise": drawn(drawings.noise, "drawing dcrb_ros/settings/sensor.py", "samples chain"),
+    "measurement-background": drawn(drawings.background, "samples background"),
     "detector-reliability": Picture(
         "python {root}/benchmarks/reliability.py $MEASURED -o {file}",
         (DETECTOR, "drawing tests/support/jittered_impacts.py", "drawing benchmarks/reliability.py"),
