@@ -2,36 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import numpy as np
 from signal_machines import Row
 
+from dcrb_ros.text.markdown import table
+
 Groups = Mapping[str, list[Row]]
 
-QUANTITIES: dict[str, tuple[str, str]] = {
-    "ratio": ("R", ""),
-    "ratio_growth": ("growth of R, 2 to 20 kHz", ""),
-    "kurtogram_growth": ("growth of R, kurtogram", ""),
-    "energy_scatter": ("scatter of energy, c_E", ""),
-    "neighbour": ("correlation at lag 1", ""),
-    "element": ("correlation at lag Z", ""),
-    "shaft": ("share of the angle of the shaft", ""),
-    "jitter": ("shared jitter", "ms"),
-    "depth": ("depth of the line", ""),
-    "harmonic_8": ("depth of harmonic 8", ""),
-    "crest": ("crest of the envelope", "dB"),
-    "cage": ("depth of the lines of the cage", ""),
-    "sidebands": ("sidebands at the shaft frequency", ""),
-    "kurtosis": ("kurtosis", ""),
-    "middle": ("power in 5 to 10 kHz", "dB"),
-    "upper": ("power in 10 to 20 kHz", "dB"),
-    "cut_off": ("95 % of the power below", "kHz"),
-    "octave_1": ("spectral kurtosis, 1 to 2 kHz", ""),
-    "octave_2": ("2 to 4 kHz", ""),
-    "octave_4": ("4 to 8 kHz", ""),
-    "octave_8": ("8 to 16 kHz", ""),
+QUANTITIES = {
+    "ratio": "R",
+    "ratio_growth": "growth of R, 2 to 20 kHz",
+    "kurtogram_growth": "growth of R, kurtogram",
+    "energy_scatter": "scatter of energy, c_E",
+    "neighbour": "correlation at lag 1",
+    "element": "correlation at lag Z",
+    "shaft": "share of the angle of the shaft",
+    "jitter": "shared jitter [ms]",
+    "depth": "depth of the line",
+    "harmonic_8": "depth of harmonic 8",
+    "crest": "crest of the envelope [dB]",
+    "cage": "depth of the lines of the cage",
+    "sidebands": "sidebands at the shaft frequency",
+    "kurtosis": "kurtosis",
+    "middle": "power in 5 to 10 kHz [dB]",
+    "upper": "power in 10 to 20 kHz [dB]",
+    "cut_off": "95 % of the power below [kHz]",
+    "octave_1": "spectral kurtosis, 1 to 2 kHz",
+    "octave_2": "2 to 4 kHz",
+    "octave_4": "4 to 8 kHz",
+    "octave_8": "8 to 16 kHz",
 }
 """Name and unit of the quantities in the order of the tables."""
 
@@ -90,41 +92,38 @@ def cell(rows: list[Row], quantity: str) -> str:
     return f"{number(middle)} ({number(low)} to {number(high)})"
 
 
-def table(groups: Groups) -> Iterator[str]:
-    """Yield a table of all quantities, a column for each group."""
-    yield "| median (quartiles) | " + " | ".join(f"{name} ({len(rows)})" for name, rows in groups.items()) + " |"
-    yield "|---" * (1 + len(groups)) + "|"
-    for quantity, (name, unit) in QUANTITIES.items():
-        cells = [cell(rows, quantity) for rows in groups.values()]
+def statistics_table(groups: Groups) -> str:
+    """Return a table of all quantities, a column for each group."""
+    rows = []
+    for quantity, name in QUANTITIES.items():
+        cells = [cell(group, quantity) for group in groups.values()]
         if any(cells):
-            yield f"| {name}{f' [{unit}]' if unit else ''} | " + " | ".join(cells) + " |"
+            rows.append((name, *cells))
+    return table(("median (quartiles)", *(f"{name} ({len(group)})" for name, group in groups.items())), rows)
 
 
-def aims_table(groups: Callable[[str, str], list[Row]], variants: tuple[str, ...]) -> Iterator[str]:
-    """Yield the expected ranges beside the medians of variants of the simulation, of which ``groups`` returns a kind of defect."""
-    yield "| test | defect | quantity | expected | " + " | ".join(variants) + " |"
-    yield "|---" * (4 + len(variants)) + "|"
+def aims_table(groups: Callable[[str, str], list[Row]], variants: tuple[str, ...]) -> str:
+    """Return the expected ranges beside the medians of variants of the simulation, of which ``groups`` returns a kind of defect."""
+    rows = []
     for aim in AIMS:
         cells = []
         for variant in variants:
             values = values_of(groups(variant, aim.kind), aim.quantity)
             middle = float(np.median(values)) if values else float("nan")
             cells.append(f"{number(middle)} {verdict(aim.low <= middle <= aim.high)}" if values else "")
-        name, unit = QUANTITIES[aim.quantity]
-        given = f"{number(aim.low)} to {number(aim.high)}"
-        yield f"| {aim.test} | {aim.kind} | {name}{f' [{unit}]' if unit else ''} | {given} | " + " | ".join(cells) + " |"
-    cells = []
+        rows.append((aim.test, aim.kind, QUANTITIES[aim.quantity], f"{number(aim.low)} to {number(aim.high)}", *cells))
+    quartiles, alarms = [], []
     for variant in variants:
         values = values_of(groups(variant, "outer"), "element")
         low, high = np.percentile(values, (25, 75)) if values else (np.nan, np.nan)
-        cells.append(f"{number(low)} to {number(high)} {verdict(low <= ELEMENT[0] and high >= ELEMENT[1])}" if values else "")
-    yield f"| T6 | outer | quartiles of the correlation at lag Z | enclose {ELEMENT[0]:g} to {ELEMENT[1]:g} | " + " | ".join(cells) + " |"
-    cells = []
-    for variant in variants:
-        rows = [row for row in groups(variant, "healthy") if row.verdict]
-        alarms = sum(row.verdict != "healthy" for row in rows)
-        cells.append(f"{alarms} of {len(rows)} {verdict(alarms == 0)}" if rows else "")
-    yield "| T10 | healthy | false alarms of the shipped detector | 0 | " + " | ".join(cells) + " |"
+        quartiles.append(f"{number(low)} to {number(high)} {verdict(low <= ELEMENT[0] and high >= ELEMENT[1])}" if values else "")
+        verdicts = [row.verdict for row in groups(variant, "healthy") if row.verdict]
+        false = len(verdicts) - verdicts.count("healthy")
+        alarms.append(f"{false} of {len(verdicts)} {verdict(false == 0)}" if verdicts else "")
+    expected = f"enclose {ELEMENT[0]:g} to {ELEMENT[1]:g}"
+    rows.append(("T6", "outer", "quartiles of the correlation at lag Z", expected, *quartiles))
+    rows.append(("T10", "healthy", "false alarms of the shipped detector", "0", *alarms))
+    return table(("test", "defect", "quantity", "expected", *variants), rows)
 
 
 def verdict(reached: bool) -> str:

@@ -31,7 +31,7 @@ from signal_machines import (
     simulated_rows,
     write_rows,
 )
-from signal_page import aims_table, table
+from signal_page import aims_table, statistics_table
 
 from dcrb_ros.exam.measured import TABLE, files_hash, read_measured
 from dcrb_ros.exam.replica import table_digest
@@ -83,19 +83,16 @@ def measured(folder: Path, output: Path) -> dict[str, list[Row]]:
 
 
 def page(rigs: dict[str, list[Row]], groups: dict[str, list[Row]], machines: int) -> Iterator[str]:
-    """Yield the tables as lines of Markdown."""
+    """Yield the headings and tables in Markdown."""
     yield f"`python benchmarks/signal_realism.py`, {machines} machines, {today()}, commit `{commit()}`."
-    yield ""
     yield "## Expected ranges"
-    yield ""
-    yield from aims_table(lambda variant, kind: groups.get(key("6205", variant, kind), []), SHOWN)
+    yield aims_table(lambda variant, kind: groups.get(key("6205", variant, kind), []), SHOWN)
     for kind, title in KINDS.items():
-        yield from ("", f"## {title}", "")
+        yield f"## {title}"
         shown = {rig: rigs[f"{rig}: {kind}"] for rig in RIGS if rigs[f"{rig}: {kind}"]}
         shown |= {f"6205, {variant}": groups[key("6205", variant, kind)] for variant in SHOWN}
         shown |= {f"axle box, {v}": groups[key("axle box", v, kind)] for v in SHOWN if groups.get(key("axle box", v, kind))}
-        yield from table(shown)
-    yield ""
+        yield statistics_table(shown)
 
 
 def typical(folder: Path, rig: str, kind: str) -> Case:
@@ -132,7 +129,7 @@ def main() -> None:
     given.output.mkdir(parents=True, exist_ok=True)
     rigs = measured(given.measured, given.output)
     groups = simulated(given.output, "6205", given.machines) | simulated(given.output, "axle box", given.boxes)
-    text = "\n".join(page(rigs, groups, given.machines))
+    text = "\n\n".join(page(rigs, groups, given.machines)) + "\n"
     if given.page is None:
         print(text)
     else:

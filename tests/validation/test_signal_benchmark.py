@@ -42,7 +42,7 @@ def row(name: str, verdict: str = "", **values: float) -> signal_machines.Row:
 def test_an_aim_is_reached_where_the_median_is_within_its_range() -> None:
     outer = [row("a", ratio=20.0, element=-0.1), row("b", ratio=30.0, element=0.1), row("c", ratio=90.0, element=0.6)]
     sound = [row("a", "healthy", kurtosis=3.0), row("b", "outer_ring", kurtosis=9.0)]
-    text = list(signal_page.aims_table(lambda _, kind: {"outer": outer, "healthy": sound}.get(kind, []), ("all",)))
+    text = signal_page.aims_table(lambda _, kind: {"outer": outer, "healthy": sound}.get(kind, []), ("all",)).splitlines()
     assert "| T5 | outer | R | 25 to 60 | 30 yes |" in text
     assert "| T5 | outer | growth of R, kurtogram | 1.8 to 4.5 |  |" in text
     assert "| T10 | healthy | kurtosis | 2.7 to 3.5 | 6.0 **no** |" in text
