@@ -16,9 +16,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import rclpy
-from process import observing, processor_times, resident
-from rclpy.executors import SingleThreadedExecutor
+from process import processor_times, resident, take_own_domain
 from real_time import kernel_factor
 
 from dcrb_ros.messages.cdr import stamps
@@ -26,6 +24,7 @@ from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, NAMESPACE, SIMULATED, VIBRATION, Topic
 from dcrb_ros.nodes.bench import node_process
 from dcrb_ros.nodes.publisher import subscribe
+from dcrb_ros.nodes.ros import node_in
 from dcrb_ros.settings.configuration import Configuration
 
 PATIENCE = 120.0
@@ -104,28 +103,22 @@ class Subscriber:
 
 def measured(seconds: float, topics: Iterable[Topic], *settings: str, view: Path | None = None) -> Interval:
     """Return the progress and cost of a simulator in a wall time [s] while this process subscribes to some topics, and a viewer to all."""
-    node, executor = rclpy.create_node("subscriber", namespace=NAMESPACE), SingleThreadedExecutor()
-    executor.add_node(node)
     arguments = [word for setting in settings for word in ("-p", setting)]
-    try:
-        with ExitStack() as stack:
-            viewer = stack.enter_context(node_process("viewer", ["--save", str(view)])) if view else None
-            patience = time.monotonic() + PATIENCE
-            while viewer and node.count_subscribers(VIBRATION.resolved(NAMESPACE)) < 1 and time.monotonic() < patience:
-                executor.spin_once(timeout_sec=0.1)
-            if viewer and viewer.poll() is not None:
-                raise RuntimeError(f"the viewer ended with status {viewer.poll()}")
-            process = stack.enter_context(node_process("simulator", ["--ros-args", "--log-level", "warn", *arguments]))
-            subscriber = Subscriber(node, process.pid, topics, viewer.pid if viewer else None)
-            reports, last = subscriber.reports, time.monotonic()
-            while len(reports) <= SETTLING or reports[-1].wall - reports[SETTLING].wall < seconds:
-                executor.spin_once(timeout_sec=0.1)
-                last = reports[-1].wall if reports else last
-                if process.poll() is not None or time.monotonic() - last > PATIENCE:
-                    raise RuntimeError(f"the simulator ended with status {process.poll()}, or sent no report for {PATIENCE} s")
-    finally:
-        executor.shutdown()
-        node.destroy_node()
+    with node_in("subscriber") as (node, spin), ExitStack() as stack:
+        viewer = stack.enter_context(node_process("viewer", ["--save", str(view)])) if view else None
+        patience = time.monotonic() + PATIENCE
+        while viewer and node.count_subscribers(VIBRATION.resolved(NAMESPACE)) < 1 and time.monotonic() < patience:
+            spin(0.1)
+        if viewer and viewer.poll() is not None:
+            raise RuntimeError(f"the viewer ended with status {viewer.poll()}")
+        process = stack.enter_context(node_process("simulator", ["--ros-args", "--log-level", "warn", *arguments]))
+        subscriber = Subscriber(node, process.pid, topics, viewer.pid if viewer else None)
+        reports, last = subscriber.reports, time.monotonic()
+        while len(reports) <= SETTLING or reports[-1].wall - reports[SETTLING].wall < seconds:
+            spin(0.1)
+            last = reports[-1].wall if reports else last
+            if process.poll() is not None or time.monotonic() - last > PATIENCE:
+                raise RuntimeError(f"the simulator ended with status {process.poll()}, or sent no report for {PATIENCE} s")
     return subscriber.interval()
 
 
@@ -187,7 +180,8 @@ def views(rounds: int, seconds: float, folder: Path) -> None:
 
 def main() -> None:
     """Print the tables."""
-    with observing(), tempfile.TemporaryDirectory(prefix="dcrb-") as folder:
+    take_own_domain()
+    with tempfile.TemporaryDirectory(prefix="dcrb-") as folder:
         full_speed(4.0, Path(folder))
         real_time(20.0, Path(folder))
         views(3, 20.0, Path(folder))

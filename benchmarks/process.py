@@ -1,12 +1,10 @@
-"""Memory and processor time of a process, from Linux's /proc, and this process as an observer of ROS nodes."""
+"""Memory and processor time of a process, from Linux's /proc, and a ROS domain for this process."""
 
 from __future__ import annotations
 
 import os
 import signal
 from collections import defaultdict
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import psutil
@@ -40,19 +38,7 @@ def _processor_time(stat: Path) -> tuple[str, float]:
     return name, (int(user) + int(system)) / TICK
 
 
-@contextmanager
-def observing() -> Iterator[None]:
-    """Take part in ROS on this machine alone, in a domain of its own; SIGTERM ends the nodes that are started here, too."""
-    import rclpy
-    from rclpy.utilities import try_shutdown
-
-    from dcrb_ros.nodes.ros import limit_discovery
-
+def take_own_domain() -> None:
+    """Take part in ROS in a domain of this process, unless the environment has one; SIGTERM ends the nodes that are started here, too."""
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    limit_discovery()
     os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))
-    rclpy.init(args=[])
-    try:
-        yield
-    finally:
-        try_shutdown()

@@ -8,26 +8,25 @@ from __future__ import annotations
 
 import argparse
 import random
-import subprocess
 import sys
 import time
 from collections import Counter
 from functools import partial
 from typing import Any
 
-import rclpy
 from geometry_msgs.msg import Wrench
-from process import observing, resident
+from process import resident, take_own_domain
 from rcl_interfaces.srv import SetParametersAtomically
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
 from std_msgs.msg import Float64
 from std_srvs.srv import SetBool
 
 from dcrb_ros.messages.cdr import stamps
 from dcrb_ros.messages.statuses import decode_diagnostics
-from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, CLOCK, FEATURES, GROUND_TRUTH, NAMESPACE, ROLLER_STATES, VIBRATION, Topic
+from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, CLOCK, FEATURES, GROUND_TRUTH, ROLLER_STATES, VIBRATION, Topic
+from dcrb_ros.nodes.bench import node_process
 from dcrb_ros.nodes.publisher import subscribe
+from dcrb_ros.nodes.ros import node_in
 
 RATE, BLOCK = 51200, 1024
 LEAK = 0.2
@@ -126,17 +125,13 @@ def run(name: str, scale: float, seconds: float, seed: int, most_late: int) -> b
 
     At most ``most_late`` blocks may be late.
     """
-    executor = SingleThreadedExecutor()
-    node = rclpy.create_node("soak", namespace=NAMESPACE)
-    executor.add_node(node)
-    monitor, chance = Monitor(node), random.Random(seed)
-    commands = RandomCommands(node, chance)
+    chance = random.Random(seed)
     arguments = ["--duration", repr(seconds), "--ros-args", "-p", f"time_scale:={scale!r}", "-p", "publishing.clock:=true"]
-    process = subprocess.Popen([sys.executable, "-m", "dcrb_ros.nodes", "simulator", *arguments], stdin=subprocess.DEVNULL)
-    due, warm, largest, began, looked = 1.0, 0.0, 0.0, time.monotonic(), 0.0
-    try:
+    with node_in("soak") as (node, spin), node_process("simulator", arguments) as process:
+        monitor, commands = Monitor(node), RandomCommands(node, chance)
+        due, warm, largest, began, looked = 1.0, 0.0, 0.0, time.monotonic(), 0.0
         while process.poll() is None and time.monotonic() - monitor.seen < START:
-            executor.spin_once(timeout_sec=0.1)
+            spin(0.1)
             if monitor.simulated > due:
                 due = monitor.simulated + chance.uniform(0.2, 4.0)
                 commands.send()
@@ -146,12 +141,10 @@ def run(name: str, scale: float, seconds: float, seed: int, most_late: int) -> b
                 warm = memory if monitor.simulated < WARM_UP * seconds else warm
         end = time.monotonic() + 1.0
         while time.monotonic() < end:
-            executor.spin_once(timeout_sec=0.1)
-    finally:
-        if process.poll() is None:
+            spin(0.1)
+        if process.poll() is None:  # it has been silent for too long
             process.kill()
         status = process.wait()
-        node.destroy_node()
     wall, ends = time.monotonic() - began, monitor.simulated + BLOCK / RATE
     late = int(monitor.values.get("late_blocks", 0))
     refusals = {kind: int(monitor.values.get(f"rejected_{kind}", 0)) for kind in ("commands", "parameters")}
@@ -182,8 +175,8 @@ def main() -> int:
     parser.add_argument("--late", type=int, default=0, help="number of late blocks that are accepted, for a machine that is not idle")
     options = parser.parse_args()
     parts = (("full speed", 0.0, options.flat_out), ("real time", 1.0, options.real_time))
-    with observing():
-        outcomes = [run(name, scale, seconds, options.seed, options.late) for name, scale, seconds in parts if seconds > 0.0]
+    take_own_domain()
+    outcomes = [run(name, scale, seconds, options.seed, options.late) for name, scale, seconds in parts if seconds > 0.0]
     return 0 if all(outcomes) else 1
 
 
