@@ -30,8 +30,6 @@ from dcrb_ros.settings.files import load_configuration
 ROOT = Path(__file__).resolve().parents[1]
 IMAGES = ROOT / "docs/images"
 MANIFEST = IMAGES / "pictures.json"
-UNKNOWN = "unknown"
-"""Digest of a thing that had no digest when the picture was made: the picture is out of date."""
 
 
 def digest_of(value: Any) -> str:
