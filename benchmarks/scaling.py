@@ -45,7 +45,6 @@ SWEPT = 0.25
 """Simulated time of a bearing in a sweep [s]."""
 WARM = 0.1
 """Simulated time before a measurement [s]."""
-HOUR = 3600
 TOPICS = (
     (),
     ("publishing.contacts=true",),
@@ -216,16 +215,11 @@ def exponent(sizes: Iterable[float], values: Iterable[float]) -> float:
 
 
 def row(quantity: Quantity, costs: dict[int, Cost]) -> str:
-    """Return a row of the table."""
-    known = {size: cost for size, cost in costs.items() if size > 0}
-    time, memory = (exponent(known, [cost[k] for cost in known.values()]) for k in (0, 1))
-    cells = [
-        ", ".join(map(str, costs)),
-        ", ".join(f"{cost.seconds:.3g}" for cost in costs.values()),
-        ", ".join(f"{cost.memory:.0f}" for cost in costs.values()),
-    ]
-    fitted = ["-", "-"] if quantity.name.startswith("topics") else [f"{time:.2f}", f"{memory:.2f}"]
-    return f"| {quantity.name} | {quantity.unit} | {' | '.join(cells)} | {' | '.join(fitted)} |"
+    """Return a row of the table; nothing is fitted to a quantity that begins with 0."""
+    seconds, memory = zip(*costs.values(), strict=True)
+    fitted = ["-", "-"] if 0 in costs else [f"{exponent(costs, values):.2f}" for values in (seconds, memory)]
+    cells = [", ".join(map(str, costs)), ", ".join(f"{time:.3g}" for time in seconds), ", ".join(f"{most:.0f}" for most in memory)]
+    return f"| {quantity.name} | {quantity.unit} | {' | '.join(cells + fitted)} |"
 
 
 def main() -> None:
@@ -237,14 +231,12 @@ def main() -> None:
         print(json.dumps(point(options.point[0], int(options.point[1]))))
         return
     print("| quantity | of | sizes | processor time [s] | memory [MB] | exponent of time | of memory |\n|---|---|---|---|---|---|---|")
-    hour = ""
+    costs = {}
     for key, quantity in QUANTITIES.items():
-        costs = {size: measured(key, size) for size in quantity.sizes}
-        print(row(quantity, costs), flush=True)
-        if key == "duration":
-            longest = max(costs)
-            hour = f"\nAn hour of `healthy` takes {costs[longest].seconds * HOUR / longest / 60:.0f} min, extrapolated from {longest} s."
-    print(hour)
+        costs[key] = {size: measured(key, size) for size in quantity.sizes}
+        print(row(quantity, costs[key]), flush=True)
+    longest, cost = list(costs["duration"].items())[-1]
+    print(f"\nAn hour of `healthy` takes {cost.seconds * 60 / longest:.0f} min, extrapolated from {longest} s.")
 
 
 if __name__ == "__main__":
