@@ -11,12 +11,13 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 from start import cost
 
 from dcrb_ros.messages.encoder import BlockEncoder
-from dcrb_ros.messages.topics import VIBRATION, Message
+from dcrb_ros.messages.topics import Message
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.settings.configuration import Configuration
@@ -60,6 +61,11 @@ def written(path: Path, configuration: Configuration, simulation: Simulation, bl
             recorder.write_messages(messages)
 
 
+def read(path: Path, blocks: int) -> None:
+    """Read the waveform of a recording, which has a number of blocks."""
+    assert sum(1 for _ in Recording(path).vibrations()) == blocks
+
+
 def converted(bag: Path, file: Path) -> float:
     """Return the processor time of the conversion in a process that has imported everything [s]."""
     from dcrb_ros.viewer.show import view_recording
@@ -92,17 +98,10 @@ def main() -> None:
     """Print tables."""
     simulation = Simulation(load_configuration("outer_ring_defect"))
     blocks = list(simulation.blocks(1.0))
-    heads = (
-        "compression",
-        "blocks per second",
-        "MB per second",
-        "recorded seconds per second",
-        "MB for a second",
-        "size over that of the samples",
-        "size over that of all messages",
-        "seconds read per second",
+    print(
+        "| compression | blocks per second | MB per second | recorded seconds per second | MB for a second | size over that of the samples "
+        f"| size over that of all messages | seconds read per second |\n{'|---' * 8}|"
     )
-    print(f"| {' | '.join(heads)} |\n{'|---' * len(heads)}|")
     with tempfile.TemporaryDirectory() as folder:
         for compression in ("zstd", "lz4", "none"):
             configuration = load_configuration("outer_ring_defect", [f"recording.compression={compression}"])
@@ -110,9 +109,9 @@ def main() -> None:
             encoded = [encoder.encode(block) for block in repeated(blocks, DURATION)]
             data = sum(len(message.data) for messages in encoded for message in messages)
             path = Path(folder) / compression
-            took = timed(lambda path=path, c=configuration, e=encoded: written(path, c, simulation, e))  # type: ignore[misc]
+            took = timed(partial(written, path, configuration, simulation, encoded))
             size = sum(file.stat().st_size for file in path.iterdir())
-            back = timed(lambda path=path: sum(1 for _ in Recording(path).vibrations()))  # type: ignore[misc]
+            back = timed(partial(read, path, len(encoded)))
             raw = DURATION * configuration.sensor.sampling_rate * RAW
             print(
                 f"| {compression} | {len(encoded) / took:.0f} | {data / took / 1e6:.1f} | {DURATION / took:.0f} | "
@@ -120,8 +119,6 @@ def main() -> None:
                 flush=True,
             )
         print_view(Path(folder), simulation, blocks)
-        messages = sum(1 for _ in Recording(Path(folder) / "zstd").messages((VIBRATION,)))
-        assert messages == len(encoded)
 
 
 if __name__ == "__main__":
