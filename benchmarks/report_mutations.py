@@ -16,7 +16,7 @@ from dcrb_ros.validation.oiled_bench import oiled_bench_rows
 from dcrb_ros.validation.oiled_runs import oiled_specs, simulate_oiled
 from dcrb_ros.validation.realism_rows import realism_rows
 from dcrb_ros.validation.report_row import ReportRow
-from dcrb_ros.validation.runs import PaperRun, paper_spec, simulate
+from dcrb_ros.validation.runs import paper_spec, simulate
 from dcrb_ros.validation.surface_rows import surface_rows
 
 MUTATIONS: dict[str, tuple[str, ...]] = {
@@ -50,13 +50,9 @@ def comparisons(settings: tuple[str, ...]) -> Iterator[ReportRow]:
     yield from oiled_bench_rows(runs)
     yield from surface_rows(runs)
     yield from realism_rows(runs)
-    yield from (replace(row, chapter="The paper") for row in dry_bench_rows(dry(settings)))
-
-
-def dry(settings: tuple[str, ...]) -> PaperRun:
-    """Return the run of the dry bench with the settings that concern it."""
-    given = tuple(setting for setting in settings if not setting.startswith(OIL_ONLY))
-    return simulate(paper_spec("healthy", "pocket", 2.0, given, state_rate=3000))
+    of_dry_bench = tuple(setting for setting in settings if not setting.startswith(OIL_ONLY))
+    dry = simulate(paper_spec("healthy", "pocket", 2.0, of_dry_bench, state_rate=3000))
+    yield from (replace(row, chapter="The paper") for row in dry_bench_rows(dry))
 
 
 def main() -> None:
