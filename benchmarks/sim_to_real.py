@@ -28,10 +28,11 @@ from sim_to_real_data import (
     sweep_tree,
 )
 from sim_to_real_figure import write_figure, write_gaps
-from sim_to_real_scores import Gain, Gap, Score, chosen, forest_scores, gain, gaps_of, left_out_scores, rule_scores, scored
+from sim_to_real_scores import Gap, Score, chosen, forest_scores, gain, gaps_of, left_out_scores, rule_scores, scored
 from sim_to_real_trainings import drawn_windows, noisy_windows
 
 from dcrb_ros.calibration.calibration import calibrate
+from dcrb_ros.exam.statistics import Interval
 from dcrb_ros.settings.files import load_configuration, to_yaml
 from dcrb_ros.text.markdown import table
 
@@ -49,11 +50,6 @@ OWN = "its own other bearings"
 
 Row = tuple[str, str, str, Score]
 """Rig, training, set of features and score."""
-
-
-def rigid(rig: Rig, folder: Path, machines: int, seconds: float, workers: int) -> Windows:
-    """Return windows of the rig's bearing at the ring, with equal impacts and the noise of a usual sensor."""
-    return simulated_windows(sweep_tree(rig, BENCH, settings_of(rig), {}, machines, seconds), folder / f"{rig.name}-rigid", workers)
 
 
 def calibrated(rig: Rig, healthy: list[Measured], folder: Path, machines: int, seconds: float, workers: int) -> Windows:
@@ -90,13 +86,13 @@ def rows_of(rig: Rig, trainings: Mapping[str, Windows], test: Windows, healthy: 
     return found
 
 
-def gains_of(rig: Rig, trainings: Mapping[str, Windows], test: Windows, healthy: Windows) -> list[tuple[str, str, Gain]]:
+def gains_of(rig: Rig, trainings: Mapping[str, Windows], test: Windows, healthy: Windows) -> list[tuple[str, str, Interval]]:
     """Return how much better the calibrated training set is than that of the drawn laboratory, by set of features."""
-    found = []
+    found, (ours, drawn) = [], (trainings[CALIBRATED], trainings[DRAWN])
     for shape, (levels, matching) in SHAPES.items():
-        sets = trainings[CALIBRATED], trainings[DRAWN]
-        given = [chosen(one, test, levels, healthy if matching else None) for one in sets]
-        found.append((rig.name, shape, gain(*sets, (given[0], given[1]), test)))
+        known = healthy if matching else None
+        given = chosen(ours, test, levels, known), chosen(drawn, test, levels, known)
+        found.append((rig.name, shape, gain(ours, drawn, given, test)))
     return found
 
 
@@ -109,9 +105,9 @@ def markdown(rows: list[Row]) -> str:
     return table(("rig", "training", "features", "macro AUROC (90 % bounds)", *CLASSES), cells)
 
 
-def markdown_of_gains(gains: list[tuple[str, str, Gain]]) -> str:
+def markdown_of_gains(gains: list[tuple[str, str, Interval]]) -> str:
     """Return the differences as a table."""
-    rows = ((rig, shape, f"{gain.mean:+.3f} ({gain.low:+.3f} to {gain.high:+.3f})") for rig, shape, gain in gains)
+    rows = ((rig, shape, f"{gain.value:+.3f} ({gain.low:+.3f} to {gain.high:+.3f})") for rig, shape, gain in gains)
     return table(("rig", "features", "calibrated minus drawn laboratory (90 % bounds)"), rows)
 
 
@@ -140,16 +136,17 @@ def main(arguments: list[str] | None = None) -> int:
         return 0
     tests = {rig.name: measured_windows(measured(given.measured, rig)[1]) for rig in RIGS}
     rows: list[Row] = []
-    gains: list[tuple[str, str, Gain]] = []
+    gains: list[tuple[str, str, Interval]] = []
     gaps: list[Gap] = []
     for rig in (rig for rig in RIGS if rig.name in given.rigs):
-        size = given.output, given.machines, given.seconds, given.workers
         drawn = drawn_windows(rig, BENCH, given.output / f"{rig.name}-drawn", given.machines, given.seconds)
-        trainings = {DRAWN: drawn, RIGID: rigid(rig, *size)}
+        tree = sweep_tree(rig, BENCH, settings_of(rig), {}, given.machines, given.seconds)
+        rigid = given.output / f"{rig.name}-rigid"
+        trainings = {DRAWN: drawn, RIGID: simulated_windows(tree, rigid, given.workers)}
         healthy, _ = measured(given.measured, rig)
         if healthy:
-            trainings[CALIBRATED] = calibrated(rig, healthy, *size)
-            trainings["simulated, noise of the machine"] = noisy_windows(given.output / f"{rig.name}-rigid", healthy)
+            trainings[CALIBRATED] = calibrated(rig, healthy, given.output, given.machines, given.seconds, given.workers)
+            trainings["simulated, noise of the machine"] = noisy_windows(rigid, healthy)
         trainings |= {f"measured on {name}": windows for name, windows in tests.items() if name != rig.name}
         known = measured_windows(healthy) if healthy else None
         rows += rows_of(rig, trainings, tests[rig.name], known)

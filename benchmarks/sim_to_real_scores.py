@@ -12,6 +12,7 @@ from scipy.stats import rankdata
 from sim_to_real_data import CLASSES, Windows
 from sklearn.ensemble import RandomForestClassifier
 
+from dcrb_ros.exam.statistics import Interval
 from dcrb_ros.schema.arrays import Floats
 
 LEVELS = re.compile(r"y_level_")
@@ -23,8 +24,6 @@ LOAD = re.compile(r"(at\d+)?_\d+$")
 BOOTSTRAPS = 500
 BOUNDS = (5.0, 95.0)
 """Percentiles of the bootstrap."""
-
-
 MATCH = (5.0, 95.0)
 """Percentiles of the simulated healthy windows between which the median of the measured healthy ones must lie."""
 TREES = 500
@@ -127,15 +126,7 @@ def scored(scores: Floats, test: Windows, seed: int = 1) -> Score:
     return Score(float(np.mean(list(areas.values()))), float(low), float(high), areas)
 
 
-class Gain(NamedTuple):
-    """Difference of two macro AUROC."""
-
-    mean: float
-    low: float
-    high: float
-
-
-def gain(first: Windows, second: Windows, given: tuple[Features, Features], test: Windows, seed: int = 1) -> Gain:
+def gain(first: Windows, second: Windows, given: tuple[Features, Features], test: Windows, seed: int = 1) -> Interval:
     """Return how much better a training set is than another, with bounds of a bootstrap over the machines of both and the recordings."""
     random, truth, drawn = np.random.default_rng(seed), np.array(test.truth), []
     for _ in range(PAIRS):
@@ -149,7 +140,7 @@ def gain(first: Windows, second: Windows, given: tuple[Features, Features], test
             both.append(np.mean(list(_areas(scores, truth, at, _present(test)).values())))
         drawn.append(both[0] - both[1])
     low, high = np.percentile(drawn, BOUNDS)
-    return Gain(float(np.mean(drawn)), float(low), float(high))
+    return Interval(float(np.mean(drawn)), float(low), float(high))
 
 
 def _rows(recordings: Sequence[str]) -> dict[str, npt.NDArray[np.int64]]:
