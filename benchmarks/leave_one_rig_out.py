@@ -16,11 +16,12 @@ import argparse
 import math
 import re
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.combination import Combination
@@ -76,15 +77,9 @@ class Kept:
 def measured(folder: Path) -> Iterator[Recording]:
     """Yield the measured recordings and the healthy snapshots."""
     for one in read_measured(folder):
-        values = one.longest_part(LONGEST)
-        yield Recording(
-            re.sub(r"\d.*", "", one.rig),
-            one.truth,
-            np.column_stack([values, values]),
-            one.rate,
-            turning(len(values), one.rate, one.speed),
-            one.orders,
-        )
+        rig, values = re.sub(r"\d.*", "", one.rig), one.longest_part(LONGEST)
+        angle = turning(len(values), one.rate, one.speed)
+        yield Recording(rig, one.truth, np.column_stack([values, values]), one.rate, angle, one.orders)
     for file in sorted((folder / "ims").glob("*.npz")):
         with np.load(file) as arrays:
             snapshots = GRAVITY * arrays["a"].astype(np.float64)
@@ -133,13 +128,8 @@ def verdict(recording: Recording, evidence: Evidence | None, parameters: Detecto
     return hysteresis.verdict({component: finding.excess for component, finding in findings.items()}, required)
 
 
-class Judged(NamedTuple):
-    """Verdicts on a recording."""
-
-    rig: str
-    truth: str
-    verdicts: dict[tuple[str, float], str]
-    """By the fault whose threshold is changed and by its factor."""
+Judged = tuple[Recording, Mapping[tuple[str, float], str]]
+"""A recording and its verdicts, by the fault whose threshold is changed and by the factor of the threshold."""
 
 
 def chosen(judged: Sequence[Judged]) -> DetectorParameters:
@@ -154,11 +144,9 @@ def chosen(judged: Sequence[Judged]) -> DetectorParameters:
 
 def gain(judged: Iterable[Judged], fault: str, factor: float) -> float:
     """Return the share of a fault that is named less the share of other signals with that name, means over rigs."""
-    named: dict[tuple[bool, str], list[bool]] = defaultdict(list)
-    for one in judged:
-        named[one.truth == fault, one.rig].append(one.verdicts[fault, factor] == fault)
-    shares = [[float(np.mean(values)) for (right, _), values in named.items() if right is wanted] for wanted in (True, False)]
-    return sum(shares[0]) / max(1, len(shares[0])) - sum(shares[1]) / max(1, len(shares[1]))
+    named = pd.Series({(one.truth == fault, one.rig, k): verdicts[fault, factor] == fault for k, (one, verdicts) in enumerate(judged)})
+    shares = named.groupby(level=[0, 1]).mean().groupby(level=0).mean()
+    return float(shares.get(True, 0.0) - shares.get(False, 0.0))
 
 
 def main() -> None:
@@ -171,17 +159,17 @@ def main() -> None:
     recordings = [*measured(options.measured), *recorded(options.recordings)]
     shipped = DetectorParameters()
     evidence = [evidence_of(recording) for recording in recordings]
-    judged = []
+    judged: list[Judged] = []
     for recording, found in zip(recordings, evidence, strict=True):
         verdicts = {
             (fault, factor): verdict(recording, found, shipped.model_copy(update={name: factor * getattr(shipped, name)}))
             for fault, name in THRESHOLDS.items()
             for factor in FACTORS
         }
-        judged.append(Judged(recording.rig, recording.truth, verdicts))
-    rigs = list(dict.fromkeys(one.rig for one in judged))
+        judged.append((recording, verdicts))
+    rigs = list(dict.fromkeys(recording.rig for recording in recordings))
     everywhere = chosen(judged)
-    without = {rig: chosen([one for one in judged if one.rig != rig]) for rig in rigs}
+    without = {rig: chosen([one for one in judged if one[0].rig != rig]) for rig in rigs}
     counts: dict[tuple[str, str], list[int]] = defaultdict(lambda: [0, 0, 0, 0])
     for recording, found in zip(recordings, evidence, strict=True):
         row = counts[recording.rig, recording.truth]
