@@ -69,18 +69,20 @@ def excess(mean: Mean) -> float:
     return mean("outer", "kurtosis") - 3.0
 
 
-def moved_priors(two: Mean, three: Mean, power: tuple[float, float]) -> tuple[str, str]:
-    """Return what is appended to `housing_priors` and to `replica_priors`, from means over two rigs and over all three.
+def power(mean: Mean) -> float:
+    """Return the mean level of outer rings from 5 to 20 kHz [dB]."""
+    return 0.5 * (mean("outer", "middle") + mean("outer", "upper"))
 
-    ``power`` has the level of the power from 5 to 20 kHz over the two rigs and over all [dB].
-    """
+
+def moved_priors(two: Mean, three: Mean) -> tuple[str, str]:
+    """Return what is appended to `housing_priors` and to `replica_priors`, from means over two rigs and over all three."""
 
     def ratio(name: str) -> float:
         return two("outer", name) / three("outer", name)
 
     scatter = ratio("energy_scatter")
     loss = float(np.clip(LABORATORY.loss.median * (excess(two) / excess(three)) ** (1.0 / KURTOSIS_BY_LOSS), *LOSSES))
-    participation = LABORATORY.participation.median * 10.0 ** ((power[0] - power[1]) / 20.0)
+    participation = LABORATORY.participation.median * 10.0 ** ((power(two) - power(three)) / 20.0)
     floors = {
         part: Lognormal(FLOORS[part].median * 10.0 ** ((three(part, "crest") - two(part, "crest")) / 10.0), FLOORS[part].factor)
         for part in ("outer", "inner")
@@ -138,10 +140,7 @@ def write_table(source: Path, rig: str, folder: Path) -> None:
 def compare(source: Path, rig: str, rows: Rows, output: Path, options: list[str]) -> list[str]:
     """Compare a rig with replicas whose priors follow the two others; return the figures over the families."""
     others = [name for name in RIGS if name != rig]
-    two, three = mean_of(rows, others), mean_of(rows, list(RIGS))
-    bands = ("middle", "upper")
-    power = tuple(float(np.mean([mean("outer", band) for band in bands])) for mean in (two, three))
-    appended = moved_priors(two, three, (power[0], power[1]))
+    appended = moved_priors(mean_of(rows, others), mean_of(rows, list(RIGS)))
     write_whole(output / f"priors-{rig}.txt", "".join(appended))
     with tempfile.TemporaryDirectory() as temporary:
         copy, own = Path(temporary, "copy"), Path(temporary, "measured")
