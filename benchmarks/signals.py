@@ -20,6 +20,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+import psutil
+
 from dcrb_ros.messages.cdr import stamps
 from dcrb_ros.messages.topics import VIBRATION
 from dcrb_ros.nodes.publisher import subscribe
@@ -87,17 +89,10 @@ def command_of(program: str, folder: Path) -> list[str]:
     return [*NODE, program, *arguments.get(program, [])]
 
 
-def marked(mark: str) -> list[int]:
+def marked(mark: str) -> list[psutil.Process]:
     """Return the processes with a mark in their environment that are not zombies."""
-    processes = []
-    for process in Path("/proc").glob("[0-9]*"):
-        try:
-            variables, state = (process / "environ").read_bytes(), (process / "stat").read_text().rpartition(")")[2].split()[0]
-        except OSError:
-            continue
-        if f"{MARK}={mark}\0".encode() in variables and state != "Z":
-            processes.append(int(process.name))
-    return processes
+    processes = [process for process in psutil.process_iter(("environ", "status")) if (process.info["environ"] or {}).get(MARK) == mark]
+    return [process for process in processes if process.info["status"] != psutil.STATUS_ZOMBIE]
 
 
 def handles_signals(process: int) -> bool:
@@ -107,13 +102,13 @@ def handles_signals(process: int) -> bool:
     return bool(caught >> (signal.SIGTERM - 1) & 1)
 
 
-def await_end(mark: str) -> list[int]:
+def await_end(mark: str) -> list[psutil.Process]:
     """Wait until no process has the mark, up to `PATIENCE`; kill and return those that remain."""
     deadline = time.monotonic() + PATIENCE
     while (remaining := marked(mark)) and time.monotonic() < deadline:
         time.sleep(0.05)
     for process in remaining:
-        os.kill(process, signal.SIGKILL)
+        process.kill()
     return remaining
 
 
