@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from hot_box_heat import HeatTable
+from scipy.signal import lfilter
 
 from dcrb_ros.measurement.random_streams import random_stream
 from dcrb_ros.schema.arrays import Floats, Samples
@@ -102,9 +103,7 @@ class Fleet:
         kept = float(np.exp(-STEP / (3600.0 * hours)))
         process = random.standard_normal((self.steps, self.axles))
         process[1:] *= np.sqrt(1.0 - kept**2)
-        for k in range(1, self.steps):
-            process[k] += kept * process[k - 1]
-        return process
+        return np.asarray(lfilter([1.0], [1.0, -kept], process, axis=0))
 
     def _trips(self, random: np.random.Generator) -> tuple[Floats, Floats]:
         """Return speed [rad/s] and load [N] of an axle: from 5 to 23 h trips of 2 to 5 h, empty to full, with stops every 15 to 80 km."""
