@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import psutil
-from real_time import kernel, recorded
+from real_time import Run, kernel, recorded
 
 from dcrb_ros.diagnosis.detection import detect
 from dcrb_ros.diagnosis.detector import FaultDetector
@@ -55,8 +55,8 @@ TOPICS = (
 )
 """Settings that add topics to those of the bench, one after the other."""
 
-Task = Callable[[float], object]
-"""A task of a size."""
+Task = Callable[[int], Callable[[], object]]
+"""Prepares a task of a size, and returns what runs it."""
 
 
 class Quantity(NamedTuple):
@@ -66,8 +66,7 @@ class Quantity(NamedTuple):
     unit: str
     """What the time is of."""
     sizes: tuple[int, ...]
-    task: Callable[[int], Callable[[], object]]
-    """Prepares a task of a size, and returns what runs it."""
+    task: Task
 
 
 def of_rollers(bench: str, rows: int, per_row: int) -> Configuration:
@@ -90,31 +89,26 @@ def of_rollers(bench: str, rows: int, per_row: int) -> Configuration:
     return load_configuration(bench, [*(f"bearing.{key}={value!r}" for key, value in bearing.items()), f"operating.load={load!r}"])
 
 
-def simulated(configuration: Configuration) -> Callable[[], object]:
-    """Prepare the kernel of a bench."""
-    run = kernel(configuration)
+def warmed(run: Run, seconds: float) -> Callable[[], object]:
+    """Return what runs for a simulated time [s], after a short run."""
     run(WARM)
-    return lambda: run(SIMULATED)
+    return lambda: run(seconds)
 
 
-def rollers_in(bench: str, rows: int) -> Callable[[int], Callable[[], object]]:
-    """Return the task of a bench with a number of rollers in some rows."""
-    return lambda rollers: simulated(of_rollers(bench, rows, rollers // rows))
+def rollers_in(bench: str, rows: int) -> Task:
+    """Return the task of the kernel of a bench with a number of rollers in some rows."""
+    return lambda rollers: warmed(kernel(of_rollers(bench, rows, rollers // rows)), SIMULATED)
 
 
 def duration(seconds: int) -> Callable[[], object]:
     """Prepare a recording of some length [s]."""
-    run = recorded(load_configuration("healthy"))
-    run(WARM)
-    return lambda: run(float(seconds))
+    return warmed(recorded(load_configuration("healthy")), float(seconds))
 
 
 def topics(more: int) -> Callable[[], object]:
     """Prepare a recording with more topics."""
-    settings = itertools.chain.from_iterable(TOPICS[: more + 1])
-    run = recorded(load_configuration("healthy", list(settings)))
-    run(WARM)
-    return lambda: run(5.0 * SIMULATED)
+    settings = list(itertools.chain.from_iterable(TOPICS[: more + 1]))
+    return warmed(recorded(load_configuration("healthy", settings)), 5.0 * SIMULATED)
 
 
 def recordings(count: int) -> Callable[[], object]:
@@ -128,17 +122,15 @@ def detectors(count: int) -> Callable[[], object]:
     recording = Recording(BAG)
     pieces = list(recording.pieces())
 
-    def started() -> FaultDetector:
-        detector = FaultDetector(recording.orders, recording.sampling_rate)
-        detector.take_bearing(recording.bearing)
-        return detector
-
-    def run(started: list[FaultDetector]) -> None:
+    def run(count: int) -> None:
+        started = [FaultDetector(recording.orders, recording.sampling_rate) for _ in range(count)]
+        for detector in started:
+            detector.take_bearing(recording.bearing)
         for piece, detector in itertools.product(pieces, started):
             detector.update(piece.first_index, piece.acceleration, piece.shaft_angle)
 
-    run([started()])
-    return lambda: run([started() for _ in range(count)])
+    run(1)
+    return lambda: run(count)
 
 
 def bearings(count: int) -> Callable[[], object]:
