@@ -117,7 +117,7 @@ def markdown_of_gaps(gaps: list[Gap]) -> str:
     return table(("rig", "training", "class", "without band levels", "band levels"), rows)
 
 
-def main(arguments: list[str] | None = None) -> int:
+def main() -> None:
     """Run the experiment and print its table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("measured", type=Path)
@@ -126,14 +126,14 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--seconds", type=float, default=2.0)
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--rigs", nargs="+", default=[rig.name for rig in RIGS], choices=[rig.name for rig in RIGS])
-    given = parser.parse_args(arguments)
+    given = parser.parse_args()
     if not (given.measured / "recordings.csv").is_file():
         print(
             f"{given.measured} has no recordings.csv, so nothing is compared: the recordings are not part of the repository, whose "
             "licences differ; benchmarks/sim_to_real_data.py says what they are",
             file=sys.stderr,
         )
-        return 0
+        return
     tests = {rig.name: measured_windows(measured(given.measured, rig)[1]) for rig in RIGS}
     rows: list[Row] = []
     gains: list[tuple[str, str, Interval]] = []
@@ -160,8 +160,7 @@ def main(arguments: list[str] | None = None) -> int:
     if gaps:  # MFPT has no healthy recording
         write_gaps(gaps, given.output / "gaps.png")
     print(tables)
-    return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()
