@@ -138,14 +138,9 @@ def full_speed(seconds: float, folder: Path) -> None:
         print(f"| {name} | {speed:.1f} | {100 * speed / alone:.0f} % |", flush=True)
 
 
-def idle() -> bool:
-    """Return whether the other processes of the machine leave a core to the node."""
-    return os.getloadavg()[1] <= (os.cpu_count() or 1) - 1
-
-
 def real_time(seconds: float, folder: Path) -> None:
     """Print the cost of the node at time scale 1.0 with a recording and a subscriber to every topic, measured for a wall time [s]."""
-    quiet = idle()
+    quiet = os.getloadavg()[1] <= (os.cpu_count() or 1) - 1  # the other processes leave a core to the node
     measurement = measured(seconds, SIMULATED, "time_scale:=1.0", f"recording.path:={folder / 'real'}")
     shares = {name: 100.0 * used / measurement.wall for name, used in measurement.processor.items()}
     delays = np.array(measurement.delays)
