@@ -36,7 +36,6 @@ class LiveView(ReceivedMessages):
         super().__init__(begin, title, log)
         self._bench: BenchInfo | None = None
         self._run: LiveRun | None = None
-        self._newest_ns = 0
 
     def take(self, topic: Topic, data: bytes) -> None:
         """Keep a message until the next `flush`."""
@@ -72,15 +71,7 @@ class LiveView(ReceivedMessages):
         self.flush()
         if self._run is not None:
             self._run.close()
-
-    def _check_time(self, stamp_ns: int) -> None:
-        """Start a new run if the simulated time has gone back."""
-        if stamp_ns < self._newest_ns:
-            self.flush()
-            if self._run is not None:
-                self._run.close()
-            self._run = None
-        self._newest_ns = stamp_ns
+        self._run = None
 
 
 def bench_info(data: bytes, title: str) -> BenchInfo:

@@ -43,7 +43,7 @@ class ReceivedMessages:
         """Log to the stream that ``begin`` returns for a run number; ``log`` is called with warnings about invalid messages."""
         self._begin, self._title, self._log = begin, title, log
         self._received: dict[Topic, list[bytes]] = defaultdict(list)
-        self._runs = 0
+        self._runs = self._newest_ns = 0
         self.refused = 0
         """Number of batches on a topic with an invalid message."""
 
@@ -53,6 +53,16 @@ class ReceivedMessages:
         queue.append(data)
         if len(queue) > MOST_QUEUED:
             del queue[0]
+
+    def _check_time(self, stamp_ns: int) -> None:
+        """Close the recording if the simulated time has gone back."""
+        if stamp_ns < self._newest_ns:
+            self.close()
+        self._newest_ns = stamp_ns
+
+    def close(self) -> None:
+        """Log the remaining messages and close the recording."""
+        raise NotImplementedError
 
     def _sound(self, decode: Callable[[Sequence[bytes]], Decoded], messages: Sequence[bytes]) -> Decoded:
         """Return the decoded messages on a topic, or those of none if one is invalid."""

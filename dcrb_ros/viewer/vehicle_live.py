@@ -8,7 +8,8 @@ from collections.abc import Callable
 import rerun as rr
 
 from dcrb_ros.bearing.frequencies import Orders
-from dcrb_ros.messages.topics import Topic
+from dcrb_ros.messages.cdr import STAMP_END, stamps
+from dcrb_ros.messages.topics import VIBRATION, Topic
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION
 from dcrb_ros.messages.vehicle import decode_description
 from dcrb_ros.schema.refusal import Refusal
@@ -47,6 +48,8 @@ class VehicleLiveView(ReceivedMessages):
     def take(self, topic: Topic, data: bytes) -> None:
         """Keep a message until the next `flush`."""
         if topic != VEHICLE_DESCRIPTION:
+            if self._description is not None and topic == VIBRATION.below(self._description.boxes[0].name) and len(data) >= STAMP_END:
+                self._check_time(int(stamps([data])[0]))
             self._keep(topic, data)
             return
         try:
@@ -71,9 +74,6 @@ class VehicleLiveView(ReceivedMessages):
         if not content.waveforms:
             self._received = received  # they are shown with the next part of the waveforms
             return
-        known = self._recent
-        if any(waveform.time_ns[0] < known[name].time_ns[-1] for name, waveform in content.waveforms.items() if name in known):
-            self._end()  # the bench was reset
         self._show(content)
 
     def _show(self, content: VehicleContent) -> None:
@@ -101,9 +101,11 @@ class VehicleLiveView(ReceivedMessages):
         if self._stream is not None:
             self._stream.flush(timeout_sec=LONGEST_FLUSH)
             self._stream.disconnect()
-        self._stream, self._recent, self._spectra, self._largest, self._verdicts = None, {}, {}, 0.0, {}
+        self._stream, self._recent, self._spectra, self._largest, self._verdicts, self._newest_ns = None, {}, {}, 0.0, {}, 0
 
     def close(self) -> None:
         """Log the remaining messages and close the recording."""
         self.flush()
+        if self._description is not None:
+            self._received.clear()  # messages after the last waveform belong to no other recording
         self._end()

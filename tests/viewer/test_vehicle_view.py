@@ -200,7 +200,8 @@ def test_rerun_is_given_the_readable_messages_of_a_damaged_recording(tmp_path: P
     assert {f"/dcrb/{box}/outer_ring/vibration" for box in BOXES} < topics
 
 
-def test_a_running_vehicle_is_shown_and_a_reset_begins_a_new_recording(tmp_path: Path) -> None:
+@pytest.mark.parametrize("batch", [1, 3])  # of 3 blocks, the second contains the reset
+def test_a_running_vehicle_is_shown_and_a_reset_begins_a_new_recording(batch: int, tmp_path: Path) -> None:
     files: list[Path] = []
     warnings: list[str] = []
 
@@ -215,7 +216,7 @@ def test_a_running_vehicle_is_shown_and_a_reset_begins_a_new_recording(tmp_path:
     assert view.description is None
     view.take(VEHICLE_DESCRIPTION, encode_text("{}"))
     view.take(VEHICLE_DESCRIPTION, encode_text(DESCRIPTION.to_json()))
-    for _ in range(2):
+    for run in range(2):
         for number in range(4):
             block = blocks(number)
             for box in BOXES:
@@ -226,10 +227,11 @@ def test_a_running_vehicle_is_shown_and_a_reset_begins_a_new_recording(tmp_path:
             spectrum = encode_spectrum(number * 20_000_000, np.arange(4000) * 0.01, amplitude, 10.0, BOXES[1])
             view.take(ENVELOPE_SPECTRUM.below(BOXES[1]), spectrum)
             view.take(VEHICLE_TRUTH, truth(number))
+            if (4 * run + number + 1) % batch == 0:
+                view.flush()
             level, verdict = (ERROR, "outer_ring") if number > 1 else (OK, "healthy")
             statuses = [Status(f"{BOXES[0]}/bearing", OK, "healthy", {}), Status(f"{BOXES[1]}/bearing", level, verdict, {})]
             view.take(VEHICLE_DIAGNOSIS, encode_diagnostics(number * 20_000_000, statuses, "base"))
-            view.flush()
     view.close()
     assert len(files) == 2
     for file in files:
