@@ -9,11 +9,13 @@ import rerun as rr
 
 from dcrb_ros.messages.cdr import STAMP_END, stamps
 from dcrb_ros.messages.description import decode_entry, decode_pulses_per_turn, decode_sensor
+from dcrb_ros.messages.pulses import decode_pulses
 from dcrb_ros.messages.topics import (
     DIAGNOSIS,
     ENVELOPE_SPECTRUM,
     FAULT_INDICATORS,
     SENSOR,
+    TACHO,
     VIBRATION,
     Topic,
 )
@@ -36,6 +38,8 @@ class LiveView(ReceivedMessages):
         super().__init__(begin, title, log)
         self._bench: BenchInfo | None = None
         self._run: LiveRun | None = None
+        self._pulses: list[bytes] = []
+        """The last message with pulses of the tacho, from which the next speed follows."""
 
     def take(self, topic: Topic, data: bytes) -> None:
         """Keep a message until the next `flush`."""
@@ -58,6 +62,8 @@ class LiveView(ReceivedMessages):
             self._sound(verdicts_in, received[DIAGNOSIS]),
             self._sound(spectra_in, received[ENVELOPE_SPECTRUM]),
         )
+        received[TACHO] = self._pulses + self._sound(_with_pulses, received[TACHO])
+        self._pulses = received[TACHO][-1:]
         content = content_of(received, self._bench, lambda _: completed(output), self._sound)
         self._run = self._run or LiveRun(self._next_stream(), self._bench)
         self._run.log(content)
@@ -71,7 +77,12 @@ class LiveView(ReceivedMessages):
         self.flush()
         if self._run is not None:
             self._run.close()
-        self._run = None
+        self._run, self._pulses = None, []
+
+
+def _with_pulses(messages: Sequence[bytes]) -> list[bytes]:
+    """Return the messages of a tacho that have a pulse."""
+    return [data for data in messages if len(decode_pulses(data).number)]
 
 
 def bench_info(data: bytes, title: str) -> BenchInfo:

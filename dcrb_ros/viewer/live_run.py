@@ -94,6 +94,8 @@ class LiveRun:
         """Whether films, and temperatures, have arrived and have a plot."""
         self._faults: list[RowFaults | None] = [None] * bench.bearing.rows
         self._largest_load = 0.0
+        self._tacho_ns = -1
+        """Time of the last speed of the tacho that was logged [ns]."""
         self._recent: Motion | None = None
         self._spectra: Spectra | None = None
         self._growing = spectrum_picture.GrowingSpectra(bench.orders)
@@ -127,8 +129,10 @@ class LiveRun:
             series.log_waveform(content.waveform, fixed=self._first("waveform"))
         if content.truths:
             series.log_truth(content, fixed=self._first("operating"))
-        if content.tacho is not None:
-            series.log_tacho(content.tacho, fixed=self._first("tacho"))
+        if content.tacho is not None and (new := content.tacho.time_ns > self._tacho_ns).any():
+            tacho = replace(content.tacho, time_ns=content.tacho.time_ns[new], values=content.tacho.values[new])
+            series.log_tacho(tacho, fixed=self._first("tacho"))
+            self._tacho_ns = int(tacho.time_ns[-1])
         for path, values in (("features", content.features), ("indicators", content.detector_output.indicators)):
             if values is not None:
                 series.log_series(path, values, fixed=self._first(path))

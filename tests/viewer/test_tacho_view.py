@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from dcrb_ros.messages.topics import TACHO
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.stream.block import Block
 from dcrb_ros.viewer.live import LiveView
 from dcrb_ros.viewer.reader import read_content, tacho_of
 from dcrb_ros.viewer.summary import markdown
@@ -42,22 +44,41 @@ def test_a_recording_shows_the_speed_between_pulses_and_the_temperatures(bag: Pa
     assert "ambient 20.0 °C |" in page
 
 
-def test_a_running_bench_shows_them_too(tmp_path: Path) -> None:
+def running(simulation: Simulation, duration: float, file: Path, batch: int = 1000) -> tuple[Counter[str], list[Block]]:
+    """Return what is shown of a running bench, in batches of some blocks, and its blocks."""
+
     def begin(_: int) -> rr.RecordingStream:
         stream = rr.RecordingStream("dcrb")
-        stream.save(tmp_path / "live.rrd")
+        stream.save(file)
         return stream
 
-    simulation, warnings = Simulation(dcrb_ros.load_configuration("healthy", WARM)), list[str]()
+    warnings, blocks = list[str](), list(simulation.blocks(duration))
     encoder, view = BlockEncoder(simulation.configuration, simulation.bodies), LiveView(begin, "/dcrb", warnings.append)
-    blocks = list(simulation.blocks(0.2))
-    for message in [*encoder.start(), *(message for block in blocks for message in encoder.encode(block))]:
+    for message in encoder.start():
         view.take(message.topic, message.data)
+    for number, block in enumerate(blocks, 1):
+        for message in encoder.encode(block):
+            view.take(message.topic, message.data)
+        if number % batch == 0:
+            view.flush()
     view.close()
     assert warnings == []
-    found = rows(tmp_path / "live.rrd")
+    return rows(file), blocks
+
+
+def test_a_running_bench_shows_them_too(tmp_path: Path) -> None:
+    found, blocks = running(Simulation(dcrb_ros.load_configuration("healthy", WARM)), 0.2, tmp_path / "live.rrd")
     assert found["/operating/tacho"] == sum(len(block.pulse_ns) for block in blocks) - 1
     assert found["/temperatures"] == 2  # at 0 and 0.1 s
+
+
+@pytest.mark.parametrize(("pulses_per_turn", "batch"), [(1, 1), (1, 2), (60, 1)])
+def test_a_running_bench_shows_every_speed_once_also_with_less_than_two_pulses_in_a_batch(
+    pulses_per_turn: int, batch: int, tmp_path: Path
+) -> None:
+    simulation = Simulation(dcrb_ros.load_configuration("dry", {"tacho.pulses_per_turn": pulses_per_turn}))
+    shown, blocks = running(simulation, 0.4, tmp_path / "live.rrd", batch)
+    assert shown["/operating/tacho"] == sum(len(block.pulse_ns) for block in blocks) - 1
 
 
 def test_pulses_without_their_number_per_turn_have_no_speed() -> None:
