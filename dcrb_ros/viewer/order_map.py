@@ -46,16 +46,19 @@ def log_fault_lines(highest_order: float, combs: Sequence[Comb]) -> None:
 def picture(spectra: Spectra, largest: float) -> npt.NDArray[np.uint8]:
     """Return the levels as colours on a scale up to ``largest`` [dB], shape (HEIGHT, WIDTH, 3).
 
-    A pixel shows the largest level of its orders.
+    A pixel shows the largest level of its orders. Where no window ends within one and a half steps, the row has the background colour.
     """
     borders = np.searchsorted(spectra.orders, np.arange(int(WIDTH)) / WIDTH * spectra.highest_order)
     columns = np.maximum.reduceat(spectra.level, np.minimum(borders, len(spectra.orders) - 1), axis=1)
     first, last = span_of(spectra.time_ns)
-    rows = np.searchsorted(spectra.time_ns, first + (np.arange(int(HEIGHT)) + 0.5) / HEIGHT * (last - first))
+    wanted = first + (np.arange(int(HEIGHT)) + 0.5) / HEIGHT * (last - first)
+    rows = np.minimum(np.searchsorted(spectra.time_ns, wanted), len(columns) - 1)
+    columns = columns[rows]
     colours = palette.force_colours(np.maximum(columns, 1e-3), largest)[..., :3]
     dark = np.clip(columns / (0.25 * largest), 0.0, 1.0)[..., None]  # levels near the background are drawn dark
     shown = (colours * dark + np.array(palette.BACKGROUND[:3]) * (1.0 - dark)).astype(np.uint8)
-    return np.ascontiguousarray(shown[np.minimum(rows, len(shown) - 1)])
+    shown[spectra.time_ns[rows] - wanted > 1.5 * (spectra.time_ns[0] - first)] = palette.BACKGROUND[:3]
+    return shown
 
 
 def span_of(time_ns: Times) -> tuple[int, int]:

@@ -48,7 +48,7 @@ from dcrb_ros.viewer.live_run import completed
 from dcrb_ros.viewer.reader import read_content
 from dcrb_ros.viewer.row_faults import faults_of_row
 from dcrb_ros.viewer.show import screenshot_time, take_picture
-from dcrb_ros.viewer.spectrum import ORDER_STEP, diagnoses, envelope_spectra, over_background, pieces, verdicts_of
+from dcrb_ros.viewer.spectrum import ORDER_STEP, Spectra, diagnoses, envelope_spectra, over_background, pieces, verdicts_of
 from dcrb_ros.viewer.summary import markdown, shown_truths
 from dcrb_ros.viewer.window import ViewerFailure
 
@@ -588,6 +588,15 @@ def test_order_map_is_brightest_at_the_lines_of_the_defect(content: Content) -> 
     pixel = characteristic_orders(content.bearing).bpfo / spectra.highest_order * 1000.0
     harmonic = int(np.argmax(brightness)) / pixel
     assert harmonic == pytest.approx(round(harmonic), abs=0.02)
+
+
+def test_the_order_map_is_empty_where_there_was_no_spectrum() -> None:
+    seconds = np.array([1.0, 2.0, 3.0, 8.0, 9.0, 10.0])
+    level = np.full((len(seconds), 1000), 30.0)
+    spectra = Spectra((seconds * 1e9).astype(np.int64), np.arange(1, 1001) * 0.03, level, np.full(len(seconds), 20.0))
+    empty = (order_map.picture(spectra, 30.0) == palette.BACKGROUND[:3]).all(axis=(1, 2))
+    # The 300 rows are 10 s; the window that ends at 8 s reaches back by one and a half steps at most.
+    assert np.flatnonzero(empty).tolist() == list(range(90, 195))
 
 
 @pytest.mark.parametrize(
