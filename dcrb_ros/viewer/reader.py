@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, MutableMapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Protocol, TypeVar
 
@@ -86,13 +86,16 @@ def read_content(recording: Recording) -> Content:
 
 
 def content_of(
-    messages: Mapping[Topic, Sequence[bytes]],
+    messages: MutableMapping[Topic, list[bytes]],
     bench: BenchInfo,
     start_detector: Callable[[TimedWaveform], Future[DetectorOutput]],
     read: Reading = decoded,
 ) -> Content:
-    """Return the content of messages by topic, each topic by ``read``; ``start_detector`` starts the detector on the waveform."""
-    waveform = read(lambda blocks: waveform_of(blocks, bench.rate), messages.get(VIBRATION, ()))
+    """Return the content of messages by topic, each topic by ``read``; ``start_detector`` starts the detector on the waveform.
+
+    The messages with the waveform, which take as much memory as its samples, are removed from ``messages``.
+    """
+    waveform = read(lambda blocks: waveform_of(blocks, bench.rate), messages.pop(VIBRATION, ()))
     return Content(
         **vars(bench),
         waveform=waveform,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, MutableMapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -107,11 +107,11 @@ def shown_topics(boxes: Iterable[str]) -> list[Topic]:
     return [*each, VEHICLE_DESCRIPTION, VEHICLE_TRUTH, VEHICLE_DIAGNOSIS]
 
 
-def content_of(received: Mapping[Topic, Sequence[bytes]], description: VehicleDescription, title: str) -> VehicleContent:
-    """Return the content of messages by topic."""
+def content_of(received: MutableMapping[Topic, list[bytes]], description: VehicleDescription, title: str) -> VehicleContent:
+    """Return the content of messages by topic; those with waveforms are removed from ``received``."""
     waveforms, features, judgements = dict[str, TimedWaveform](), dict[str, Series](), dict[str, Sequence[Diagnosis]]()
     for box in description.boxes:
-        blocks = received.get(VIBRATION.below(box.name), ())
+        blocks = received.pop(VIBRATION.below(box.name), ())
         if blocks:
             time_ns, acceleration, angle = decode_waveform(blocks)
             waveforms[box.name] = TimedWaveform(time_ns, acceleration, angle, description.sampling_rate)

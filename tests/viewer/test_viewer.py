@@ -32,6 +32,7 @@ from dcrb_ros.diagnosis.detection import detect
 from dcrb_ros.diagnosis.detector import Diagnosis
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.messages.encoder import diagnosis_messages
+from dcrb_ros.messages.topics import VIBRATION
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.schema.refusal import Refusal
@@ -41,11 +42,11 @@ from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.stream.block import Truth
 from dcrb_ros.viewer import order_map, palette
 from dcrb_ros.viewer.blueprint import level_axis, speed_varies, waveform_axis, whole_time
-from dcrb_ros.viewer.content import Content, DetectorOutput, Series, TimedWaveform
+from dcrb_ros.viewer.content import BenchInfo, Content, DetectorOutput, Series, TimedWaveform
 from dcrb_ros.viewer.document import write_document, write_logged
 from dcrb_ros.viewer.drawing import Drawing, on_circle, quaternions, rounded_up
 from dcrb_ros.viewer.live_run import completed
-from dcrb_ros.viewer.reader import read_content
+from dcrb_ros.viewer.reader import content_of, read_content
 from dcrb_ros.viewer.row_faults import faults_of_row
 from dcrb_ros.viewer.show import screenshot_time, take_picture
 from dcrb_ros.viewer.spectrum import ORDER_STEP, Spectra, diagnoses, envelope_spectra, over_background, pieces, verdicts_of
@@ -588,6 +589,15 @@ def test_order_map_is_brightest_at_the_lines_of_the_defect(content: Content) -> 
     pixel = characteristic_orders(content.bearing).bpfo / spectra.highest_order * 1000.0
     harmonic = int(np.argmax(brightness)) / pixel
     assert harmonic == pytest.approx(round(harmonic), abs=0.02)
+
+
+def test_the_messages_of_the_waveform_are_not_kept_beside_its_samples() -> None:
+    recording = Recording(BAGS / "healthy")
+    messages = {VIBRATION: [message.data for message in recording.messages((VIBRATION,))]}
+    bench = BenchInfo("healthy", Bearing(), recording.orders, recording.sampling_rate)
+    shown = content_of(messages, bench, lambda _: completed(DetectorOutput(None, (), ())))
+    assert len(shown.waveform.time_ns) == recording.digests().read.count
+    assert messages == {}
 
 
 def test_the_order_map_is_empty_where_there_was_no_spectrum() -> None:
