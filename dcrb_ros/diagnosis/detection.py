@@ -40,6 +40,8 @@ class DetectionResult:
     """The diagnoses in the order of time; `last` alone has its spectrum, since those of an hour take 0.8 GB."""
     duration: float
     """Length of the signal [s]."""
+    begin: int = 0
+    """Index of the first sample on which `last` may depend: the detector discards what precedes a long gap."""
 
     def __repr__(self) -> str:
         return f"<DetectionResult: {self.verdict} with confidence {self.confidence:.2f} since {self.since:.2f} s: {self.reason}>"
@@ -172,15 +174,15 @@ def watch(
     readings = temperatures_of(signal) if temperatures is None else temperatures
     if not isinstance(readings, TemperatureReadings):
         raise Refusal(f"temperatures = {readings!r} are not readings: give TemperatureReadings, such as those of a run or recording")
-    history, samples = _diagnoses(_detector(signal, chosen, described, baseline), signal.pieces(), readings)
+    history, samples, begin = _diagnoses(_detector(signal, chosen, described, baseline), signal.pieces(), readings)
     duration = samples / signal.sampling_rate
     if duration >= SHORT and all(diagnosis.verdict == "waiting" for diagnosis in history):
         # A short signal is judged by a shorter window; the confidence is lower accordingly.
-        history, _ = _diagnoses(_detector(signal, brief(chosen), described, baseline), signal.pieces(), readings)
+        history, _, begin = _diagnoses(_detector(signal, brief(chosen), described, baseline), signal.pieces(), readings)
     if not history:
         reason = f"{duration:.2f} s have arrived, but a verdict needs {SHORT:g} s"
         history = [Diagnosis(max(0, samples - 1), duration, "waiting", reason)]
-    return DetectionResult(tuple(history), duration)
+    return DetectionResult(tuple(history), duration, begin)
 
 
 def learn_baseline(
@@ -224,7 +226,7 @@ def learn_baseline(
     for tried in (chosen, brief(chosen)):
         detector = _detector(source, tried, described, None)
         detector.learner = learner
-        history, _ = _diagnoses(detector, source.pieces(), TemperatureReadings.none())
+        history, *_ = _diagnoses(detector, source.pieces(), TemperatureReadings.none())
         if learner.judgements:
             break
     if not learner.judgements:
@@ -289,9 +291,9 @@ def _described(source: object) -> object:
     return getattr(getattr(source, "configuration", None), "bearing", source)
 
 
-def _diagnoses(detector: ThermalFaultDetector, pieces: Iterable[Piece], readings: TemperatureReadings) -> tuple[list[Diagnosis], int]:
-    """Return the diagnoses of a signal, of which `DetectionResult.last` alone has its spectrum, and its number of samples."""
-    history, last, samples, feed = list[Diagnosis](), 0, 0, TemperatureFeed(readings)
+def _diagnoses(detector: ThermalFaultDetector, pieces: Iterable[Piece], readings: TemperatureReadings) -> tuple[list[Diagnosis], int, int]:
+    """Return the diagnoses, of which `DetectionResult.last` alone has its spectrum, the number of samples, and `DetectionResult.begin`."""
+    history, last, samples, begin, feed = list[Diagnosis](), 0, 0, 0, TemperatureFeed(readings)
     for piece in pieces:
         detector.sensor_range = piece.sensor_range
         diagnosis = detector.update(piece.first_index, piece.acceleration, piece.shaft_angle)
@@ -302,7 +304,7 @@ def _diagnoses(detector: ThermalFaultDetector, pieces: Iterable[Piece], readings
         history.append(diagnosis)
         former = len(history) - 1
         if diagnosis.verdict != "waiting" or history[last].verdict == "waiting":
-            former, last = last, former
+            former, last, begin = last, former, detector.begin
         if former != last:
             history[former] = history[former].without_spectrum()
-    return history, samples
+    return history, samples, begin

@@ -100,6 +100,8 @@ class FaultDetector:
         """Rules for the bearing."""
         self.learner: BaselineLearner | None = None
         """Takes the evidence of every judgement, if there is one."""
+        self.begin = 0
+        """Index of the first sample since the start, a restart or the last gap that was not bridged."""
         self._baseline = baseline if baseline is not None or not p.baseline else read_baseline(Path(p.baseline))
         if self._baseline is not None:
             self._baseline.check(orders, rate, self.bands)
@@ -153,6 +155,7 @@ class FaultDetector:
     def _diagnosed(self, segment: Segment) -> Diagnosis:
         """Return the diagnosis at the end of a segment."""
         if segment.first:
+            self.begin = segment.last + 1 - self._hop
             self._window.clear()
             self._hysteresis.reset()
             self._sensor.restart()

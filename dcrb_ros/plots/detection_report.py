@@ -88,12 +88,11 @@ class DiagnosedRecording:
 
     @property
     def judged(self) -> Samples:
-        """Samples on which the last verdict is based: the latest window, from the start of the recording at most."""
+        """Samples on which the last verdict is based: the latest window, from the start or the last long gap at most."""
         rate = self.recording.sampling_rate
         hops = max(1, round(self.parameters.window / self.parameters.hop))
-        length = min(hops * round(self.parameters.hop * rate), max(1, round(self.result.duration * rate)))
         last = self.result.last.index
-        return Samples(max(0, last + 1 - length), last)
+        return Samples(max(self.result.begin, last + 1 - hops * round(self.parameters.hop * rate)), last)
 
 
 def read_content(recording: Recording, judged: Samples) -> Content:

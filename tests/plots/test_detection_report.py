@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 import os
@@ -102,6 +103,18 @@ def test_every_number_belongs_to_samples_of_the_recording() -> None:
     assert len(ranges) >= 5
     assert all(0 <= first <= last < count for first, last in ranges)
     assert (entry.judged.first, entry.judged.last) in ranges
+
+
+def test_samples_before_a_long_gap_are_not_judged() -> None:
+    waveform = Recording(BAGS / "outer_ring_defect").waveform()
+    kept = np.ones(len(waveform.index), bool)
+    kept[-90_000:-70_000] = False
+    cut = dataclasses.replace(
+        waveform, acceleration=waveform.acceleration[kept], shaft_angle=waveform.shaft_angle[kept], index=waveform.index[kept]
+    )
+    entry = DiagnosedRecording("cut", cut, detect(cut), DetectorParameters())  # type: ignore[arg-type]
+    assert entry.judged.first == waveform.index[-70_000]
+    assert entry.judged.last == entry.result.last.index
 
 
 def test_several_recordings_have_a_table_and_a_trend_in_their_order() -> None:
