@@ -165,10 +165,11 @@ def save_screenshot(document: Path, picture: Path, *, at_ns: int, width: int = 1
         client.set_time(TIMELINE, timestamp=at_ns / 1e9, play_state="paused")
         _wait_for(viewer, "move the cursor to the time of the picture", lambda: _is_at(client, at_ns))
         time.sleep(max(0.0, started + NOTICE_TIME - time.monotonic()))
-        _save_cropped(_wait_for(viewer, "draw a stable picture", lambda: _stable_picture(client)), picture)
+        drawn = _wait_for(viewer, "draw a stable picture", lambda: _stable_picture(client))
         reports = [f"{view.name}: {report.summary}" for view in client.get_state().views for report in view.reports]
     if reports:
-        raise ViewerFailure(f"the viewer could not draw everything in {picture}: {'; '.join(reports)}")
+        raise ViewerFailure(f"{picture} was not written, because the viewer could not draw everything: {'; '.join(reports)}")
+    _save_cropped(drawn, picture)
 
 
 def _save_cropped(png: bytes, picture: Path) -> None:

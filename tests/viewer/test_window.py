@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import sys
+from contextlib import nullcontext
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from waiting import wait_for
@@ -35,6 +37,29 @@ def test_a_closed_window_is_no_failure(tmp_path: Path, monkeypatch: pytest.Monke
     monkeypatch.setenv("DISPLAY", ":77")
     monkeypatch.setattr(window, "_command", lambda: [sys.executable, "-c", ""])
     assert window.open_window(tmp_path / "none.rrd") == 0
+
+
+@pytest.mark.parametrize(("summaries", "written"), [((), True), (("too many points",), False)])
+def test_an_incomplete_picture_does_not_replace_the_old_one(
+    summaries: tuple[str, ...], written: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("rerun.experimental")
+    view = SimpleNamespace(name="waveform", reports=[SimpleNamespace(summary=summary) for summary in summaries])
+    client = SimpleNamespace(set_time=lambda *_, **__: None, get_state=lambda: SimpleNamespace(views=[view]))
+    answers = {"load the recording": client, "draw a stable picture": b"a picture"}
+    picture = tmp_path / "old.png"
+    picture.write_bytes(b"the old one")
+    monkeypatch.setattr("rerun.experimental.ViewerClient", SimpleNamespace(get_state=None))
+    monkeypatch.setattr(window, "_running", lambda *_: nullcontext())
+    monkeypatch.setattr(window, "_wait_for", lambda _, purpose, __: answers.get(purpose))
+    monkeypatch.setattr(window, "_save_cropped", lambda png, path: path.write_bytes(png))
+    monkeypatch.setattr(window, "NOTICE_TIME", 0.0)
+    refused = pytest.raises(
+        window.ViewerFailure, match=r"old\.png was not written, .* could not draw everything: waveform: too many points"
+    )
+    with nullcontext() if written else refused:
+        window.save_screenshot(tmp_path / "document.rrd", picture, at_ns=0)
+    assert picture.read_bytes() == (b"a picture" if written else b"the old one")
 
 
 def test_the_viewer_logs_errors_only_and_no_escape_codes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
