@@ -84,7 +84,12 @@ def _environment(folder: Path) -> dict[str, str]:
 def _call(command: list[str], environment: dict[str, str]) -> int:
     """Run the viewer with a window until it is closed; where it ends with an error, a `ViewerFailure` quotes its last line."""
     with tempfile.TemporaryFile() as output:
-        status = subprocess.call(command, stdout=output, stderr=output, env=environment)
+        # In a group of its own, which ends with this program: `rerun_cli` starts the viewer as its child.
+        viewer = subprocess.Popen(command, stdout=output, stderr=output, env=environment, start_new_session=True)
+        try:
+            status = viewer.wait()
+        finally:
+            _end(viewer)
         output.seek(0)
         lines = output.read().decode(errors="replace").splitlines()
     if status > 0:
@@ -209,7 +214,7 @@ def _end(viewer: subprocess.Popen[bytes]) -> None:
         with contextlib.suppress(ProcessLookupError):
             os.killpg(viewer.pid, signal.SIGKILL)
     else:
-        subprocess.call(["taskkill", "/PID", str(viewer.pid), "/T", "/F"], stdout=subprocess.DEVNULL)
+        subprocess.call(["taskkill", "/PID", str(viewer.pid), "/T", "/F"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     viewer.wait(PATIENCE)
 
 

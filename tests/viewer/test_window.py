@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import sys
+import threading
 from contextlib import nullcontext
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from waiting import wait_for
+from waiting import runs, wait_for
 
 from dcrb_ros.viewer import window
 
@@ -37,6 +40,32 @@ def test_a_closed_window_is_no_failure(tmp_path: Path, monkeypatch: pytest.Monke
     monkeypatch.setenv("DISPLAY", ":77")
     monkeypatch.setattr(window, "_command", lambda: [sys.executable, "-c", ""])
     assert window.open_window(tmp_path / "none.rrd") == 0
+
+
+STARTS_A_CHILD = """
+import pathlib, subprocess, sys
+with subprocess.Popen([sys.executable, "-c", "import time; time.sleep(1000)"]) as child:
+    pathlib.Path(sys.argv[-1], "child").write_text(f"{child.pid}\\n")
+"""
+
+
+def test_a_window_ends_with_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("DISPLAY", ":77")
+    monkeypatch.setattr(window, "_command", lambda: [sys.executable, "-c", STARTS_A_CHILD])
+    children = list[int]()
+
+    def interrupt() -> None:
+        wait_for(lambda: (tmp_path / "child").exists() and (tmp_path / "child").read_text().endswith("\n"))
+        children.append(int((tmp_path / "child").read_text()))
+        os.kill(os.getpid(), signal.SIGINT)
+
+    thread = threading.Thread(target=interrupt)
+    thread.start()
+    try:
+        assert window.open_window(tmp_path) == 0
+    finally:
+        thread.join()
+    wait_for(lambda: not runs(children[0]))
 
 
 @pytest.mark.parametrize(("summaries", "written"), [((), True), (("too many points",), False)])
