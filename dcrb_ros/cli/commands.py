@@ -62,9 +62,12 @@ class LiteralCommand(_LiteralHelp, TyperCommand):
             _name_value(error, given)
             raise
         for parameter in self.params:
+            value = given.get(parameter.name)
+            paths = value if isinstance(value, (list, tuple)) and parameter.param_type_name == "argument" else ()
             of_path = isinstance(ctx.params.get(parameter.name), Path) or "--output" in parameter.opts  # which may be an address
-            if parameter.param_type_name == "option" and given.get(parameter.name) == "" and of_path:
-                raise Refusal(f"{_longest_name(parameter)} is empty: give a path, such as . for this folder, or leave it out")
+            if "" in paths or (of_path and value == ""):
+                otherwise = "" if parameter.required else ", or leave it out"
+                raise Refusal(f"{_longest_name(parameter)} is empty: give a path, such as . for this folder{otherwise}")
         return rest
 
 
@@ -74,9 +77,11 @@ def _has_one_value(parameter: Any) -> bool:
     return option and (not parameter.is_flag or bool(parameter.secondary_opts))
 
 
-def _longest_name(option: Any) -> str:
-    """Return the longest name of an option, such as ``--output``."""
-    return str(max(option.opts, key=len))
+def _longest_name(parameter: Any) -> str:
+    """Return the longest name of an option, such as ``--output``, or the word for an argument in the usage, such as ``BAG``."""
+    if parameter.param_type_name == "argument":
+        return str(parameter.metavar or parameter.name.upper()).rstrip(" .")
+    return str(max(parameter.opts, key=len))
 
 
 def _name_value(error: Any, given: Mapping[str, Any]) -> None:

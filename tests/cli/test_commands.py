@@ -113,8 +113,25 @@ def test_an_error_about_an_option_names_its_value(command: tuple[str, ...], name
         ("exam", "table", ".", "-o", ""),
         ("sweep", "two_hundred", "-o", ""),
         ("collect", "list.csv", "-o", ""),
+        ("info", ""),
+        ("score", "bags/healthy", ""),
+        ("detect", "bags/healthy", ""),
+        ("import", "", "--about", "about.yaml", "-o", "new"),
     ],
 )
 def test_an_empty_path_is_not_the_current_folder(command: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
     assert dcrb(*command) == 2
     assert " is empty: give a path" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("command", "sentence"),
+    [
+        (("info", ""), "BAG is empty: give a path, such as . for this folder\n"),
+        (("detect", ""), "BAG is empty: give a path, such as . for this folder\n"),
+        (("view", "bags/healthy", "--save", ""), "--save is empty: give a path, such as . for this folder, or leave it out\n"),
+    ],
+)
+def test_a_path_that_must_be_given_cannot_be_left_out(command: tuple[str, ...], sentence: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert dcrb(*command) == 2
+    assert capsys.readouterr().err.endswith(sentence)
