@@ -170,7 +170,7 @@ def make(name: str) -> None:
     """Make a picture and stamp it.
 
     Raises:
-        SystemExit: its command failed.
+        SystemExit: its command failed or wrote no picture.
     """
     picture, file = PICTURES[name], IMAGES / f"{name}.png"
     if callable(picture.make):
@@ -178,6 +178,7 @@ def make(name: str) -> None:
     else:
         path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"
         measured = str(Path(os.environ.get("MEASURED", ROOT.parent / "shared/measured")).resolve())
+        before = file.stat().st_mtime_ns if file.exists() else None
         with tempfile.TemporaryDirectory() as folder:
             made = Path(folder, file.name)
             line = picture.make.format(file=made, images=folder, unseen=ROOT / "benchmarks/unseen/unseen", root=ROOT)
@@ -186,6 +187,8 @@ def make(name: str) -> None:
                 sys.exit(f"{name} was not made: its command ended with status {done.returncode}")
             if made.exists():  # an exam writes its figure to the documentation by itself
                 shutil.copyfile(made, file)
+            elif not file.exists() or file.stat().st_mtime_ns == before:
+                sys.exit(f"{name} was not made: its command wrote no picture")
     write_stamp(name)
 
 

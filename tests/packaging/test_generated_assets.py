@@ -67,6 +67,21 @@ def test_a_picture_is_older_than_another_bench_or_drawing_but_not_than_another_d
     assert digests[0] == digests[1] != digests[2]
 
 
+def test_a_picture_that_was_not_made_is_not_stamped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    stamped = list[str]()
+    monkeypatch.setattr(pictures, "IMAGES", tmp_path)
+    monkeypatch.setattr(pictures, "write_stamp", stamped.append)
+    commands = {"none": "true", "new": "touch {file}", "in_place": f"touch {tmp_path}/in_place.png"}
+    monkeypatch.setattr(pictures, "PICTURES", {name: pictures.Picture(command, ()) for name, command in commands.items()})
+    for _ in range(2):
+        pictures.make("new")
+        pictures.make("in_place")
+        with pytest.raises(SystemExit, match="none was not made: its command wrote no picture"):
+            pictures.make("none")
+        (tmp_path / "none.png").touch()  # an old picture
+    assert stamped == ["new", "in_place"] * 2
+
+
 def test_entries_of_the_leaderboard_are_as_the_command_writes_them(tmp_path: Path) -> None:
     files = sorted(LEADERBOARD.rglob("*.json"))
     sources = [file.read_text(encoding="utf-8") for file in (ROOT / "examples/detectors").glob("*.py")]
