@@ -181,10 +181,10 @@ class SimulatingNode(BenchNode):
         """Record the detector's messages on a topic."""
 
         def record(data: bytes) -> None:
-            if self.recording.path is None:
-                return
             with self.refusals.suppressed(topic.name):
                 time_ns = decoded_by(topic.name, topic.stamp, data)
+                if self.recording.path is None:
+                    return
                 self._check_stamp(topic, time_ns)
                 self.recording.write_messages([Message(topic, time_ns, data)])
 

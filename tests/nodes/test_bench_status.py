@@ -4,23 +4,27 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Generator, Iterator
+from collections.abc import Callable, Generator, Iterator
+from types import SimpleNamespace
 
 import pytest
 
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
 from made_up_bundles import Blocks
+from node_arguments import GARBAGE
 from waiting import PATIENCE, wait_for
 
 from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.statuses import OK, WARN, Status
+from dcrb_ros.messages.topics import DIAGNOSIS
 from dcrb_ros.nodes.bench_status import BenchStatus
 from dcrb_ros.nodes.engine import Engine, Progress
 from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.pacing import Pacer
 from dcrb_ros.nodes.recording_switch import RecordingSwitch
 from dcrb_ros.nodes.refusal_counts import Refusals
+from dcrb_ros.nodes.simulating import SimulatingNode
 
 COMPILING = "compiling the kernels ..."
 
@@ -108,3 +112,18 @@ def test_a_reset_starts_again(simulator: Simulator) -> None:
     simulator.source.released.clear()
     assert simulator.engine.gate.reset(PATIENCE)
     assert simulator.about == (OK, "starting", "starting", "")
+
+
+def test_malformed_diagnoses_are_counted_also_without_a_recording() -> None:
+    said, received = list[str](), dict[str, Callable[[bytes], None]]()
+    refusals = Refusals(said.append)
+    bench = SimpleNamespace(
+        refusals=refusals,
+        recording=SimpleNamespace(path=None),
+        subscribe=lambda topic, receive: received.update({topic.name: receive}),
+    )
+    SimulatingNode.record_detected(bench, DIAGNOSIS)  # type: ignore[arg-type]
+    for data in GARBAGE:
+        received[DIAGNOSIS.name](data)
+    assert refusals.count(DIAGNOSIS.name) == len(GARBAGE)
+    assert said[0].startswith("diagnosis: a message of")
