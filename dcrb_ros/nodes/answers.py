@@ -9,7 +9,7 @@ from collections.abc import Callable, Generator, Sequence
 from contextlib import closing
 
 from dcrb_ros.messages.bundle import Bundle
-from dcrb_ros.messages.topics import DIAGNOSIS, VIBRATION, Message
+from dcrb_ros.messages.topics import DIAGNOSIS, VIBRATION, Message, Topic
 from dcrb_ros.nodes.engine import BundleSource
 from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.schema.refusal import Refusal
@@ -20,6 +20,8 @@ ROOM_NS, MORE_ROOM = 2_000_000_000, 10
 """Signal that a detector may need for a diagnosis [ns], and how many times as much as was in vain it may need after a silence."""
 TIMEOUT, FIRST_TIMEOUT = 5.0, 30.0
 """Wall time without a diagnosis after which none is expected [s]; before the first one, a detector may still compile its kernels."""
+RECORDED_TIMEOUT = 1.0
+"""Wall time after the last diagnosis up to which its messages to record are waited for [s]; a user's detector may publish fewer topics."""
 POLL_PERIOD = 0.1
 """Wall time between two looks at whether the node ends [s]."""
 
@@ -44,6 +46,8 @@ class Answers:
         """Signal beyond the last diagnosis up to which more is sent, at its own pace [ns]."""
         self._since_ns: int | None = None
         """Stamp of the last diagnosis, or begin of the first bundle; None before it [ns]."""
+        self._recorded: dict[Topic, int] = {}
+        """Stamp of the last message on each topic of the detector that is recorded [ns]."""
 
     def take(self, data: bytes) -> None:
         """Take a diagnosis; a malformed one is ignored."""
@@ -60,6 +64,11 @@ class Answers:
             while self._unanswered and self._unanswered[0] <= time_ns:
                 self._unanswered.popleft()
             self._changed.notify_all()
+
+    def take_recorded(self, topic: Topic, time_ns: int) -> None:
+        """Take the stamp [ns] of a message to record; the last diagnosis is complete with its message on each topic."""
+        with self._changed:
+            self._recorded[topic] = time_ns
 
     def start(self) -> None:
         """Expect no diagnosis of what was sent before."""
@@ -107,11 +116,12 @@ class Answers:
                 self._since_ns = begin_ns
 
     def complete(self, end_ns: int) -> bool:
-        """Return whether the last diagnosis of a signal that ends at a time [ns] has arrived, or none is expected."""
+        """Return whether the last diagnosis of a signal that ends at a time [ns] has arrived and is recorded, or none is expected."""
         with self._changed:
             self._asked = self._clock() if self._asked is None else self._asked
             if self._interval_ns and self._last_ns + self._interval_ns > end_ns:
-                return True
+                missing = any(time_ns < self._last_ns for time_ns in self._recorded.values())
+                return not missing or self._clock() > self._arrived + RECORDED_TIMEOUT
             return not self._detectors() or self._clock() > max(self._asked, self._arrived) + self._timeout
 
     @property

@@ -178,11 +178,13 @@ class SimulatingNode(BenchNode):
             self._publisher.flush()
 
     def record_detected(self, topic: Topic) -> None:
-        """Record the detector's messages on a topic."""
+        """Record the detector's messages on a topic; the node ends after that of the last diagnosis."""
+        self._answers.take_recorded(topic, 0)
 
         def record(data: bytes) -> None:
             with self.refusals.suppressed(topic.name):
                 time_ns = decoded_by(topic.name, topic.stamp, data)
+                self._answers.take_recorded(topic, time_ns)
                 if self.recording.path is None:
                     return
                 self._check_stamp(topic, time_ns)

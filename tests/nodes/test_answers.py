@@ -18,9 +18,9 @@ from ros_bench import PATIENCE, GraphClient, Node, domain, environment, graph_cl
 from waiting import wait_for
 
 from dcrb_ros.messages.statuses import decode_diagnostics
-from dcrb_ros.messages.topics import DIAGNOSIS, VIBRATION
+from dcrb_ros.messages.topics import DIAGNOSIS, FAULT_INDICATORS, VIBRATION
 from dcrb_ros.nodes import answers as answers_module
-from dcrb_ros.nodes.answers import AHEAD, FIRST_TIMEOUT, TIMEOUT, Answers
+from dcrb_ros.nodes.answers import AHEAD, FIRST_TIMEOUT, RECORDED_TIMEOUT, TIMEOUT, Answers
 from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.pacing import Pacer
 from dcrb_ros.nodes.replayer import ReplayerNode
@@ -58,6 +58,23 @@ def test_a_signal_is_answered_when_the_next_diagnosis_would_be_later_than_its_en
     answers.take(diagnosis(3.0))
     assert answers.complete(3_200_000_000)
     assert not answers.complete(3_500_000_000)
+
+
+def test_a_signal_is_answered_when_the_last_diagnosis_is_recorded_with_its_indicators() -> None:
+    clock = Clock()
+    answers = Answers(lambda: 1, lambda sentence: None, clock)
+    for topic in (DIAGNOSIS, FAULT_INDICATORS):
+        answers.take_recorded(topic, 500_000_000)
+    answers.take(diagnosis(0.5))
+    answers.take(diagnosis(1.0))  # the subscription that records is served later
+    for topic in (DIAGNOSIS, FAULT_INDICATORS):
+        assert not answers.complete(1_000_000_000)
+        answers.take_recorded(topic, 1_000_000_000)
+    assert answers.complete(1_000_000_000)
+    answers.take_recorded(FAULT_INDICATORS, 0)  # as of a detector without indicators
+    assert not answers.complete(1_000_000_000)
+    clock.time += 1.1 * RECORDED_TIMEOUT
+    assert answers.complete(1_000_000_000)
 
 
 def test_the_interval_of_diagnoses_is_the_shortest_one() -> None:

@@ -118,6 +118,7 @@ def test_malformed_diagnoses_are_counted_also_without_a_recording() -> None:
     said, received = list[str](), dict[str, Callable[[bytes], None]]()
     refusals = Refusals(said.append)
     bench = SimpleNamespace(
+        _answers=SimpleNamespace(take_recorded=lambda topic, time_ns: None),
         refusals=refusals,
         recording=SimpleNamespace(path=None),
         subscribe=lambda topic, receive: received.update({topic.name: receive}),
