@@ -41,6 +41,7 @@ def bench(
 
     Example: dcrb bench outer_ring_defect --duration 10 --record my_recording
     """
+    from dcrb_ros.diagnosis.detector import check_parameters
     from dcrb_ros.schema.simulated_time import checked_duration
     from dcrb_ros.settings.files import load_configuration
     from dcrb_ros.simulation.scenario import scheduled_changes, starting_configuration
@@ -68,6 +69,7 @@ def bench(
     else:
         raise Refusal("Missing argument 'CONFIG': give a YAML file or a shipped name, such as healthy, or --vehicle NAME")
     parameters = detector_parameters(detector)
+    check_parameters(parameters)
     recorded = configuration.recording.path
     check_force("--record", recorded, force=force)
     with replacing("--record" if record else "recording.path =", expanded_path(recorded), force=force) if recorded else nullcontext():

@@ -48,6 +48,28 @@ BINS_PER_ORDER = 3
 """Bins per turn relative to the highest order [-]; 2 is the Nyquist rate."""
 
 
+def check_parameters(parameters: DetectorParameters, baseline: HealthyBaseline | None = None) -> HealthyBaseline | None:
+    """Check what needs neither bearing nor sampling rate; return the ``baseline``, without one that of the file that the parameters name.
+
+    Raises:
+        Refusal: the parameters do not fit each other, or the file is no baseline.
+    """
+    p = parameters
+    least = 2.0 * MARGIN_PERIODS / (0.5 * p.band_low)  # the octave below the band has the longest margins
+    if p.hop < least:
+        raise _short_hop(p, least)
+    if p.window < p.hop:
+        raise Refusal(f"window = {p.window:g} s is below hop = {p.hop:g} s: make the window longer or the hop shorter")
+    if p.slowest >= p.fastest:
+        raise Refusal(f"slowest = {p.slowest:g} Hz is not below fastest = {p.fastest:g} Hz: lower slowest or raise fastest")
+    return baseline if baseline is not None or not p.baseline else read_baseline(Path(p.baseline))
+
+
+def _short_hop(parameters: DetectorParameters, least: float) -> Refusal:
+    p = parameters
+    return Refusal(f"hop = {p.hop:g} s is below {least:.2g} s, the least for a band from {p.band_low:g} Hz: make it longer")
+
+
 class FaultDetector:
     """Diagnoses a bearing from blocks of samples, hop by hop.
 
@@ -80,13 +102,9 @@ class FaultDetector:
         below = self._bands[-1]
         self._hop = max(1, round(p.hop * rate))
         self._margin = margin_samples(rate, below.low, MARGIN_PERIODS)
-        if self._hop < 2 * self._margin:
-            least = 2 * self._margin / rate
-            raise Refusal(f"hop = {p.hop:g} s is below {least:.2g} s, the least for a band from {p.band_low:g} Hz: make it longer")
-        if p.window < p.hop:
-            raise Refusal(f"window = {p.window:g} s is below hop = {p.hop:g} s: make the window longer or the hop shorter")
-        if p.slowest >= p.fastest:
-            raise Refusal(f"slowest = {p.slowest:g} Hz is not below fastest = {p.fastest:g} Hz: lower slowest or raise fastest")
+        if self._hop < 2 * self._margin:  # which is rounded up to samples
+            raise _short_hop(p, 2 * self._margin / rate)
+        self._baseline = check_parameters(p, baseline)
         self._highest_order = (1.0 + p.slip) * (
             HARMONICS[-1] * max(2.0 * orders.bpfo, 2.0 * orders.bpfi, 2.0 * orders.bsf) + SHAFT_SIDEBANDS[-1]
         )
@@ -102,7 +120,6 @@ class FaultDetector:
         """Takes the evidence of every judgement, if there is one."""
         self.begin = 0
         """Index of the first sample since the start, a restart or the last gap that was not bridged."""
-        self._baseline = baseline if baseline is not None or not p.baseline else read_baseline(Path(p.baseline))
         if self._baseline is not None:
             self._baseline.check(orders, rate, self.bands)
             for each in self.rules:

@@ -11,6 +11,7 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 
 from dcrb_ros.bearing.frequencies import Orders
+from dcrb_ros.diagnosis.detector import check_parameters
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.thermal_detector import ThermalFaultDetector
 from dcrb_ros.messages.cdr import FRAME
@@ -101,10 +102,18 @@ class DetectorInput(MessageInput[Diagnosis]):
     """Creates a detector from the sensor description and passes it the blocks of the waveform."""
 
     def __init__(self, parameters: DetectorParameters) -> None:
+        """Check the parameters, and wait for a description.
+
+        Raises:
+            Refusal: the parameters do not fit each other, or their baseline cannot be read.
+        """
         super().__init__()
+        check_parameters(parameters)
         self._parameters = parameters
         self._detector: ThermalFaultDetector | None = None
         self._description: tuple[int, Orders] | None = None
+        self._lacking = f"blocks arrive, but no description on {SENSOR.name} with the rate and the bearing: publish it, latched"
+        """Why there is no detector."""
         self._early: deque[Vibration] = deque()
         """Blocks that arrived before the description."""
         self._early_samples = 0
@@ -130,6 +139,7 @@ class DetectorInput(MessageInput[Diagnosis]):
             warning = next((response.warning for response in responses if response.warning), "")
             return Response(tuple(diagnosis for response in responses for diagnosis in response.diagnoses), information, warning)
         except Refusal as refusal:
+            self._lacking = str(refusal)
             return self.refuse(refusal)
 
     def block(self, data: bytes) -> Response[Diagnosis]:
@@ -142,7 +152,7 @@ class DetectorInput(MessageInput[Diagnosis]):
             self._early.append(block)
             self._early_samples += len(block.shaft_angle)
             if self._drop_early():
-                raise Refusal(f"blocks arrive, but no description on {SENSOR.name} with the rate and the bearing: publish it, latched")
+                raise Refusal(self._lacking)
             return Response()
         except Refusal as refusal:
             return self.refuse(refusal)

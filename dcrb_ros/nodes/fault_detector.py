@@ -13,6 +13,7 @@ from typing import Any
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallbackReturn
 
+from dcrb_ros.diagnosis.detector import check_parameters
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.messages.encoder import diagnosis_messages
 from dcrb_ros.messages.topics import AMBIENT_TEMPERATURE, DETECTED, DIAGNOSIS, OUTER_RING_TEMPERATURE, SENSOR, VIBRATION
@@ -33,7 +34,11 @@ class DetectorTopics:
     """Passes the messages of a bench to a detector and publishes its diagnoses, on the topics of a node."""
 
     def __init__(self, node: BenchNode, parameters: DetectorParameters) -> None:
-        """Prepare a detector that receives nothing yet."""
+        """Prepare a detector that receives nothing yet.
+
+        Raises:
+            Refusal: the parameters do not fit each other, or their baseline cannot be read.
+        """
         self._node, self._input, self._verdict = node, DetectorInput(parameters), ""
         self._publisher = Publisher(node, DETECTED)
         self._subscriptions: list[Any] = []
@@ -95,6 +100,7 @@ class ManagedDetectorNode(LifecycleNodeMixin, BenchNode):
         BenchNode.__init__(self, "fault_detector")
         self._topics: DetectorTopics | None = None
         self._parameters_given = self.declare(DetectorParameters, run_time=KEYS)
+        check_parameters(self._parameters_given)
         LifecycleNodeMixin.__init__(self)
         self.watch_publishers(DIAGNOSIS)
         self._service_change_state.callback = self._answering(self._service_change_state.callback)
@@ -129,8 +135,12 @@ class ManagedDetectorNode(LifecycleNodeMixin, BenchNode):
         self._parameters_given = validated({**flatten(self._parameters_given.model_dump()), **changes}, DetectorParameters, "parameters")
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Create the detector with the present parameters, and its publishers."""
-        self._topics = DetectorTopics(self, self._parameters_given)
+        """Create the detector with the present parameters, and its publishers; fail if they do not fit each other."""
+        try:
+            self._topics = DetectorTopics(self, self._parameters_given)
+        except Refusal as refusal:
+            self.get_logger().error(str(refusal))
+            return TransitionCallbackReturn.FAILURE
         return SUCCESS
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:

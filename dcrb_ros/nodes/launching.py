@@ -16,6 +16,7 @@ from launch.substitutions import EnvironmentVariable, LaunchConfiguration
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 
+from dcrb_ros.diagnosis.detector import check_parameters
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.nodes.ros import DISCOVERY, check_bench_discovery
 from dcrb_ros.schema.numbers import duration_within
@@ -282,7 +283,7 @@ def detector_parameters(detector: str) -> dict[str, Any]:
             raise Refusal(f"detector:={detector}: there is no such file: {remedy}")
         path = shipped[detector]
     with naming("detector", detector):
-        validated(read_parameters(path, "fault_detector"), DetectorParameters, str(path))
+        check_parameters(validated(read_parameters(path, "fault_detector"), DetectorParameters, str(path)))
         return _parameters(path, "fault_detector")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dcrb_ros.diagnosis.detector import check_parameters
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.vehicle.detector import BoxBlock, VehicleDetector
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
@@ -24,7 +25,13 @@ class VehicleDetectorInput(MessageInput[VehicleDiagnosis]):
     """Creates a comparing detector from the description of the vehicle and passes it the blocks of the boxes."""
 
     def __init__(self, settings: VehicleDetectorSettings) -> None:
+        """Check the settings, and wait for a description.
+
+        Raises:
+            Refusal: the parameters of the boxes do not fit each other, or their baseline cannot be read.
+        """
         super().__init__()
+        check_parameters(settings.boxes)
         self._settings = settings
         self._detector: VehicleDetector | None = None
 

@@ -157,7 +157,9 @@ def test_shipped_recordings_are_diagnosed_correctly(name: str) -> None:
     assert Recording(bag).manifest["seed"] == 1
 
 
-def test_options_of_the_bench_override_the_configuration_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_options_of_the_bench_override_the_configuration_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     runs: list[tuple[Configuration, DetectorParameters]] = []
 
     def run(bench: Any, configuration: Configuration, *others: Any) -> int:
@@ -176,6 +178,11 @@ def test_options_of_the_bench_override_the_configuration_file(tmp_path: Path, mo
     assert [configuration.time_scale for configuration, _ in runs] == [0.5, 0.25, 0.0, 0.5]
     assert [configuration.recording.path for configuration, _ in runs] == ["kept", "kept", "asked", "kept"]
     assert [parameters.learn for _, parameters in runs] == [0.0, 0.0, 0.0, 10.0]
+    file.write_text(yaml.safe_dump({"/**/fault_detector": {"ros__parameters": {"window": 1.0, "hop": 2.0}}}))
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert end.value.code == 2
+    assert "window = 1 s is below hop = 2 s" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from dcrb_ros.messages.topics import SENSOR, VIBRATION
 from dcrb_ros.nodes import detector_input
 from dcrb_ros.nodes.detector_input import AMBIENT_AGE, DetectorInput, Response
 from dcrb_ros.nodes.vehicle_detector_input import VehicleDetectorInput, VehicleDetectorSettings
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.diagnosis import Diagnosis
 
@@ -162,12 +164,32 @@ def test_a_recording_played_from_any_offset_is_diagnosed(offset: float) -> None:
     assert found[-1].verdict != "waiting"
 
 
+@pytest.mark.parametrize(
+    ("values", "sentence"),
+    [
+        ({"window": 1.0, "hop": 2.0}, "window = 1 s is below hop = 2 s"),
+        ({"slowest": 80.0}, "slowest = 80 Hz is not below fastest = 70 Hz"),
+        ({"hop": 0.1, "band_low": 200.0}, "hop = 0.1 s is below 0.2 s, the least for a band from 200 Hz"),
+        ({"baseline": "nowhere.yaml"}, "nowhere.yaml"),
+    ],
+)
+def test_parameters_that_no_detector_accepts_are_refused_before_a_description_arrives(values: dict[str, Any], sentence: str) -> None:
+    parameters = DetectorParameters(**values)
+    with pytest.raises(Refusal, match=sentence):
+        DetectorInput(parameters)
+    with pytest.raises(Refusal, match=sentence):
+        VehicleDetectorInput(VehicleDetectorSettings(boxes=parameters))
+
+
 def test_a_description_that_no_detector_accepts_is_refused_every_time() -> None:
     detector = DetectorInput(DetectorParameters())
     slow = described(sampling_rate=100)  # the band of the detector begins above half of it
     first = reason(detector.sensor(slow))
     assert "band_low" in first
     assert reason(detector.sensor(slow)).startswith(first.rpartition(" (")[0])
+    answers = [response for data in waveform(90) if (response := detector.block(data)).diagnoses]
+    assert all("band_low" in reason(response) for response in answers)  # not that a description is lacking
+    assert answers
     assert detector.sensor(described()).information
 
 

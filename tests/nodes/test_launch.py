@@ -184,6 +184,16 @@ def test_a_detector_file_reaches_the_node_in_any_namespace(monkeypatch: pytest.M
     assert [configuration(node) for node in detectors] == [DetectorParameters(learn=10.0)] * 4
 
 
+@pytest.mark.parametrize("file", ["bench", "vehicle"])
+def test_parameters_of_the_detector_that_do_not_fit_each_other_are_refused(
+    file: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    mine = tmp_path / "mine.yaml"
+    mine.write_text(yaml.safe_dump({"/**/fault_detector": {"ros__parameters": {"window": 1.0, "hop": 2.0}}}))
+    with pytest.raises(Refusal, match=r"^detector:=.*mine.yaml: window = 1 s is below hop = 2 s"):
+        started(file, monkeypatch, detector=str(mine))
+
+
 def test_parameters_of_every_node_are_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     mine = tmp_path / "mine.yaml"
     mine.write_text(yaml.safe_dump({"/**": {"ros__parameters": {"use_sim_time": True, "operating": {"speed": 100.0}}}}))

@@ -140,6 +140,8 @@ def test_a_manager_controls_the_detector(manager: Manager) -> None:
     assert manager.request(CLEANUP)
     assert manager.state == UNCONFIGURED
     manager.client.until(lambda: manager.client.node.count_publishers(DIAGNOSIS.resolved(NAMESPACE)) == 0, "no publisher")
+    assert manager.set("hop", 10.0) == (True, "")
+    assert not manager.request(CONFIGURE)  # the window is shorter
     assert manager.set("hop", 0.1) == (True, "")
     assert manager.request(CONFIGURE)
     assert manager.request(ACTIVATE)
