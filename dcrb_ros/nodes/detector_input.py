@@ -60,26 +60,46 @@ class MessageInput(ABC, Generic[Judgement]):
     def __init__(self) -> None:
         self._ambient: dict[str, tuple[float, float]] = {}
         """Time [s] and temperature [deg C] of the latest reading of the air by box, that of a single bench without a name."""
+        self._waiting: dict[str, tuple[float, float]] = {}
+        """Time [s] and temperature [deg C] of a reading of the outer ring by box that waits for one of the air."""
         self._refused = 0
 
     def ambient(self, data: bytes, box: str = "") -> Response[Judgement]:
         """Take a reading of the air at a box."""
         try:
             self._ambient[box] = 1e-9 * AMBIENT_TEMPERATURE.stamp(data), AMBIENT_TEMPERATURE.decoded(data)
+            if box in self._waiting and self._waiting[box][0] <= self._ambient[box][0]:
+                self._compare(box)
         except Refusal as refusal:
             return self.refuse(refusal)
         return Response()
 
     def temperature(self, data: bytes, box: str = "") -> Response[Judgement]:
-        """Take a reading of the outer ring of a box; it is compared with the latest one of the air."""
+        """Take a reading of the outer ring of a box.
+
+        It is compared with the next reading of the air that is not earlier, or with the last one of the air if the next one of the outer
+        ring comes first.
+        """
         try:
             time, temperature = 1e-9 * OUTER_RING_TEMPERATURE.stamp(data), OUTER_RING_TEMPERATURE.decoded(data)
-            at, air = self._ambient.get(box, (-math.inf, 0.0))
-            if abs(time - at) <= AMBIENT_AGE:
-                self.take_temperature(box, time, temperature, air)
+            if box in self._waiting and self._waiting[box][0] < time:
+                self._compare(box)
+            self._waiting[box] = time, temperature
+            at = self._ambient.get(box, (-math.inf, 0.0))[0]
+            if at == time:
+                self._compare(box)
+            elif at > time:  # of a run before a reset
+                del self._ambient[box]
         except Refusal as refusal:
             return self.refuse(refusal)
         return Response()
+
+    def _compare(self, box: str) -> None:
+        """Pass on the waiting reading of a box with the latest one of the air, unless that is too old."""
+        time, temperature = self._waiting.pop(box)
+        at, air = self._ambient.get(box, (-math.inf, 0.0))
+        if abs(time - at) <= AMBIENT_AGE:
+            self.take_temperature(box, time, temperature, air)
 
     @abstractmethod
     def take_temperature(self, box: str, time: float, temperature: float, air: float) -> None:

@@ -215,6 +215,38 @@ def test_a_bearing_is_not_compared_with_air_of_another_time() -> None:
     assert AMBIENT_AGE == 60.0
 
 
+class Compared(DetectorInput):
+    """Keeps the times [s] and temperatures [deg C] that are compared."""
+
+    def __init__(self, *readings: tuple[str, float, float]) -> None:
+        """Take readings of the ``ring`` or the ``air``, each with its time [s] and temperature [deg C]."""
+        super().__init__(DetectorParameters())
+        self.taken: list[tuple[float, float, float]] = []
+        for place, time, temperature in readings:
+            data = encode_temperature(round(time * 1e9), temperature, 0.2)
+            assert (self.ambient if place == "air" else self.temperature)(data) == Response()
+
+    def take_temperature(self, box: str, time: float, temperature: float, air: float) -> None:
+        self.taken.append((time, temperature, air))
+
+
+@pytest.mark.parametrize("order", [("ring", "air"), ("air", "ring")])
+def test_readings_of_one_time_are_compared_in_any_order(order: tuple[str, str]) -> None:
+    temperature = {"ring": 50.0, "air": 20.0}
+    detector = Compared(*((place, float(time), temperature[place] + time) for time in range(3) for place in order))
+    assert detector.taken == [(0.0, 50.0, 20.0), (1.0, 51.0, 21.0), (2.0, 52.0, 22.0)]
+
+
+def test_air_that_is_read_rarely_is_compared_with_later_readings_of_the_ring() -> None:
+    detector = Compared(("air", 0.0, 20.0), ("ring", 1.0, 51.0), ("ring", 2.0, 52.0), ("air", 2.5, 22.0), ("ring", 3.0, 53.0))
+    assert detector.taken == [(1.0, 51.0, 20.0), (2.0, 52.0, 22.0)]
+
+
+def test_air_before_a_reset_is_not_compared() -> None:
+    detector = Compared(("air", 9.0, 29.0), ("ring", 10.0, 60.0), ("ring", 0.0, 50.0), ("ring", 1.0, 51.0), ("air", 1.0, 21.0))
+    assert detector.taken == [(1.0, 51.0, 21.0)]
+
+
 def test_malformed_temperatures_are_answered() -> None:
     detector = described_input()
     assert "refused" in reason(detector.ambient(b"\xff" * 3))
