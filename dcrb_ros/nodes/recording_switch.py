@@ -53,7 +53,7 @@ class RecordingSwitch:
         self._failure = ""
         self.first_failure = ""
         """Why the first recording that failed did, also if later ones were finished; empty if none failed."""
-        self._started = False
+        self._started = self._closed = False
         self._commands: list[Any] = []
         self._latched: dict[Topic, Message] = {}
         """The last message on each latched topic since the start."""
@@ -97,15 +97,18 @@ class RecordingSwitch:
             try:
                 self._log.info(f"reset: {kept}{self.record(self._wanted)} records from the start")
             except Refusal as refusal:
-                self._fail(f"no recording since the reset: {refusal}")
+                if not self._closed:
+                    self._fail(f"no recording since the reset: {refusal}")
 
     def record(self, wanted: Path) -> Path:
         """Begin a recording at ``wanted`` or the next free name, unless one is running; return the folder of the running one.
 
         Raises:
-            Refusal: it cannot be created.
+            Refusal: it cannot be created, or `close` was called.
         """
         with self._lock:
+            if self._closed:
+                raise Refusal("no recording begins any more: start the node again")
             if self._recorder is None:
                 self._wanted = wanted
                 return self._begin(free_path(wanted))
@@ -154,6 +157,12 @@ class RecordingSwitch:
         if recorder and empty and not recorder.writing:
             shutil.rmtree(recorder.path, ignore_errors=True)
         return recorder.path if recorder else None
+
+    def close(self) -> None:
+        """Do the same as `stop`, and begin no other recording, also not that of a reset that is under way."""
+        with self._lock:
+            self._closed = True
+        self.stop()
 
     def _retire(self) -> RecorderThread | None:
         """Pass nothing more to the recorder, with the lock held; what is queued is still written."""

@@ -173,7 +173,7 @@ class SimulatingNode(BenchNode):
         """Stop the simulation and finish the recording; wait for the delivery of the last messages if it was not interrupted."""
         finished = self.engine.finished
         self.engine.close()
-        self.recording.stop()
+        self.recording.close()
         if finished:
             self._publisher.flush()
 

@@ -168,6 +168,25 @@ def test_a_reset_continues_in_a_new_recording_without_the_earlier_commands(tmp_p
     assert (switch.path, switch.state) == (None, "off")
 
 
+def test_no_recording_begins_when_the_node_ends_during_a_reset(tmp_path: Path) -> None:
+    switch, disk, log = slow_recording(tmp_path / "bag")
+    switch.write(bundles(1)[0])
+    reset = threading.Thread(target=switch.start, args=([],), daemon=True)
+    reset.start()
+    wait_for(lambda: switch.state == "off")  # the reset waits for the disk
+    end = threading.Thread(target=switch.close, daemon=True)
+    end.start()
+    wait_for(lambda: switch._closed)
+    disk.allowed.set()
+    for thread in (reset, end):
+        thread.join(PATIENCE)
+    assert (switch.state, switch.first_failure, log.errors) == ("off", "", [])
+    assert [path.name for path in tmp_path.iterdir()] == ["bag"]
+    assert Recording(tmp_path / "bag").complete
+    with pytest.raises(Refusal, match="no recording begins any more"):
+        switch.record(tmp_path / "bag")
+
+
 def test_a_recording_without_a_block_is_removed(tmp_path: Path) -> None:
     log = Log()
     switch = RecordingSwitch(fast, log, tmp_path / "bag")
