@@ -80,16 +80,19 @@ class Gate:
     def step(self, timeout: float) -> bool:
         """Send one bundle while paused; return whether it was sent within ``timeout`` of wall time [s]."""
         with self._changed:
-            self.request_steps(1)
-            last = self.stepped + self._steps
+            last = self.request_steps(1)
             self._changed.wait_for(lambda: self.stepped >= last or self._steps == 0 or self.closed, timeout)
             return self.stepped >= last
 
-    def request_steps(self, count: int) -> None:
-        """Send ``count`` more bundles while paused, without waiting for them; `pause` and a later reset discard what remains."""
+    def request_steps(self, count: int) -> int:
+        """Send ``count`` more bundles while paused, without waiting for them; `pause` and a later reset discard what remains.
+
+        Return the value that `stepped` has after the last of them.
+        """
         with self._changed:
             self._steps += count
             self._changed.notify_all()
+            return self.stepped + self._steps
 
     def rescale(self, scale: float) -> None:
         """Continue at another time scale, at once."""

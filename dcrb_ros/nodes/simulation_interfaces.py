@@ -176,18 +176,21 @@ class SimulationInterfaces:
                 self._code.RESULT_OPERATION_FAILED,
                 f"{name}: the simulation is in state {self.state}; pause it first (set_simulation_state, state 2)",
             )
-        before = gate.stepped
-        gate.request_steps(steps)
-        await self._steps_done(lambda: report(min(gate.stepped - before, steps)))
-        sent = gate.stepped - before
+        last = gate.request_steps(steps)
+
+        def sent_so_far() -> int:
+            return max(0, steps - max(0, last - gate.stepped))  # those of earlier requests are sent first
+
+        await self._steps_done(last, lambda: report(sent_so_far()))
+        sent = sent_so_far()
         if sent < steps:
             raise Declined(
                 self._code.RESULT_OPERATION_FAILED,
                 f"{name}: {sent} of {steps} blocks were sent; a pause, a reset or the end of the run stopped the others",
             )
 
-    async def _steps_done(self, look: Callable[[], None]) -> None:
-        """Wait until no requested step remains; call ``look`` at every poll, the last time after the last step."""
+    async def _steps_done(self, last: int, look: Callable[[], None]) -> None:
+        """Wait until the ``last`` step is done or none remains; call ``look`` at every poll, the last time after that step."""
         from rclpy.task import Future
 
         done = Future()
@@ -195,7 +198,8 @@ class SimulationInterfaces:
         def check() -> None:
             if done.done():
                 return
-            over = self._engine.ended or not self._engine.gate.stepping
+            gate = self._engine.gate
+            over = self._engine.ended or gate.stepped >= last or not gate.stepping
             look()
             if over:
                 done.set_result(None)

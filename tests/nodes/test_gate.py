@@ -133,7 +133,7 @@ def test_requested_steps_are_counted_until_a_pause_discards_the_rest() -> None:
     gate, _ = gate_of(PATIENCE)
     gate.pause(True)
     assert not gate.stepping
-    gate.request_steps(3)
+    assert gate.request_steps(3) == 3
     assert gate.stepping
     for count in (1, 2):
         assert gate.send(0.0, 0.02, lambda: None)

@@ -334,6 +334,19 @@ def test_an_interrupted_request_says_how_many_blocks_were_sent(bench: Bench, int
     assert answer.error_message.startswith(f"step_simulation: {sent} of {ENDLESS} blocks were sent; a pause, a reset or the end")
 
 
+def test_requests_that_overlap_count_their_own_blocks(bench: Bench) -> None:
+    bench.set(PAUSED)
+    before = bench.engine.gate.stepped
+    first, second = (bench.begin("step_simulation", definitions.StepSimulation.Request(steps)) for steps in (ENDLESS, 7))
+    wait_for(lambda: first() is None and second() is None and bench.engine.gate.stepped > before + 20)
+    bench.set(PLAYING)
+    sent = bench.engine.gate.stepped - before
+    for proceed, count, steps in ((first, sent, ENDLESS), (second, 0, 7)):
+        answer = answer_of(proceed).result
+        assert answer.result == FAILED
+        assert answer.error_message.startswith(f"step_simulation: {count} of {steps} blocks were sent")
+
+
 @pytest.mark.parametrize("steps", [0, 1, 7])
 def test_the_action_reports_every_block(bench: Bench, steps: int) -> None:
     bench.set(PAUSED)
