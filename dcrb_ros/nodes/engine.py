@@ -53,8 +53,9 @@ class Progress:
         """Temperatures in the last states; None without a thermal network."""
 
     def start(self, messages: Sequence[Message]) -> None:
-        """Return to zero."""
+        """Return to the values before the first bundle."""
         self.time_ns = self.bundles = 0
+        self.energy_residual = self.lubrication = self.thermal = None
 
     def write(self, bundle: Bundle) -> None:
         """Count a bundle."""
