@@ -123,7 +123,7 @@ class Engine:
         """Return to the start, before `start` in the caller's thread; return whether it is done within ``timeout`` of wall time [s]."""
         if self.started:
             return self.gate.reset(timeout)
-        self.gate.pause(self.gate.paused)  # discards requested steps
+        self.gate.pause(self.gate.paused, stopped=self.gate.stopped)  # discards requested steps
         self.prepare()
         return True
 

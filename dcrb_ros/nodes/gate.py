@@ -20,6 +20,8 @@ class Gate:
         self._changed = threading.Condition()
         self.paused = False
         """Whether bundles are held."""
+        self.stopped = False
+        """Whether they are held by a request to stop, and there was no `pause` since."""
         self.closed = False
         """Whether no bundle is sent any more."""
         self.resetting = False
@@ -69,12 +71,12 @@ class Gate:
             self._changed.wait(remaining)
         return False
 
-    def pause(self, paused: bool) -> None:
-        """Hold bundles, or send them again from now on without catching up."""
+    def pause(self, paused: bool, *, stopped: bool = False) -> None:
+        """Hold bundles, or send them again from now on without catching up; ``stopped`` notes a request to stop."""
         with self._changed:
             if self.paused and not paused:
                 self.pacer.restart()
-            self.paused, self._steps, self._deadline = paused, 0, None
+            self.paused, self.stopped, self._steps, self._deadline = paused, stopped, 0, None
             self._changed.notify_all()
 
     def step(self, timeout: float) -> bool:

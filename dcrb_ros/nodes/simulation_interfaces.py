@@ -49,8 +49,6 @@ class SimulationInterfaces:
         messages, kinds, actions = (importlib.import_module(f"{PACKAGE}.{part}") for part in ("msg", "srv", "action"))
         self._state, self._features, self._code = messages.SimulationState, messages.SimulatorFeatures, messages.Result
         self._scope, self._transition = kinds.ResetSimulation.Request, kinds.SetSimulationState.Response
-        self._stopped = False
-        """Whether the simulation was stopped, and neither paused nor played since."""
         # Other requests are served while the answer to step_simulation waits for the blocks.
         group = ReentrantCallbackGroup()
         node.create_service(kinds.GetSimulatorFeatures, "get_simulator_features", self.features, callback_group=group)
@@ -87,7 +85,7 @@ class SimulationInterfaces:
             return int(self._state.STATE_QUITTING)
         if not self._engine.gate.paused:
             return int(self._state.STATE_PLAYING)
-        stopped = self._stopped and self._node.progress.bundles == 0
+        stopped = self._engine.gate.stopped and self._node.progress.bundles == 0
         return int(self._state.STATE_STOPPED if stopped else self._state.STATE_PAUSED)
 
     def features(self, request: Any, response: Any) -> Any:
@@ -106,8 +104,8 @@ class SimulationInterfaces:
         target = request.state.state
         transitions = {
             self._state.STATE_STOPPED: self._stop,
-            self._state.STATE_PLAYING: lambda: self._pause(False),
-            self._state.STATE_PAUSED: lambda: self._pause(True),
+            self._state.STATE_PLAYING: lambda: self._engine.gate.pause(False),
+            self._state.STATE_PAUSED: lambda: self._engine.gate.pause(True),
             self._state.STATE_QUITTING: self._engine.gate.close,
         }
         if target not in transitions:
@@ -122,13 +120,8 @@ class SimulationInterfaces:
         transitions[target]()
         return self._code.RESULT_OK, ""
 
-    def _pause(self, paused: bool) -> None:
-        self._stopped = False
-        self._engine.gate.pause(paused)
-
     def _stop(self) -> None:
-        self._stopped = True
-        self._engine.gate.pause(True)
+        self._engine.gate.pause(True, stopped=True)
         if not self._services.restart():
             raise Declined(self._transition.STATE_TRANSITION_ERROR, _pending("set_simulation_state"))
 
@@ -150,7 +143,7 @@ class SimulationInterfaces:
                 told += 1
                 goal.publish_feedback(self._steps.Feedback(completed_steps=told, remaining_steps=goal.request.steps - told))
             if goal.is_cancel_requested and self._engine.gate.paused:
-                self._pause(True)
+                self._engine.gate.pause(True)
 
         try:
             with self._node.refusals.counted("simulate_steps"):

@@ -291,6 +291,8 @@ def test_the_services_of_both_kinds_control_the_same_pause(bench: Bench) -> None
     wait_for(lambda: bench.progress.bundles > 0)
     assert bench.ask("pause", SetBool.Request(data=True)).success
     assert bench.state == PAUSED
+    assert bench.ask("reset").success
+    assert bench.state == PAUSED  # at the start, but no longer stopped
 
 
 @pytest.mark.parametrize("target", [SimulationState.STATE_NO_WORLD, SimulationState.STATE_LOADING_WORLD, 77])
