@@ -29,17 +29,16 @@ class ClockPublisher:
     def write(self, bundle: Bundle) -> None:
         """Publish the end of a bundle, unless a message was published less than `PERIOD` ago."""
         with self._lock:
-            self._time_ns = bundle.end_ns
-            self._tick(PERIOD)
+            self._time_ns, now = bundle.end_ns, time.monotonic()
+            if now >= self._next:
+                self._next = now + PERIOD
+                self._publish_time()
 
     def repeat(self) -> None:
-        """Publish the end of the last bundle again, for a paused simulation, unless a message was published less than `PERIOD` ago."""
+        """Publish the end of the last bundle once more, while none follows; `write` may have left it out."""
         with self._lock:
-            self._tick(0.0)
+            self._publish_time()
 
-    def _tick(self, period: float) -> None:
-        """Publish the time if a message is due, with the lock held: a time read before would run back behind that of `write`."""
-        now = time.monotonic()
-        if now >= self._next:
-            self._next = now + period
-            self._publish([Message(CLOCK, self._time_ns, encode_clock(self._time_ns))])
+    def _publish_time(self) -> None:
+        """Publish the time, with the lock held: a time read before would run back behind that of `write`."""
+        self._publish([Message(CLOCK, self._time_ns, encode_clock(self._time_ns))])

@@ -48,9 +48,9 @@ class ReplayerNode(BenchNode):
         clock = [CLOCK] if self._settings.clock else []
         self._publisher = Publisher(self, [*self._replay.topics, BENCH_DIAGNOSTICS, *clock])
         self._progress, self._told = Progress(), set[str]()
-        clocks = [ClockPublisher(self._publisher.write_messages)] if self._settings.clock else []
+        self._clocks = [ClockPublisher(self._publisher.write_messages)] if self._settings.clock else []
         gate = Gate(Pacer(self._settings.rate, time.monotonic), time.monotonic)
-        sinks: list[Sink] = [*clocks, self._publisher, self._progress]
+        sinks: list[Sink] = [*self._clocks, self._publisher, self._progress]
         diagnosis = VEHICLE_DIAGNOSIS if self._replay.latched == VEHICLE_DESCRIPTION else DIAGNOSIS
         answered = self._replay.awaited in self._replay.waveforms and diagnosis not in self._replay.topics
         self._answers = self.follow_detector(diagnosis) if answered else None
@@ -83,6 +83,7 @@ class ReplayerNode(BenchNode):
         finished = self._engine.finished
         self._engine.close()
         if finished:
+            self._repeat_clock()
             self._publisher.flush()
         self._warn_of_damage()
         if self._replay.mismatch:
@@ -95,6 +96,11 @@ class ReplayerNode(BenchNode):
         self._settings = validated({**flatten(self._settings.model_dump()), **changes}, ReplayParameters, "parameters")
         self._engine.gate.rescale(self._settings.rate)
 
+    def _repeat_clock(self) -> None:
+        if self._progress.bundles:  # before the first one there is no time
+            for clock in self._clocks:
+                clock.repeat()
+
     def _warn_of_damage(self) -> None:
         """Log what of the recording cannot be read, each sentence once."""
         for sentence in self._replay.recording.damage:
@@ -103,7 +109,8 @@ class ReplayerNode(BenchNode):
                 self.get_logger().warning(f"{self._replay.recording.path}: {sentence}: the readable part is replayed")
 
     def _publish_status(self) -> None:
-        """Publish the status of the replay on /diagnostics."""
+        """Publish the status of the replay on /diagnostics, and the present time again on /clock."""
+        self._repeat_clock()
         self._warn_of_damage()
         pacer, recording, time_ns = self._engine.gate.pacer, self._replay.recording, self._progress.time_ns
         behind, damage, others = pacer.lag > MAX_LAG, recording.damage, self._others.names

@@ -175,6 +175,7 @@ class SimulatingNode(BenchNode):
         self.engine.close()
         self.recording.close()
         if finished:
+            self._repeat_clock()
             self._publisher.flush()
 
     def record_detected(self, topic: Topic) -> None:
@@ -213,11 +214,14 @@ class SimulatingNode(BenchNode):
     def _publish_status(self) -> None:
         """Publish the status on /diagnostics, and the time of a paused simulation again on /clock."""
         self._report(self._others.names)
-        if self._clock_publisher is not None:
-            self._clock_publisher.repeat()
+        self._repeat_clock()
         if self.engine.computed:
             self._compiling = ""
         self.update_parameters()
+
+    def _repeat_clock(self) -> None:
+        if self._clock_publisher is not None:
+            self._clock_publisher.repeat()
 
 
 def decoded_by(topic: str, decode: Callable[[bytes], Any], data: bytes) -> Any:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -19,15 +19,17 @@ from made_up_blocks import recorded
 from rclpy.parameter import Parameter, parameter_dict_from_yaml_file
 from rclpy.serialization import serialize_message
 from std_msgs.msg import Float64
+from waiting import wait_for
 
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.statuses import Status
-from dcrb_ros.messages.topics import LOAD_COMMAND, SPEED_COMMAND
+from dcrb_ros.messages.topics import CLOCK, LOAD_COMMAND, SPEED_COMMAND, Message
 from dcrb_ros.nodes.base import BenchNode
 from dcrb_ros.nodes.clock import ClockPublisher
 from dcrb_ros.nodes.fault_detector import FaultDetectorNode
 from dcrb_ros.nodes.hot_box_detector import HotBoxDetectorNode
+from dcrb_ros.nodes.publisher import Publisher
 from dcrb_ros.nodes.replayer import ReplayerNode
 from dcrb_ros.nodes.simulator import RUN_TIME, SimulatorNode
 from dcrb_ros.nodes.vehicle_simulator import VehicleSimulatorNode
@@ -322,6 +324,31 @@ def test_the_clock_does_not_run_back_if_a_block_comes_during_a_report(ros: None,
     clock.start([])
     clock.repeat()
     assert published[2:] == [0]
+    node.destroy_node()
+
+
+@pytest.mark.parametrize("replayed", [False, True])
+def test_the_last_time_of_a_run_is_published(replayed: bool, ros: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    published: list[int] = []
+
+    def write(publisher: Publisher, messages: Iterable[Message]) -> None:
+        published.extend(message.time_ns for message in messages if message.topic == CLOCK)
+
+    monkeypatch.setattr(Publisher, "write_messages", write)
+    monkeypatch.setattr("dcrb_ros.nodes.clock.PERIOD", 1e3)
+    node: Any
+    if replayed:
+        node = ReplayerNode(ReplayParameters(bag=str(recorded(tmp_path / "bag", 3)), rate=0.0, clock=True))
+        engine = node._engine
+    else:
+        node = SimulatorNode(0.06, parameters=load_configuration(Configuration(), {"publishing.clock": True, "time_scale": 0.0}))
+        engine = node.engine
+    engine.prepare()
+    engine.start()
+    wait_for(lambda: engine.ended)
+    assert published == [20_000_000]
+    node.close()
+    assert published == [20_000_000, 60_000_000]
     node.destroy_node()
 
 
