@@ -7,7 +7,6 @@ from collections.abc import Iterator
 
 from dcrb_ros.measurement.registry import STAGES
 from dcrb_ros.measurement.stage import Setup
-from dcrb_ros.measurement.stages.machine_background import MachineBackgroundParameters
 from dcrb_ros.settings.parameters import Publishing
 from dcrb_ros.settings.sensor import Tacho
 
@@ -21,12 +20,6 @@ def measurement_limits(setup: Setup) -> Iterator[str]:
     """Yield a sentence for every combination of parameters that a stage of the measurement chain cannot work with."""
     for stage in STAGES:
         yield from stage.problems(setup.parameters, setup.step_rate)
-    level = setup.parameters[MachineBackgroundParameters].healthy_level
-    if level > 0.0 and setup.speed == 0.0:
-        yield (
-            f"structure.healthy_level = {level:g} m/s^2 is a level at operating.speed, which is 0: give the speed at which it was "
-            "measured, or a level of 0"
-        )
 
 
 def block_limits(publishing: Publishing, rate: int) -> Iterator[str]:

@@ -17,6 +17,7 @@ from dcrb_ros.measurement.stages.machine_noise import MachineNoiseParameters
 from dcrb_ros.measurement.stages.structure import StructureParameters
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import Group, quantity
+from dcrb_ros.schema.refusal import Refusal
 
 STREAM = "machine background"
 """Name of the random numbers of the background."""
@@ -64,6 +65,11 @@ class MachineBackground(Stage):
         self._active = background.healthy_level > 0.0 and structure.housing != "none"
         if not self._active:
             return
+        if setup.speed == 0.0:  # at the start; the shaft may stop later
+            raise Refusal(
+                f"structure.healthy_level = {background.healthy_level:g} m/s^2 is a level at operating.speed, which is 0: give the speed "
+                "at which it was measured, or a level of 0"
+            )
         level = background.healthy_level * 10.0 ** (background.background / 20.0)
         self._healthy, self._floor, self._speed = background.healthy_level, background.floor, abs(setup.speed)
         self._noise_power = (1.0 - background.background_lines) * level**2

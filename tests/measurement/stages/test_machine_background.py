@@ -10,7 +10,8 @@ from chain import SPEED, chain
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dcrb_ros import Refusal, load_configuration
+from dcrb_ros import Refusal, Simulation, load_configuration
+from dcrb_ros.bearing.runtime_change import altered
 from dcrb_ros.measurement.stage import Span
 from dcrb_ros.measurement.stages.machine_background import MachineBackground
 from dcrb_ros.schema.arrays import Floats
@@ -121,12 +122,15 @@ def test_no_split_changes_a_bit(cuts: list[int]) -> None:
             {"structure.healthy_level": 1.0, "structure.housing": "axle_box", "structure.bearing_share": 0.5},
             "both add noise of the machine: give a level of 0 or a share of 1",
         ),
-        (
-            {"structure.healthy_level": 1.0, "structure.housing": "axle_box", "operating.speed": 0.0},
-            "a level at operating.speed, which is 0",
-        ),
     ],
 )
 def test_what_a_background_cannot_work_with_is_refused(changes: dict[str, Any], reason: str) -> None:
     with pytest.raises(Refusal, match=reason):
         load_configuration("healthy", changes)
+
+
+def test_a_level_needs_a_speed_at_the_start_and_the_shaft_may_stop_later() -> None:
+    level = {"structure.healthy_level": 1.0, "structure.housing": "axle_box"}
+    with pytest.raises(Refusal, match=r"a level at operating\.speed, which is 0: give the speed at which it was measured"):
+        Simulation(load_configuration("healthy", {**level, "operating.speed": 0.0}))
+    assert altered(load_configuration("healthy", level), {"operating.speed": 0.0}).operating.speed == 0.0
