@@ -194,11 +194,3 @@ class Rails:
         if spacing > 0.0 and self._track.joint_rail in ("both", SIDES[0 if side > 0 else 1]):
             listed += [(k * spacing, "joint") for k in range(math.ceil(first / spacing), math.ceil(last / spacing))]
         return sorted(listed)
-
-
-def coherence(wavelength: float, spectrum: str = "erri_low") -> float:
-    """Return the coherence of left and right irregularity at a wavelength [m], ((S_v - S_x) / (S_v + S_x))^2."""
-    w, (scale, (c, r, s)) = 2.0 * math.pi / wavelength, IRREGULARITY[spectrum]
-    vertical = scale * c**2 / ((w**2 + r**2) * (w**2 + c**2))
-    cross = vertical * w**2 / (w**2 + s**2)
-    return ((vertical - cross) / (vertical + cross)) ** 2

@@ -23,7 +23,7 @@ from dcrb_ros.vehicle.loads import quasi_static
 from dcrb_ros.vehicle.model import AHEAD, BEFORE, VehicleModel, tick_weights
 from dcrb_ros.vehicle.paths import BANDS, Paths, bearing_paths, contact_paths
 from dcrb_ros.vehicle.structure import Structure, wheelset
-from dcrb_ros.vehicle.track import PAGE, Rails, Random, coherence, irregularity
+from dcrb_ros.vehicle.track import IRREGULARITY, PAGE, Rails, Random, irregularity
 from dcrb_ros.vehicle.wheels import WheelSurface, jump, positions
 
 SMOOTH = {"track.spectrum": "none", "track.roughness": -40.0}
@@ -110,6 +110,13 @@ def test_irregularity_of_erri_gives_the_computed_levels() -> None:
     # 11.7 m/s^2 below 200 Hz and 1.2 kN below 20 Hz, in the frequency domain.
     assert lowpass(motion, 200.0, 102400.0).std(axis=1) == pytest.approx([11.7] * 4, rel=0.1)
     assert load.std(axis=0).mean() == pytest.approx(1200.0, rel=0.1)
+
+
+def coherence(wavelength: float) -> float:
+    """Return the coherence of left and right irregularity of ERRI at a wavelength [m], ((S_v - S_x) / (S_v + S_x))^2."""
+    w, (_, (_, _, s)) = 2.0 * np.pi / wavelength, IRREGULARITY["erri_low"]
+    cross = w**2 / (w**2 + s**2)
+    return float((1.0 - cross) / (1.0 + cross)) ** 2
 
 
 @pytest.mark.slow

@@ -87,17 +87,29 @@ class Lag(NamedTuple):
 
 def lags(description: VehicleDescription, contacts: Mapping[str, Contact], tolerance: float) -> dict[str, Lag]:
     """Return the lag of each side whose boxes measure the rail; ``tolerance`` is the departure that is searched [s]."""
+    found = {side: lag_between(description, contacts, side, side, tolerance) for side in SIDES}
+    return {side: lag for side, lag in found.items() if lag is not None}
+
+
+def lag_between(
+    description: VehicleDescription,
+    contacts: Mapping[str, Contact],
+    first_side: str,
+    second_side: str,
+    tolerance: float,
+    part: slice = slice(None),
+) -> Lag | None:
+    """Return the lag of the trailing box of a second side behind the leading one of a first side, in a ``part`` of their waveforms.
+
+    None if one of them does not measure the rail, the vehicle hardly moves or the part is too short; ``tolerance`` is the departure that is
+    searched [s].
+    """
     ahead, behind = wheelsets(description)
-    found = {}
-    for side in SIDES:
-        first, second = contacts.get(f"{ahead}/{side}"), contacts.get(f"{behind}/{side}")
-        expected = expected_lag(description, contacts, side)
-        if first is None or second is None or expected is None or len(first.motion) != len(second.motion):
-            continue
-        lag = correlated_lag(first.motion, second.motion, first.motion_rate, expected, tolerance)
-        if lag is not None:
-            found[side] = lag
-    return found
+    first, second = contacts.get(f"{ahead}/{first_side}"), contacts.get(f"{behind}/{second_side}")
+    expected = expected_lag(description, contacts, first_side)
+    if first is None or second is None or expected is None or len(first.motion) != len(second.motion):
+        return None
+    return correlated_lag(first.motion[part], second.motion[part], first.motion_rate, expected, tolerance)
 
 
 def correlated_lag(first: Floats, second: Floats, rate: float, expected: float, tolerance: float) -> Lag | None:
@@ -135,14 +147,9 @@ def crossed_rails(description: VehicleDescription, contacts: Mapping[str, Contac
 
     The signals do not say of which one. With both wheelsets swapped, they are those of the same vehicle seen in a mirror.
     """
-    ahead, behind = wheelsets(description)
     found = {}
     for first_side, second_side in itertools.product(SIDES, SIDES):
-        first, second = contacts.get(f"{ahead}/{first_side}"), contacts.get(f"{behind}/{second_side}")
-        expected = expected_lag(description, contacts, first_side)
-        if first is None or second is None or expected is None or len(first.motion) != len(second.motion):
-            return False
-        lag = correlated_lag(first.motion, second.motion, first.motion_rate, expected, tolerance)
+        lag = lag_between(description, contacts, first_side, second_side, tolerance)
         if lag is None:
             return False
         found[first_side == second_side, first_side] = lag.forward
@@ -171,9 +178,9 @@ def kinks_of(
 ) -> Kinks | None:
     """Return the impacts that meet one wheelset after the other; None if the vehicle hardly moves, or without a shaft angle.
 
-    Boxes of both wheelsets measure each kink. Which of them has more of it depends on the structure, so that times count only, with a
-    ``tolerance`` [s]. Boxes above a flat are left out, because it strikes in every turn. On a side without an impact, one that is too faint
-    to be counted may be hidden.
+    Boxes of both wheelsets measure each kink. Which of them has more of it depends on the structure, so that times count
+    only, with a ``tolerance`` [s]. Boxes above a flat are left out, because it strikes in every turn. On a side without an impact, one that
+    is too faint to be counted may be hidden.
     """
     expected = next((lag for side in SIDES if (lag := expected_lag(description, contacts, side)) is not None), None)
     if expected is None:
@@ -182,8 +189,7 @@ def kinks_of(
     measured = {name: contact for name, contact in contacts.items() if name not in wheels or wheels[name].verdict in ("healthy", "waiting")}
     times = _together([impact.time for contact in measured.values() for impact in contact.impacts])
     first = np.array([time for time in times if np.any(np.abs(times - time - lag) <= tolerance)])
-    loudness = [[_loudness(measured, time, side) for side in SIDES] for time in first]
-    louder = [left - right for left, right in loudness]
+    louder = [np.subtract(*(_loudness(measured, time, side) for side in SIDES)) for time in first]
     return Kinks(first, lag, np.array(louder))
 
 

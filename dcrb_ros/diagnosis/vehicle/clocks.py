@@ -10,7 +10,7 @@ import math
 from collections.abc import Mapping
 
 from dcrb_ros.diagnosis.hysteresis import probability
-from dcrb_ros.diagnosis.vehicle.causes import SAME_RAIL, correlated_lag, expected_lag, wheelsets
+from dcrb_ros.diagnosis.vehicle.causes import SAME_RAIL, lag_between, wheelsets
 from dcrb_ros.diagnosis.vehicle.contact import Contact
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
 from dcrb_ros.stream.vehicle_description import SIDES, VehicleDescription
@@ -42,18 +42,16 @@ def drift(description: VehicleDescription, contacts: Mapping[str, Contact], side
     The lags of both halves of the window are compared with those at the speeds of the halves. ``tolerance`` is the departure that is
     searched [s].
     """
-    ahead, behind = wheelsets(description)
-    first, second = contacts.get(f"{ahead}/{side}"), contacts.get(f"{behind}/{side}")
-    expected = expected_lag(description, contacts, side)
-    if first is None or second is None or expected is None or len(first.motion) != len(second.motion):
+    first = contacts.get(f"{wheelsets(description)[0]}/{side}")
+    if first is None:
         return math.nan
     half = len(first.motion) // 2
     late = []
     for part, turns in ((slice(0, half), first.first_turns), (slice(len(first.motion) - half, None), first.turns - first.first_turns)):
-        lag = correlated_lag(first.motion[part], second.motion[part], first.motion_rate, expected, tolerance)
+        lag = lag_between(description, contacts, side, side, tolerance, part)
         if lag is None or lag.forward < SAME_RAIL:
             return math.nan
-        late.append(lag.found - expected * 0.5 * first.turns / turns)
+        late.append(lag.found - lag.expected * 0.5 * first.turns / turns)
     return 1e6 * (late[1] - late[0]) / (0.5 * first.seconds)
 
 
