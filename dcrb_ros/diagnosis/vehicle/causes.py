@@ -162,15 +162,15 @@ class Kinks(NamedTuple):
 
     first: Floats
     """Times at which they meet the first wheelset [s]."""
-    lag: float
-    """Time until they meet the other one [s]."""
+    lags: Floats
+    """Times from there to each wheelset, in order [s]."""
     louder: Floats
     """By how much louder each is on the left than on the right, over the noise of the rail [dB]."""
 
     @property
     def times(self) -> Floats:
         """Times at which they meet any wheelset, in order [s]."""
-        return np.unique(np.concatenate([self.first, self.first + self.lag]))
+        return np.unique(np.add.outer(self.first, self.lags))
 
 
 def kinks_of(
@@ -178,19 +178,21 @@ def kinks_of(
 ) -> Kinks | None:
     """Return the impacts that meet one wheelset after the other; None if the vehicle hardly moves, or without a shaft angle.
 
-    Boxes of both wheelsets measure each kink. Which of them has more of it depends on the structure, so that times count
+    Boxes of the first and the last wheelset measure each kink. Which of them has more of it depends on the structure, so that times count
     only, with a ``tolerance`` [s]. Boxes above a flat are left out, because it strikes in every turn. On a side without an impact, one that
     is too faint to be counted may be hidden.
     """
     expected = next((lag for side in SIDES if (lag := expected_lag(description, contacts, side)) is not None), None)
     if expected is None:
         return None
-    lag = abs(expected)
+    places = np.array([axle.x for axle in description.axles])
+    ahead = places.max() - places if expected > 0.0 else places - places.min()
+    lags = np.sort(abs(expected) * (ahead / np.ptp(places)))
     measured = {name: contact for name, contact in contacts.items() if name not in wheels or wheels[name].verdict in ("healthy", "waiting")}
     times = _together([impact.time for contact in measured.values() for impact in contact.impacts])
-    first = np.array([time for time in times if np.any(np.abs(times - time - lag) <= tolerance)])
-    louder = [np.subtract(*(_loudness(measured, time, side) for side in SIDES)) for time in first]
-    return Kinks(first, lag, np.array(louder))
+    first = np.array([time for time in times if np.any(np.abs(times - time - lags[-1]) <= tolerance)])
+    louder = [_loudness(measured, time, SIDES[0]) - _loudness(measured, time, SIDES[1]) for time in first]
+    return Kinks(first, lags, np.array(louder))
 
 
 def track(kinks: Kinks | None) -> Status:
@@ -200,7 +202,7 @@ def track(kinks: Kinks | None) -> Status:
     if not len(kinks.first):
         return Status("healthy", "no impact meets one wheelset after the other")
     difference, score = float(np.median(kinks.louder)), 3.0 * len(kinks.first)
-    again = f"{len(kinks.first)} impact{'s' * (len(kinks.first) > 1)} that the other wheelset repeats {kinks.lag * 1e3:.1f} ms later"
+    again = f"{len(kinks.first)} impact{'s' * (len(kinks.first) > 1)} that the other wheelset repeats {kinks.lags[-1] * 1e3:.1f} ms later"
     if abs(difference) < ONE_RAIL:
         return Status("joint", f"{again}, on both sides alike", probability(score), score)
     side = SIDES[0] if difference > 0.0 else SIDES[1]
