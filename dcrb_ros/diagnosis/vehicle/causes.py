@@ -165,7 +165,7 @@ class Kinks(NamedTuple):
     lags: Floats
     """Times from there to each wheelset, in order [s]."""
     louder: Floats
-    """By how much louder each is on the left than on the right, over the noise of the rail [dB]."""
+    """By how much louder each is on the left than on the right, over the noise of the rail [dB]; NaN if one side is not measured."""
 
     @property
     def times(self) -> Floats:
@@ -203,6 +203,8 @@ def track(kinks: Kinks | None) -> Status:
         return Status("healthy", "no impact meets one wheelset after the other")
     difference, score = float(np.median(kinks.louder)), 3.0 * len(kinks.first)
     again = f"{len(kinks.first)} impact{'s' * (len(kinks.first) > 1)} that the other wheelset repeats {kinks.lags[-1] * 1e3:.1f} ms later"
+    if math.isnan(difference):
+        return Status("joint", f"{again}; one side is measured only", probability(score), score)
     if abs(difference) < ONE_RAIL:
         return Status("joint", f"{again}, on both sides alike", probability(score), score)
     side = SIDES[0] if difference > 0.0 else SIDES[1]
@@ -237,10 +239,13 @@ def _together(times: Iterable[float]) -> Floats:
 
 
 def _loudness(measured: Mapping[str, Contact], time: float, side: str) -> float:
-    """Return the loudness of an impact at a time in the boxes of a side, without one the largest that may be hidden [dB]."""
+    """Return the loudness of an impact at a time in the boxes of a side [dB].
+
+    Without an impact it is the largest that may be hidden, and NaN without a box.
+    """
     of_side = [contact for name, contact in measured.items() if name.endswith(side)]
     found = [impact.loudness for contact in of_side for impact in contact.impacts if _is_at(impact, time)]
-    return max(found) if found else min((contact.faintest for contact in of_side), default=0.0)
+    return max(found) if found else min((contact.faintest for contact in of_side), default=math.nan)
 
 
 def _is_at(impact: Impact, time: float) -> bool:

@@ -49,6 +49,14 @@ def test_joints_that_a_box_hears_from_both_wheelsets_are_the_tracks(spacing: flo
     assert track(found).verdict == "joint"
 
 
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_a_joint_of_which_one_side_is_measured_is_no_crossing(side: str) -> None:
+    found = kinks({f"axle_1/{side}": [0.5, 1.3], f"axle_2/{side}": [0.55, 1.35]})
+    status = track(found)
+    assert (status.verdict, status.reason.endswith("; one side is measured only")) == ("joint", True)
+    assert np.isnan(found.louder).all()
+
+
 @pytest.mark.parametrize(("frequency", "expected"), [(FREQUENCY, [0.0, 0.02, 0.05]), (-FREQUENCY, [0.0, 0.03, 0.05])])
 def test_kinks_meet_every_wheelset_between_the_first_and_the_last(frequency: float, expected: list[float]) -> None:
     between = AxleDescription("axle_3", 0.2 * HALF, RADIUS)  # after 0.4 of the distance forward, 0.6 backwards
