@@ -28,6 +28,8 @@ SAME_RAIL = 0.5
 """Correlation from which two boxes follow the same rail [-]; 0.93 to 0.95 were computed, at most 0.11 at the wrong lag."""
 ONE_RAIL = 6.0
 """Difference of the sides from which a kink is on one rail [dB]."""
+TURNS = 3.0
+"""Turns before and after an impact in which two others at its angle show that a wheel makes it [-]: a joint makes two."""
 
 
 def silent_boxes(contacts: Mapping[str, Contact], parameters: VehicleDetectorParameters) -> dict[str, float]:
@@ -179,8 +181,8 @@ def kinks_of(
     """Return the impacts that meet one wheelset after the other; None if the vehicle hardly moves, or without a shaft angle.
 
     Boxes of the first and the last wheelset measure each kink. Which of them has more of it depends on the structure, so that times count
-    only, with a ``tolerance`` [s]. Boxes above a flat are left out, because it strikes in every turn. On a side without an impact, one that
-    is too faint to be counted may be hidden.
+    only, with a ``tolerance`` [s]. Impacts at a fixed angle of a wheelset are left out, and boxes above a flat, because it strikes in every
+    turn. On a side without an impact, one that is too faint to be counted may be hidden.
     """
     expected = next((lag for side in SIDES if (lag := expected_lag(description, contacts, side)) is not None), None)
     if expected is None:
@@ -190,6 +192,8 @@ def kinks_of(
     lags = np.sort(abs(expected) * (ahead / np.ptp(places)))
     measured = {name: contact for name, contact in contacts.items() if name not in wheels or wheels[name].verdict in ("healthy", "waiting")}
     times = _together([impact.time for contact in measured.values() for impact in contact.impacts])
+    of_wheels = _at_fixed_angles(contacts, tolerance)
+    times = np.array([time for time in times if not np.any(np.abs(of_wheels - time) <= tolerance)])
     first = np.array([time for time in times if np.any(np.abs(times - time - lags[-1]) <= tolerance)])
     louder = [_loudness(measured, time, SIDES[0]) - _loudness(measured, time, SIDES[1]) for time in first]
     return Kinks(first, lags, np.array(louder))
@@ -236,6 +240,18 @@ def _together(times: Iterable[float]) -> Floats:
         if not distinct or time - distinct[-1] > TOGETHER:
             distinct.append(time)
     return np.asarray(distinct, np.float64)
+
+
+def _at_fixed_angles(contacts: Mapping[str, Contact], tolerance: float) -> Floats:
+    """Return the times of impacts that a box measured at a fixed angle of any wheelset [s]; ``tolerance`` is that of their distance [s]."""
+    found = []
+    for contact, frequency in itertools.product(contacts.values(), {abs(contact.shaft_frequency) for contact in contacts.values()}):
+        times = np.array([impact.time for impact in contact.impacts])
+        turns = frequency * np.abs(np.subtract.outer(times, times))
+        whole = np.rint(turns)
+        alike = (np.abs(turns - whole) <= tolerance * frequency) & (whole >= 1.0) & (whole <= TURNS)
+        found.append(times[alike.sum(axis=1) >= 2])
+    return np.concatenate(found)
 
 
 def _loudness(measured: Mapping[str, Contact], time: float, side: str) -> float:

@@ -39,6 +39,29 @@ def kinks(times: Times, description: VehicleDescription = NEAR, frequency: float
     return found
 
 
+def test_impacts_in_every_turn_are_those_of_a_wheel_wherever_they_are_measured() -> None:
+    """The distance of the wheelsets is the circumference; the box across counts only some of the impacts."""
+    strikes = np.arange(0.2, SECONDS, TURN)
+    times = {"axle_1/left": strikes, "axle_1/right": strikes[[3, 10, 11, 30, 31]] + 1e-3, "axle_2/left": strikes[::2], "axle_2/right": []}
+    assert track(kinks(times)).verdict == "healthy"
+
+
+@pytest.mark.parametrize("missed", [(5, 12, 13), (8,), (20, 22, 24)])
+def test_the_wheel_is_known_by_impacts_of_which_some_are_too_faint(missed: tuple[int, ...]) -> None:
+    strikes = np.delete(np.arange(0.2, SECONDS, TURN), missed)
+    assert track(kinks({"axle_1/left": strikes, "axle_1/right": [], "axle_2/left": [], "axle_2/right": []})).verdict == "healthy"
+
+
+def test_the_impacts_of_a_sliding_wheelset_are_at_angles_of_its_own() -> None:
+    """The trailing wheelset turns by a tenth less, and once within the lag."""
+    slower = replace(NEAR, axles=(replace(NEAR.axles[0], wheel_radius=0.9 * RADIUS), NEAR.axles[1]))
+    strikes = np.arange(0.2, SECONDS, TURN / 0.9)
+    sliding = Contact(0, 1.0, 1.0, 0.0, 0.0, 54.0, 27.0, SECONDS, [], 6.0, np.zeros(10), None)
+    rolling = replace(sliding, turns=60.0, first_turns=30.0, impacts=[Impact(at, 12.0, 18.0) for at in strikes])
+    found = kinks_of(slower, {"axle_1/left": rolling, "axle_2/left": sliding}, {}, TOLERANCE)
+    assert track(found).verdict == "healthy"
+
+
 @pytest.mark.parametrize("spacing", [0.43, 8.0 * TURN])
 def test_joints_that_a_box_hears_from_both_wheelsets_are_the_tracks(spacing: float) -> None:
     """A turn apart, as the distance of the wheelsets is the circumference."""
