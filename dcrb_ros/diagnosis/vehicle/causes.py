@@ -19,7 +19,7 @@ from dcrb_ros.stream.vehicle_diagnosis import UNDECIDED, Status
 TOGETHER = 0.006
 """Time within which a joint of both rails strikes both wheels of a wheelset [s]: bending waves take 1 ms across the axle."""
 WEAKER = 3.0
-"""By how much a flat must be weaker at every other box to be its wheel's [dB]; 7 to 8 dB were computed across an axle."""
+"""By how much a flat must be weaker at other boxes with an angle above the level [dB]; 7 to 8 dB were computed across an axle."""
 SLOWEST = 1.0
 """Speed below which impacts of two wheelsets are not matched [m/s]."""
 LONG_WAVES = (20.0, 150.0)
@@ -48,7 +48,8 @@ def silent_boxes(contacts: Mapping[str, Contact], parameters: VehicleDetectorPar
 def flats(contacts: Mapping[str, Contact], parameters: VehicleDetectorParameters) -> dict[str, Status]:
     """Return the status of each wheel; it is ``waiting`` where too few turns are known.
 
-    The box above a flat has it largest. If another box has it nearly as large, the wheel is undecided between them.
+    The box above a flat has it largest. If another box has one angle above the level, too, and nearly as large, the wheel is undecided
+    between them. Boxes below the level do not count: the roughness of a round wheel may be as large at one angle.
     """
     no_flat, too_short = (
         f"no angle of the wheel is {parameters.flat:g} dB above the others",
