@@ -138,6 +138,8 @@ class VehicleDetector:
         diagnosis = None
         for pieces in _divided(blocks, self._hop):
             restarted = [self._boxes[name].take(*piece) for name, piece in pieces.items()]
+            if any(restarted):
+                self._confirmed.clear()
             for watch in self._boxes.values():
                 if any(restarted) and watch.name not in pieces:  # it restarts as well, or has fallen silent
                     watch.forget()

@@ -467,6 +467,17 @@ def test_after_a_restart_the_boxes_are_compared_again(silent: str | None) -> Non
     assert reasons == {"it measures the rail as the others do"}
 
 
+def test_after_a_restart_a_flat_is_confirmed_again() -> None:
+    signals, detector = bogie(flats={"axle_1/left": 60.0}), VehicleDetector(DESCRIPTION)
+    wheels = []
+    for start in (1_000_000, 0):
+        for k in range(0, round(1.6 * 51200), 1024):
+            blocks = {name: BoxBlock(start + k, a[k : k + 1024], angle[k : k + 1024]) for name, (a, angle) in signals.items()}
+            if (diagnosis := detector.add(blocks)) is not None:
+                wheels.append(diagnosis.statuses["axle_1/left/wheel"].verdict)
+    assert wheels == ["waiting", "flat", "flat"] * 2
+
+
 @pytest.mark.parametrize(("counted", "reason"), [(0, "22.5 s behind"), (90_000_000, "1735.3 s ahead of")])
 def test_a_box_that_counts_its_samples_otherwise_does_not_silence_the_others(counted: int, reason: str) -> None:
     """One box begins to count anew, or its count jumps; the others go on, and are diagnosed without it."""
