@@ -83,6 +83,8 @@ class Judgement:
 class Compared(NamedTuple):
     """The evidence for a fault of one component in one box, after a comparison with the other boxes."""
 
+    finding: Finding
+    """What was compared."""
     excess: float
     """Evidence relative to the threshold [dB]."""
     undecided: float
@@ -128,25 +130,25 @@ def _attributed(name: str, finding: Finding, judged: Mapping[str, Judgement], pa
     own = judged[name]
     excess = finding.excess
     if finding.lines.order <= 0.0 or excess < -LIMIT:
-        return Compared(excess, NOT_OWN, 0.0, "")
+        return Compared(finding, excess, NOT_OWN, 0.0, "")
     if _of_wheel(finding, own, judged):
-        return Compared(NOT_OWN, NOT_OWN, 0.0, "")
+        return Compared(finding, NOT_OWN, NOT_OWN, 0.0, "")
     orders = _orders(finding, own)
     noise = NOISE if finding.lines.lines else 0.0
     contrasts = {other: contrast(orders, own, judged[other], noise) for other in judged if other != name}
     if not contrasts:
-        return Compared(excess, NOT_OWN, LIMIT, "")
+        return Compared(finding, excess, NOT_OWN, LIMIT, "")
     rival = min(contrasts, key=lambda other: contrasts[other])
     least = contrasts[rival]
     if least >= parameters.contrast:
-        return Compared(excess, NOT_OWN, least, rival)
+        return Compared(finding, excess, NOT_OWN, least, rival)
     if least <= -parameters.contrast:
-        return Compared(NOT_OWN, NOT_OWN, least, rival)
+        return Compared(finding, NOT_OWN, NOT_OWN, least, rival)
     alike = sum(value < parameters.contrast for value in contrasts.values())
     earlier = _lead(name, rival, orders, judged) if alike == 1 else 0.0
     if abs(earlier) < LEAST:
-        return Compared(NOT_OWN, excess, least, rival)
-    return Compared(excess if earlier > 0.0 else NOT_OWN, NOT_OWN, least, rival, earlier)
+        return Compared(finding, NOT_OWN, excess, least, rival)
+    return Compared(finding, excess if earlier > 0.0 else NOT_OWN, NOT_OWN, least, rival, earlier)
 
 
 def _orders(finding: Finding, own: Judgement) -> Floats:

@@ -320,7 +320,7 @@ class VehicleDetector:
         verdict, doubtful = self._decided[name].verdict(own, least), self._undecided[name].verdict(open_, least)
         if is_alarm(verdict):
             confirmed = self._decided[name].confirmed
-            reasons = "; ".join(_reason(component, compared, judgement) for component in confirmed)
+            reasons = "; ".join(_reason(component, compared[component]) for component in confirmed)
             return Status(verdict, reasons, confidence(verdict, confirmed, own), max(own.values()))
         if is_alarm(doubtful):
             doubted = self._undecided[name].confirmed
@@ -338,9 +338,9 @@ class VehicleDetector:
         return Status(verdict, reason, confidence(verdict, [], own) if verdict == "healthy" else 0.0, max(own.values()))
 
 
-def _reason(component: Component, compared: Mapping[Component, Compared], judgement: Judgement) -> str:
+def _reason(component: Component, item: Compared) -> str:
     """Return the evidence for a fault of a component in words."""
-    item, lines = compared[component], judgement.findings[component].lines
+    lines = item.finding.lines
     depth = f"at {lines.order:.3f} orders, depth {lines.depth:.2f}" if lines.order > 0.0 else "found"
     larger = f", {item.contrast:.1f} dB more than in {item.rival}" if item.rival else ""
     later = f", which measures the impacts {item.lead * 1e3:.1f} ms later" if item.lead else ""

@@ -21,6 +21,7 @@ from dcrb_ros.diagnosis.rules.roller import Roller
 from dcrb_ros.diagnosis.vehicle.arrival import TurnEnvelopes
 from dcrb_ros.diagnosis.vehicle.box_detector import fainter
 from dcrb_ros.diagnosis.vehicle.comparison import Compared, Judgement, compare, contrast
+from dcrb_ros.diagnosis.vehicle.detector import _reason
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
 from dcrb_ros.schema.verdicts import COMPONENTS, Component
 
@@ -86,6 +87,15 @@ def test_faint_lines_that_no_other_box_has_are_relieved(depth: float, relieved: 
 def test_faint_lines_are_not_relieved_without_another_box() -> None:
     alone = {"axle_1/left": judged({k * 6.72: 0.05 for k in range(1, 7)}, "outer_ring")}
     assert compare(alone, Q)["axle_1/left"]["outer_ring"].excess < 0.0
+
+
+def test_a_verdict_is_explained_with_the_lines_that_it_is_about() -> None:
+    """By itself the box has another family, which is below its limit."""
+    faint, other = (judged({k * order: 0.1 for k in range(1, 7)}, "outer_ring") for order in (6.72, 6.65))
+    own = dataclasses.replace(faint, findings=other.findings)
+    found = compare({"axle_1/left": own} | {name: judged({}, "outer_ring") for name in OTHERS}, Q)["axle_1/left"]["outer_ring"]
+    assert found.excess > 0.0
+    assert _reason("outer_ring", found).startswith("lines of the outer_ring at 6.720 orders")
 
 
 def test_lines_that_another_criterion_refuses_are_not_relieved() -> None:
