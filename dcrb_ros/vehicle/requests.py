@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import threading
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from dcrb_ros.schema.arguments import keyed
@@ -15,34 +16,45 @@ from dcrb_ros.vehicle.changes import RANGES, checked_command, sorted_changes
 from dcrb_ros.vehicle.description import Vehicle
 from dcrb_ros.vehicle.loads import check_loads
 from dcrb_ros.vehicle.model import VehicleModel
+from dcrb_ros.vehicle.scenario import PREFIX, ScheduledSetting, check_way
 
 
 class VehicleRequests:
-    """Keeps requests from any thread, and gives them to the model of the vehicle."""
+    """Keeps requests from any thread and the settings of a scenario, and gives them to the model of the vehicle."""
 
-    def __init__(self, vehicle: Vehicle, model: VehicleModel) -> None:
-        self._vehicle, self._model = vehicle, model
+    def __init__(self, vehicle: Vehicle, model: VehicleModel, settings: Sequence[ScheduledSetting] = ()) -> None:
+        self._vehicle, self._model, self._settings = vehicle, model, settings
+        self._given = self._planned = 0
+        """Settings that were given, and frames that were planned [-]."""
         self._wheels = {box.name: box.wheel for box in vehicle.boxes}
         self.commanded = {name: float(getattr(vehicle.journey, name)) for name in RANGES}
         """The commands in effect, by the names of `RANGES`."""
         self._pending: deque[tuple[str, Any]] = deque()
-        self._lock = threading.Lock()
+        self._lock, self._one_command = threading.Lock(), threading.Lock()
 
     def command(self, commands: Mapping[str, float]) -> None:
         """Keep commands.
 
         Raises:
-            Refusal: one is unknown or out of range, they leave a box without load, or too many requests are waiting; nothing is changed.
+            Refusal: one is unknown or out of range, they leave a box without load, now or with a later setting of the scenario, or too many
+                requests are waiting; nothing is changed.
         """
+        end = "; the previous commands remain in effect"
         for name, value in commands.items():
             checked_command(name, value, end="; the previous command remains in effect")
-        with self._lock:
-            self._check_room()
-            waiting = {name: value for name, value in self._pending if name in RANGES}
-            together = self.commanded | waiting | dict(commands)
-            for speed in (together["speed_kmh"], 3.6 * self._model.speed):  # the vehicle passes all speeds between them
-                check_loads(self._vehicle, together | {"speed_kmh": speed}, end="; the previous commands remain in effect")
-            self._pending.extend((name, float(value)) for name, value in commands.items())
+        with self._one_command:
+            with self._lock:
+                self._check_room()
+                waiting = {name: value for name, value in self._pending if name in RANGES}
+                together = self.commanded | waiting | dict(commands)
+                present, ramp, begun = 3.6 * self._model.speed, self._model.targets["ramp"], self._planned
+                later = zip(self._settings[self._given :], itertools.repeat("the scenario"), strict=False)
+            # Without the lock, which a block may wait for: gradual changes have many settings.
+            for speed in (together["speed_kmh"], present):  # the vehicle passes all speeds between them
+                check_loads(self._vehicle, together | {"speed_kmh": speed}, end=end)
+            check_way(self._vehicle, later, together, present, ramp, begun, end)
+            with self._lock:
+                self._pending.extend((name, float(value)) for name, value in commands.items())
 
     def change(self, changes: Mapping[str, Any], simulations: Mapping[str, Simulation]) -> None:
         """Keep changes of wheels and slides by their keys, and give those of parameters of boxes to their ``simulations``, if these run.
@@ -80,6 +92,15 @@ class VehicleRequests:
             for name, value in requests:
                 self.give(name, value)
         return requests
+
+    def begin_frame(self) -> None:
+        """Give the model the settings of the scenario for the frame that it plans next; they act from its end on."""
+        with self._lock:
+            while self._given < len(self._settings) and self._settings[self._given].frame <= self._planned:
+                setting = self._settings[self._given]
+                self.give(setting.key.removeprefix(PREFIX), setting.value)
+                self._given += 1
+            self._planned += 1
 
     def give(self, name: str, value: Any) -> None:
         """Give the model a command, the ramp of the speed, or a change of a wheel or a slide."""

@@ -103,7 +103,9 @@ def vehicle_scenario(tree: Any, vehicle: Vehicle, source: str) -> VehicleScenari
         course.wheels.update(asked.wheels)
     if len(settings) > MAX_CHANGES:
         raise Refusal(f"{source}: its gradual changes of the vehicle take {len(settings)} steps, above {MAX_CHANGES}: shorten them")
-    _check_way(vehicle, sorted(zip(settings, sources, strict=True), key=lambda item: item[0].frame))
+    commands = {name: float(getattr(vehicle.journey, name)) for name in RANGES}
+    way = sorted(zip(settings, sources, strict=True), key=lambda item: item[0].frame)
+    check_way(vehicle, way, commands, commands["speed_kmh"], vehicle.journey.ramp)
     boxes = {
         box.name: tuple(planned_changes(of_boxes[box.name], box.configuration, f"{source}, {box.name}"))
         for box in vehicle.boxes
@@ -136,17 +138,24 @@ def _approached(value: float, wanted: float, change: float) -> float:
     return wanted if abs(wanted - value) <= change else value + math.copysign(change, wanted - value)
 
 
-def _check_way(vehicle: Vehicle, settings: Iterable[tuple[ScheduledSetting, str]]) -> None:
+def check_way(
+    vehicle: Vehicle,
+    settings: Iterable[tuple[ScheduledSetting, str]],
+    commands: Mapping[str, float],
+    speed: float,
+    ramp: float,
+    begun: int = 0,
+    end: str = "",
+) -> None:
     """Refuse settings, with the names of their entries and in the order of time, that leave a box without load at any time.
 
-    Between two of them only the speed changes, in one direction, so that the loads are extreme before and after each.
+    Between two of them only the speed changes, in one direction, so that the loads are extreme before and after each. At the frame
+    ``begun`` the vehicle has a ``speed`` [km/h] and a ``ramp`` [m/s^2], and the ``commands`` are in effect; ``end`` completes a refusal.
     """
-    interval = FRAME / vehicle.boxes[0].configuration.step_rate
-    commands = {name: float(getattr(vehicle.journey, name)) for name in RANGES}
-    speed, ramp, begun, source = commands["speed_kmh"], vehicle.journey.ramp, 0, ""
+    interval, commands, source = FRAME / vehicle.boxes[0].configuration.step_rate, dict(commands), ""
 
     def check(seconds: float) -> None:
-        check_loads(vehicle, commands | {"speed_kmh": speed}, f"{source} (at {seconds:.6g} s): ")
+        check_loads(vehicle, commands | {"speed_kmh": speed}, f"{source} (at {seconds:.6g} s): ", end)
 
     of_vehicle = (item for item in settings if item[0].key.startswith(PREFIX))
     for frame, together in itertools.groupby(of_vehicle, key=lambda item: item[0].frame):

@@ -29,7 +29,7 @@ from dcrb_ros.vehicle.guided_drive import GuidedDrive
 from dcrb_ros.vehicle.heat import VehicleHeat
 from dcrb_ros.vehicle.model import VehicleModel
 from dcrb_ros.vehicle.requests import VehicleRequests
-from dcrb_ros.vehicle.scenario import PREFIX, VehicleScenario, vehicle_scenario
+from dcrb_ros.vehicle.scenario import VehicleScenario, vehicle_scenario
 
 MEASURED = ("acceleration", "clean", "clipped", "range", "preview", "preview_ns")
 """What a block has from its accelerometer, whose cable may be swapped with that of another box."""
@@ -115,9 +115,7 @@ class VehicleSimulation:
         self._model = VehicleModel(vehicle)
         self.scenario = scenario or VehicleScenario({}, ())
         """What changes during the run."""
-        self._requests = VehicleRequests(vehicle, self._model)
-        self._scheduled = deque(self.scenario.settings)
-        self._planned = 0
+        self._requests = VehicleRequests(vehicle, self._model, self.scenario.settings)
         starting = [_loaded(box, *load) for box, load in zip(vehicle.boxes, self._model.load().tolist(), strict=True)]
         self._upcoming = self._plan_next()
         self._drives = [GuidedDrive(configuration) for configuration in starting]
@@ -151,7 +149,8 @@ class VehicleSimulation:
         Raises
         ------
         Refusal
-            A command is unknown or out of range; nothing is changed.
+            A command is unknown or out of range, or leaves a box without load, now or with a later setting of the scenario; nothing is
+            changed.
         """
         self._requests.command(commands)
 
@@ -279,10 +278,7 @@ class VehicleSimulation:
 
     def _plan_next(self) -> Plan:
         """Return the plan of the next frame; the scenario's settings of that frame act from its end on."""
-        while self._scheduled and self._scheduled[0].frame <= self._planned:
-            setting = self._scheduled.popleft()
-            self._requests.give(setting.key.removeprefix(PREFIX), setting.value)
-        self._planned += 1
+        self._requests.begin_frame()
         return self._model.plan()
 
     def _collected(self, plan: Plan, futures: Mapping[str, Future[tuple[Floats, Floats]]]) -> _Stepped:

@@ -86,6 +86,18 @@ def test_the_start_replaces_parameters_of_the_vehicle() -> None:
     assert start.axles[1].radius == 0.459
 
 
+def test_a_command_that_lifts_a_box_in_a_later_curve_of_the_scenario_is_refused() -> None:
+    start = vehicle(vehicle__ramp=3.0, body__mass=20000.0)
+    curve = [{"at": 10.0, "set": {"vehicle.curvature": -0.01}}, {"at": 20.0, "set": {"vehicle.curvature": 0.0}}]
+    simulation = VehicleSimulation(start, vehicle_scenario({"timeline": curve}, start, "ride.yaml"))
+    sentence = r"^the scenario \(at 10 s\): speed_kmh = 72 km/h with curvature = -0\.01 1/m, wind = 100000 N loads axle_1\.right with -1\."
+    with pytest.raises(Refusal, match=f"{sentence}.*; the previous commands remain in effect$"):
+        simulation.command(wind=1e5)
+    simulation.command(wind=1e4)
+    simulation.command(speed_kmh=20.0)
+    simulation.command(wind=1e5)  # the vehicle is slow when it reaches the curve
+
+
 @pytest.mark.parametrize("start", [{"operating.speed_kmh": 20.0}, {"faults": {"outer_1": {"width": 0.002}}}])
 def test_the_scenario_of_a_bearing_is_refused_by_its_name(start: dict[str, Any]) -> None:
     with pytest.raises(Refusal, match=r"ride.yaml is a scenario of a bearing, not of a vehicle: give one"):
