@@ -10,7 +10,7 @@ from dcrb_ros.schema.numbers import finite_number
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.files import validated
 from dcrb_ros.vehicle.description import Vehicle, Wheel, orders
-from dcrb_ros.vehicle.file import MOST_SLIDING, SWAPPED, as_floats, made_by_vehicle
+from dcrb_ros.vehicle.file import MOST_SLIDING, ONE_BOX, SWAPPED, as_floats, made_by_vehicle
 
 RANGES = {
     "speed_kmh": (5.0, 300.0, "km/h"),
@@ -94,6 +94,9 @@ def sorted_changes(vehicle: Vehicle, wheels: Mapping[str, Wheel], changes: Mappi
             sorted_.boxes.setdefault(name, {})[parameter] = value
     for name, given in worn.items():
         values = {**wheels[name].model_dump(), **as_floats(given, Wheel)}
-        sorted_.wheels[name] = validated(values, Wheel, f"{where}{name}.wheel")
-        orders(sorted_.wheels[name].polygon, f"{where}{name}.wheel.polygon")
+        sorted_.wheels[name] = wheel = validated(values, Wheel, f"{where}{name}.wheel")
+        orders(wheel.polygon, f"{where}{name}.wheel.polygon")
+        axle = name.partition(".")[0]
+        if wheel.defective and sum(box.startswith(f"{axle}.") for box in names) == 1:
+            raise Refusal(f"{where}{name}.wheel: {axle} {ONE_BOX}")
     return sorted_

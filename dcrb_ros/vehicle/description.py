@@ -138,6 +138,11 @@ class Wheel(Group):
     flat_worn: float = quantity(0.5, "-", "Share of the jump of a fresh flat that a worn one has", 0.1, 1.0)
     polygon: str = choice("", "Orders and amplitudes of an out-of-round wheel, such as '3 20e-6' or '1 1e-4, 3 20e-6' [m]")
 
+    @property
+    def defective(self) -> bool:
+        """Whether it has any defect."""
+        return self.unbalance > 0.0 or self.flat > 0.0 or bool(self.polygon)
+
 
 @dataclass(frozen=True)
 class Axle:

@@ -54,6 +54,8 @@ OWN_BACKGROUND = ("impact_rate", "impact_level", "hum_level", "hum_frequency")
 SWAPPED = "sensor.swapped_with"
 """Key of the box whose accelerometer is connected to the channel of this one."""
 SEEDS = 2**31 - 1
+ONE_BOX = "has one box, but it rolls on two wheels: give both ({} for the bench without changes)"
+"""Why wheels, track and drive of a wheelset are refused."""
 NODE = "vehicle_simulator"
 """Node whose sections of a ROS parameter file describe the vehicle."""
 
@@ -143,6 +145,8 @@ def vehicle_of(flat: Mapping[str, Any], source: str) -> Vehicle:
         turning = speed * (1.0 + axle.creep - axle.slide) / axle.radius
         configuration, wheel, swapped = _box(source, name, {**common, **given}, journey, turning, axle.radius, x, -y)
         boxes.append(Box(name, box.axle, box.side, configuration, wheel, swapped))
+        if wheel.defective and [each.axle for each in bare].count(box.axle) == 1:
+            raise Refusal(f"{source}: {axle.name} {ONE_BOX}")
     _check_clock(source, boxes)
     return replace(vehicle, boxes=_connected(source, boxes))
 
@@ -176,8 +180,8 @@ def _check_wheelsets(source: str, axles: Sequence[Axle], boxes: Sequence[int], t
         count = boxes.count(number)
         if count == 0:
             raise Refusal(f"{source}: {axle.name} has no box: give left and right ({{}} for the bench without changes), or leave it out")
-        if count == 1 and not is_smooth(track):
-            raise Refusal(f"{source}: {axle.name} has one box, but it rolls on two wheels: give both ({{}} for the bench without changes)")
+        if count == 1 and (axle.gear.teeth or not is_smooth(track)):
+            raise Refusal(f"{source}: {axle.name} {ONE_BOX}")
 
 
 def _check_clock(source: str, boxes: Sequence[Box]) -> None:

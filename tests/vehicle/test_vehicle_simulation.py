@@ -38,6 +38,7 @@ from dcrb_ros.simulation.pending import MAX_PENDING
 from dcrb_ros.stream.events import ParameterChange
 from dcrb_ros.stream.vehicle_description import VehicleDescription
 from dcrb_ros.vehicle.block import VehicleBlock
+from dcrb_ros.vehicle.changes import sorted_changes
 from dcrb_ros.vehicle.description import described
 from dcrb_ros.vehicle.file import read_parameters, read_vehicle, vehicle_of
 from dcrb_ros.vehicle.model import VehicleModel
@@ -47,6 +48,7 @@ pytestmark = pytest.mark.slow
 DRY = {"vehicle.bench": "dry", "vehicle.speed_kmh": 100.0}
 """The quickest bench."""
 SMOOTH = {"track.spectrum": "none", "track.roughness": -40.0}
+ROLLING = {"left.wheel.flat": 0.02, "left.wheel.unbalance": 0.05, "left.wheel.polygon": "3 1e-5", "gear.teeth": 87}
 NOTCH = {"axle_1.left.faults.outer_1.width": 0.003}
 DURATION = 0.12
 
@@ -417,9 +419,18 @@ def test_another_type_than_a_vehicle_is_refused() -> None:
         VehicleSimulation(3)  # type: ignore[arg-type]
 
 
-def test_a_wheelset_on_a_track_has_two_boxes() -> None:
-    with pytest.raises(Refusal, match="axle_1 has one box, but it rolls on two wheels"):
-        vehicle_of({"axle_1.left": {}, "axle_2.left": {}, "axle_2.right": {}}, "mine.yaml")
+@pytest.mark.parametrize("rolling", [{}, *(SMOOTH | {f"axle_1.{key}": value} for key, value in ROLLING.items())])
+def test_a_wheelset_on_a_track_or_with_a_defective_wheel_or_a_gear_has_two_boxes(rolling: dict[str, Any]) -> None:
+    with pytest.raises(Refusal, match=r"^mine\.yaml: axle_1 has one box, but it rolls on two wheels: give both"):
+        vehicle_of({"axle_1.left": {}, "axle_2.left": {}, "axle_2.right": {}, **rolling}, "mine.yaml")
+
+
+def test_the_wheel_of_a_wheelset_with_one_box_gets_no_defect() -> None:
+    vehicle = vehicle_of({**DRY, **SMOOTH, "axle_1.left": {}}, "mine.yaml")
+    present = {"axle_1.left": vehicle.boxes[0].wheel}
+    assert sorted_changes(vehicle, present, {"axle_1.left.wheel.flat": 0.0}).wheels == present
+    with pytest.raises(Refusal, match=r"^axle_1\.left\.wheel: axle_1 has one box, but it rolls on two wheels"):
+        sorted_changes(vehicle, present, {"axle_1.left.wheel.flat": 0.02})
 
 
 def test_boxes_have_individuals_of_their_own() -> None:
