@@ -242,6 +242,8 @@ def _axle(source: str, name: str, given: Any) -> tuple[Axle, dict[str, Mapping[s
             raise Refusal(f"{source}: {name}.{key} = {value} is outside {low:g} .. {high:g} {unit}")
         values[key] = float(value)
     drive = {part: _group(source, f"{name}.{part}", given.get(part, {}), model) for part, model in DRIVE.items()}
+    if (level := drive["motor"].level) > 0.0 and not drive["gear"].teeth:
+        raise Refusal(f"{source}: {name}.motor.level = {level:g} needs gear.teeth: give the teeth of the wheel on the axle")
     boxes = {side: {} if given[side] is None else given[side] for side in SIDES if side in given}
     for side, box in boxes.items():
         if not isinstance(box, Mapping):

@@ -269,7 +269,13 @@ def test_a_gear_in_the_middle_of_the_axle_reaches_both_boxes_alike() -> None:
 
 
 def test_a_motor_has_lines_at_its_supply_and_its_rotor() -> None:
-    motor = {"axle_1.motor.level": 2.0, "axle_1.motor.slip": 0.02, "vehicle.speed_kmh": 144.0}
+    motor = {
+        "axle_1.gear.teeth": 87,
+        "axle_1.gear.level": 0.0,
+        "axle_1.motor.level": 2.0,
+        "axle_1.motor.slip": 0.02,
+        "vehicle.speed_kmh": 144.0,
+    }
     motion, _, _ = run(read_vehicle("healthy_bogie", SMOOTH | motor), 4.0)
     frequency = np.fft.rfftfreq(motion.shape[1], 1.0 / 102400.0)
     power = abs(np.fft.rfft(motion[0] * np.hanning(motion.shape[1]))) ** 2

@@ -351,6 +351,7 @@ def test_a_run_in_which_every_channel_is_silent_ends_with_a_sentence(monkeypatch
         ({"axle_2.slide": 0.5}, "axle_2.slide = 0.5 is outside 0 .. 0.2"),
         ({"axle_1.gear": 5}, "axle_1.gear = 5 is not a group"),
         ({"axle_1.motor.poles": 2}, "axle_1.motor: .*poles"),
+        ({"axle_1.motor.level": 10}, r"mine\.yaml: axle_1\.motor\.level = 10 needs gear\.teeth: give the teeth of the wheel on the axle"),
         ({"axle_1.left.wheel.unbalance": 75.0}, "75 g m are 0.075"),
         ({"axle_1.left.sensor.swapped_with": "axle_3.left"}, "names no other box"),
         ({"axle_1.left.sensor.swapped_with": "axle_1.left"}, "names no other box"),
