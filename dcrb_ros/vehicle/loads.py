@@ -55,10 +55,12 @@ def check_loads(vehicle: Vehicle, commands: Mapping[str, float], where: str = ""
     loads = quasi_static(vehicle, speed / 3.6, **others)
     box = int(np.argmax(loads[:, 1]))
     if loads[box, 1] >= 0.0:
-        units = {name: field_of(name, Journey.model_fields[name]).unit for name in others}
-        causes = ", ".join(f"{name} = {value:g} {units[name]}" for name, value in others.items() if value)
+        units = {name: field_of(name, Journey.model_fields[name]).unit for name, value in others.items() if value}
+        causes = ", ".join(f"{name} = {others[name]:g} {unit}" for name, unit in units.items())
+        # Straight ahead, the loads do not depend on the speed.
+        remedy = " or ".join(f"the {name}" for name in (["speed"] if others["curvature"] else []) + [*units])
         raise Refusal(
             f"{where}speed_kmh = {speed:g} km/h with {causes} loads {vehicle.boxes[box].name} with {-1e-3 * loads[box, 1]:.4g} kN, and the "
-            f"model needs more than 0 kN: lower the speed, the curvature, the cant or the wind{end}"
+            f"model needs more than 0 kN: lower {remedy}{end}"
         )
     return loads

@@ -368,7 +368,11 @@ def test_a_run_in_which_every_channel_is_silent_ends_with_a_sentence(monkeypatch
         ({"vehicle.speed_kmh": 1.0}, "speed_kmh = 1"),
         (
             {"vehicle.speed_kmh": 200.0, "vehicle.curvature": -0.01},
-            "mine.yaml, vehicle: speed_kmh = 200 .* loads axle_1.right with -118.9 kN",
+            "mine.yaml, vehicle: speed_kmh = 200 .* loads axle_1.right with -118.9 kN, .*: lower the speed or the curvature$",
+        ),
+        (
+            {"vehicle.brake": 1.5, "body.mass": 1e3, "frame.mass": 500.0},
+            "with brake = 1.5 m/s.2 loads axle_2.left with -0.*: lower the brake$",
         ),
         ({"axle_1.left": 5}, "is not a box"),
         ({"axle_1.left": 0}, "axle_1.left = 0 is not a box"),
