@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dcrb_ros.schema.arguments import of_type
+from dcrb_ros.schema.arguments import of_type, optional
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.numbers import finite_number
 from dcrb_ros.schema.refusal import Refusal
@@ -108,9 +108,12 @@ class VehicleSimulation:
         Raises
         ------
         Refusal
-            The vehicle is of another type, or one of its parameters is invalid.
+            The vehicle is of another type, one of its parameters is invalid, or ``threads`` is below 1.
         """
         of_type(Vehicle)("vehicle", vehicle)
+        optional(of_type(int))("threads", threads)
+        if threads is not None and threads < 1:
+            raise Refusal(f"threads = {threads} is below 1: give the number of threads that step the bearings, or None for all processors")
         self.vehicle = vehicle
         self._model = VehicleModel(vehicle)
         self.scenario = scenario or VehicleScenario({}, ())
@@ -180,6 +183,9 @@ class VehicleSimulation:
         """
         if duration is not None and finite_number("duration =", duration, "s") < 0.0:
             raise Refusal(f"duration = {duration:g} s is negative: give the simulated time that the blocks cover")
+        return self._blocks(duration)
+
+    def _blocks(self, duration: float | None) -> Iterator[VehicleBlock]:
         first = self.vehicle.boxes[0].configuration
         rate, size = first.sensor.sampling_rate, first.publishing.block_size
         last = None if duration is None else self._samples + round(duration * rate)

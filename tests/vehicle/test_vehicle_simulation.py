@@ -419,6 +419,17 @@ def test_what_no_node_reads_in_a_file_of_a_vehicle_is_refused(tmp_path: Path) ->
         read_parameters(file)
 
 
+@pytest.mark.parametrize("threads", [0, -1])
+def test_threads_below_one_are_refused(threads: int) -> None:
+    with pytest.raises(Refusal, match=f"threads = {threads} is below 1: give the number"):
+        bogie(SMOOTH, threads=threads)
+
+
+def test_a_duration_that_cannot_be_is_refused_before_the_first_block() -> None:
+    with pytest.raises(Refusal, match="duration = -1 s is negative"):
+        bogie(SMOOTH).blocks(-1.0)
+
+
 def test_another_type_than_a_vehicle_is_refused() -> None:
     with pytest.raises(Refusal, match="vehicle is a int: give a value of the type Vehicle"):
         VehicleSimulation(3)  # type: ignore[arg-type]
