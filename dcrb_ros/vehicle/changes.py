@@ -10,7 +10,7 @@ from dcrb_ros.schema.numbers import finite_number
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.files import validated
 from dcrb_ros.vehicle.description import Vehicle, Wheel, orders
-from dcrb_ros.vehicle.file import MOST_SLIDING, ONE_BOX, SWAPPED, as_floats, made_by_vehicle
+from dcrb_ros.vehicle.file import MOST_SLIDING, ONE_BOX, SHARE, SWAPPED, as_floats, made_by_vehicle
 
 RANGES = {
     "speed_kmh": (5.0, 300.0, "km/h"),
@@ -73,9 +73,10 @@ def sorted_changes(vehicle: Vehicle, wheels: Mapping[str, Wheel], changes: Mappi
         side, _, parameter = rest.partition(".")
         name = f"{axle}.{side}"
         if axle in axles and rest == "slide":
-            if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 <= value <= MOST_SLIDING:
-                raise Refusal(f"{where}{key} = {value} is outside 0 .. {MOST_SLIDING:g}: give the share by which the wheels turn slower")
-            sorted_.slides[axle] = float(value)
+            slide = finite_number(f"{where}{key} =", value, SHARE)
+            if not 0.0 <= slide <= MOST_SLIDING:
+                raise Refusal(f"{where}{key} = {slide:g} is outside 0 .. {MOST_SLIDING:g}: give the share by which the wheels turn slower")
+            sorted_.slides[axle] = slide
             continue
         if name not in names or not parameter:
             known = [*names, *(f"{axle}.slide" for axle in axles)]

@@ -14,6 +14,7 @@ import yaml
 
 from dcrb_ros.schema.arguments import of_type, texts
 from dcrb_ros.schema.fields import Group
+from dcrb_ros.schema.numbers import finite_number
 from dcrb_ros.schema.parameter_field import more
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
@@ -37,6 +38,8 @@ MOST_SLIDING = 0.2
 """Largest slide of a wheelset [-]."""
 PLACES = {"x": (-3.0, 3.0, "m"), "radius": (0.3, 0.6, "m"), "creep": (-0.01, 0.01, "-"), "slide": (0.0, MOST_SLIDING, "-")}
 """Numbers of a wheelset, their ranges and units."""
+SHARE = "shares of the speed"
+"""Unit of a creep or a slide in a refusal."""
 DRIVE: dict[str, type[Group]] = {"gear": Gear, "motor": Motor}
 """Groups of a wheelset."""
 DEFAULT_X = {"axle_1": 1.28, "axle_2": -1.28}
@@ -237,10 +240,10 @@ def _axle(source: str, name: str, given: Any) -> tuple[Axle, dict[str, Mapping[s
         raise Refusal(f"{source}: unknown key '{name}.{unknown}'{nearest(str(unknown), known)} (known: {', '.join(known)})")
     values = {"x": DEFAULT_X[name], "radius": DEFAULT_RADIUS, "creep": 0.0, "slide": 0.0}
     for key, (low, high, unit) in PLACES.items():
-        value = given.get(key, values[key])
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not low <= value <= high:
-            raise Refusal(f"{source}: {name}.{key} = {value} is outside {low:g} .. {high:g} {unit}")
-        values[key] = float(value)
+        value = finite_number(f"{source}: {name}.{key} =", given.get(key, values[key]), SHARE if unit == "-" else unit)
+        if not low <= value <= high:
+            raise Refusal(f"{source}: {name}.{key} = {value:g} is outside {low:g} .. {high:g} {unit}")
+        values[key] = value
     drive = {part: _group(source, f"{name}.{part}", given.get(part, {}), model) for part, model in DRIVE.items()}
     if (level := drive["motor"].level) > 0.0 and not drive["gear"].teeth:
         raise Refusal(f"{source}: {name}.motor.level = {level:g} needs gear.teeth: give the teeth of the wheel on the axle")

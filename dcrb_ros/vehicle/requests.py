@@ -8,6 +8,8 @@ from collections import deque
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from dcrb_ros.schema.arguments import keyed
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.simulation.loop import Simulation
@@ -62,7 +64,8 @@ class VehicleRequests:
         Raises:
             Refusal: a key or a value is invalid, a box has failed or refuses its changes, or too many requests wait; nothing is changed.
         """
-        keyed("changes", changes)
+        # A recording contains the values as Python prints them.
+        changes = {key: value.item() if isinstance(value, np.generic) else value for key, value in keyed("changes", changes).items()}
         asked = sorted_changes(self._vehicle, self._wheels, changes)
         model = {key: value for key, value in changes.items() if sorted_changes(self._vehicle, self._wheels, {key: value}).of_model}
         with self._lock:

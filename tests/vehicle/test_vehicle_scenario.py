@@ -115,7 +115,10 @@ def test_the_scenario_of_a_bearing_is_refused_by_its_name(start: dict[str, Any])
         ([{"at": 1.0, "set": {"axle_1.left.operating.speed": 80.0}}], "entry 1: .* belongs to the vehicle"),
         ([{"at": 1.0, "set": {"axle_3.slide": 0.1}}], "entry 1: .* names no box"),
         ([{"at": 1.0, "set": {"axle_2.slide": 0.9}}], "entry 1: axle_2.slide = 0.9 is outside"),
-        ([{"at": 1.0, "set": {"axle_2.slide": "locked"}}], "entry 1: axle_2.slide = locked is outside 0 .. 0.2: give the share"),
+        (
+            [{"at": 1.0, "set": {"axle_2.slide": "locked"}}],
+            "entry 1: axle_2.slide = 'locked' is not a number: give it in shares of the speed",
+        ),
         ([{"at": 1.0, "set": {"axle_1.left.sensor.swapped_with": "axle_2.left"}}], "cannot change during a run"),
         ([{"at": 1.0, "set": {"axle_1.left.faults.outer_1.widht": 0.1}}], r"entry 1, axle_1.left \(at 1 s\): .*widht"),
         ([{"at": 1.0, "set": {"axle_1.left.wheel.flat": 0.9}}], "entry 1: axle_1.left.wheel.*flat"),
