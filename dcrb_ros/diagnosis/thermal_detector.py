@@ -17,7 +17,7 @@ import numpy.typing as npt
 from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.diagnosis.demodulation import NYQUIST_SHARE
 from dcrb_ros.diagnosis.detector import FaultDetector
-from dcrb_ros.diagnosis.heat_monitor import HeatMonitor
+from dcrb_ros.diagnosis.heat_monitor import LONGEST_PAUSE, HeatMonitor
 from dcrb_ros.diagnosis.heat_rule import HeatFinding
 from dcrb_ros.diagnosis.hysteresis import Suspicion, probability
 from dcrb_ros.diagnosis.registry import HEAT_RULES
@@ -61,7 +61,9 @@ class ThermalFaultDetector(FaultDetector):
         """Rule for the level of vibration, and how long the level has been high."""
         self._noise_finding: HeatFinding | None = None
         self._frequency = math.nan
-        """Latest shaft frequency [Hz], but for `_angle`."""
+        """Latest shaft frequency [Hz], but for `_angle`; NaN where it is unknown."""
+        self._turned_until = 0.0
+        """End of the block from which the frequency is known [s]."""
         self._angle: Floats | None = None
         """Angle of a later block from which the frequency is taken when it is needed [rad]."""
 
@@ -71,19 +73,20 @@ class ThermalFaultDetector(FaultDetector):
 
         Temperatures are in deg C. ``load`` is that on the bearing [N], NaN where it is unknown. The next diagnosis takes the reading into
         account. Readings need not be regular. During a pause of more than ten minutes the operation of the bearing is unknown. Impossible
-        values are counted, and noted in the remarks of the diagnosis.
+        values are counted, and noted in the remarks of the diagnosis. Readings are left out while the shaft frequency is unknown, and from
+        ten minutes after the latest block.
         """
         self._take_angle()
-        if not math.isnan(self._frequency):
+        if not math.isnan(self._frequency) and time - self._turned_until <= LONGEST_PAUSE:
             self._monitor.update(time, self._frequency, bearing, ambient, load)
 
     def update(self, index: int, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any] | None = None) -> Diagnosis | None:
         """Take a block; see `FaultDetector.update`."""
-        diagnosis = super().update(index, acceleration, shaft_angle)
+        diagnosis, end = super().update(index, acceleration, shaft_angle), (int(index) + len(acceleration)) / self.rate
         if shaft_angle is not None and len(shaft_angle) > 1 and np.isfinite(shaft_angle).all():
-            self._angle = np.array(shaft_angle, np.float64)
-        elif diagnosis is not None and diagnosis.shaft_frequency > 0.0:
-            self._frequency, self._angle = diagnosis.shaft_frequency, None
+            self._angle, self._turned_until = np.array(shaft_angle, np.float64), end
+        elif diagnosis is not None:
+            self._frequency, self._angle, self._turned_until = diagnosis.shaft_frequency or math.nan, None, end
         return None if diagnosis is None else self._with_noise(self._with_heat(diagnosis))
 
     def _take_angle(self) -> None:

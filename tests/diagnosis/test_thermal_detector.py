@@ -109,6 +109,25 @@ def test_after_a_pause_of_the_readings_the_last_one_before_it_does_not_count() -
     assert judge.judgement_at(700.0) is None
 
 
+def test_a_bearing_that_cools_at_an_unknown_speed_is_not_starved() -> None:
+    one = detector(heat_rise_deviation=1.0, heat_time_lapse=600.0)
+    signal, found = np.concatenate([damaged()[0], synthetic(seconds=4.0)[0]]), list[Diagnosis]()
+    for k in range(0, len(signal), RATE // 5):
+        diagnosis = one.update(k, signal[k : k + RATE // 5])
+        found += [diagnosis] if diagnosis is not None else []
+        one.take_temperature(k / RATE, 54.0 if k < RATE or found[-1].shaft_frequency else 21.0, 20.0)
+    assert max(diagnosis.shaft_frequency for diagnosis in found) == pytest.approx(20.0, rel=0.01)
+    assert {diagnosis.verdict for diagnosis in found if diagnosis.time > 7.0} == {"waiting"}  # no line has a speed
+
+
+def test_a_bearing_that_cools_while_no_signal_arrives_is_not_starved() -> None:
+    one, (acceleration, angle) = detector(heat_rise_deviation=1.0), healthy()
+    diagnoses(one, (acceleration, angle))
+    for minute in range(60, 180):  # the thermometers go on
+        one.take_temperature(60.0 * minute, 21.0, 20.0)
+    assert diagnoses(one, (acceleration, angle), first=180 * 60 * RATE)[-1].verdict == "healthy"
+
+
 def test_readings_that_are_no_temperatures_are_remarked() -> None:
     last = heated(healthy(), float("nan"))[-1]
     assert last.verdict == "healthy"
