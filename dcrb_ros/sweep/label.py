@@ -15,7 +15,7 @@ from dcrb_ros.sweep.plan import PlannedRun
 
 DONE, REFUSED, FAILED, ERROR = "done", "refused", "failed", "error"
 """Outcomes of a run. A refused or failed run is not repeated, since it would fail again; a run that ended in an error is."""
-AMBIENT, BOX, OUTER_RINGS = "ambient [deg C]", "box [deg C]", "outer_ring"
+AMBIENT, BOX, OUTER_RINGS = "ambient [deg C]", "box [deg C]", "outer_ring [deg C]"
 """Names of temperatures in the ground truth, that of the outer rings without their rows."""
 TEMPERATURES: Mapping[str, tuple[type, str]] = {
     "ambient_temperature": (
@@ -72,5 +72,5 @@ def temperatures(thermal: Mapping[str, float]) -> dict[str, float]:
     """Return the temperatures of a ground truth by their column; none without a thermal network."""
     if AMBIENT not in thermal:
         return {}
-    rings = [value for name, value in thermal.items() if OUTER_RINGS in name and name.endswith("[deg C]")]
+    rings = [value for name, value in thermal.items() if name.startswith("row") and name.endswith(OUTER_RINGS)]
     return {"ambient_temperature": thermal[AMBIENT], "box_temperature": thermal[BOX], "outer_ring_temperature": max(rings)}

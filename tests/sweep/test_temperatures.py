@@ -42,7 +42,8 @@ def test_a_network_is_warmer_than_its_surroundings(tmp_path: Path) -> None:
 
 
 def test_temperatures_are_those_of_the_hotter_row() -> None:
-    thermal = {"row1/outer_ring [deg C]": 40.0, "row2/outer_ring [deg C]": 42.0, "box [deg C]": 35.0, "ambient [deg C]": 20.0}
+    own = {"row1/outer_ring": 40.0, "row2/outer_ring": 42.0, "box": 35.0, "ambient": 20.0}
+    thermal = {f"{name} [deg C]": value for name, value in (own | {"opposite_box": 50.0, "opposite_outer_ring": 60.0}).items()}
     with pytest.raises(KeyError):
         temperatures({key: value for key, value in thermal.items() if key != "box [deg C]"})
     assert temperatures(thermal) == {"ambient_temperature": 20.0, "box_temperature": 35.0, "outer_ring_temperature": 42.0}
