@@ -79,7 +79,7 @@ class Heating:
         """The temperatures as states have them, until they change."""
         if self.network_on:
             self._start(c)
-        self._opposite = OppositeBox(c) if self.network_on else None
+        self._opposite = OppositeBox(_in_air(c, surroundings.air)) if self.network_on else None
         self._sensors = TemperatureSensors(c, self._network, self.temperatures) if self.network_on else None
 
     @staticmethod
@@ -232,7 +232,8 @@ class Heating:
         if self._sensors is not None:
             self._sensors.follow(c, self.temperatures, duration)
         if self._opposite is not None and self.surroundings.opposite is None:
-            self._opposite.follow(c, speed, self._tick)
+            x, y = state.load.tolist()
+            self._opposite.follow(_in_air(c, self.surroundings.air), speed, math.hypot(y, x), self._tick)
         self._count_clamped(c)
 
     def _check_hottest(self, time_ns: int) -> None:
