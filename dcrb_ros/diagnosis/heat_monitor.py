@@ -87,8 +87,8 @@ class HeatMonitor:
         return self._judgement
 
     def judgement_at(self, time: float) -> HeatJudgement | None:
-        """Return what the latest reading says at a ``time`` [s]; None if it is the first one, or if a pause has begun since."""
-        return self._judgement if self._before is not None and time - self._before <= LONGEST_PAUSE else None
+        """Return what the latest reading says at a ``time`` [s]; None if it is the first one, or far from that time, as after a reset."""
+        return self._judgement if self._before is not None and abs(time - self._before) <= LONGEST_PAUSE else None
 
     def _restart(self, time: float) -> None:
         self._before, self._judgement, self._cool, self._running = time, None, None, 0.0

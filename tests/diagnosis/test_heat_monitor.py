@@ -112,6 +112,14 @@ def test_late_readings_are_ignored_and_a_clock_that_was_set_back_begins_anew() -
     assert judge.update(1.0, FREQUENCY, 42.0, AMBIENT) is not None
 
 
+def test_a_reading_does_not_count_after_the_clock_was_set_back() -> None:
+    judge = monitor()
+    read(judge, 110.0, 60)
+    last = 59 * MINUTE
+    assert judge.judgement_at(last) is judge.judgement_at(last - 600.0) is not None
+    assert judge.judgement_at(0.0) is None
+
+
 def test_after_a_pause_the_bearing_may_have_any_healthy_temperature() -> None:
     judge = learned(22.0)
     assert judge.update(DAY + 7200.0, FREQUENCY, AMBIENT + 2.0, AMBIENT) is None  # it stood, and has cooled down
