@@ -51,10 +51,9 @@ class HeatMonitor:
         """Readings that were no temperatures of a bearing."""
         self._before: float | None = None
         self._judgement: HeatJudgement | None = None
-        self._cool: float | None = None
+        self._cool = -math.inf
+        """Time of the latest reading that was a hint of starved films [s]."""
         self._suspicions = {rule.trouble: Suspicion() for rule in rules}
-        self._running = 0.0
-        """Time of readings since the start or the last pause [s]."""
 
     def update(self, time: float, frequency: float, bearing: float, ambient: float, load: float = math.nan) -> HeatJudgement | None:
         """Take a reading of the ``bearing`` and of the ``ambient`` air [deg C] at a ``time`` [s]; return what it says.
@@ -69,6 +68,7 @@ class HeatMonitor:
         if before is not None and time <= before:
             if time < before - LATEST_LATE:  # the clock was set back, as at the reset of a bench
                 self._restart(time)
+                self._cool = -math.inf
             return None
         passed = 0.0 if before is None else (time - before) * self.p.heat_time_lapse
         if before is None or time - before > LONGEST_PAUSE:
@@ -77,10 +77,9 @@ class HeatMonitor:
             return None
         self._before = time
         self.model.follow(frequency, load, passed, rise)
-        self._running += passed
         expected, deviation = self.model.expected, self.model.deviation
         usual = self.model.least_rise if self.learned >= min(KNOWN_AFTER, HOUR * self.p.heat_learn) else None
-        evidence = HeatEvidence(rise, expected, deviation, self._starved(rise - expected, deviation), usual)
+        evidence = HeatEvidence(rise, expected, deviation, self._starved(time, rise - expected, deviation), usual)
         findings = [rule.finding(evidence) for rule in self._rules]
         self._learn(rise, passed, deviation)
         self._judgement = HeatJudgement(evidence, self._confirmed(findings), {finding.trouble: finding.excess for finding in findings})
@@ -91,15 +90,15 @@ class HeatMonitor:
         return self._judgement if self._before is not None and abs(time - self._before) <= LONGEST_PAUSE else None
 
     def _restart(self, time: float) -> None:
-        self._before, self._judgement, self._cool, self._running = time, None, None, 0.0
+        self._before, self._judgement = time, None
         self.model.restart()
         self._suspicions = {rule.trouble: Suspicion() for rule in self._rules}
 
-    def _starved(self, residual: float, deviation: float) -> bool:
+    def _starved(self, time: float, residual: float, deviation: float) -> bool:
         """Return whether the bearing is or was too cool within the time that is remembered."""
         if residual < -STARVED * deviation:
-            self._cool = self._running
-        return self._cool is not None and self._running - self._cool <= REMEMBERED
+            self._cool = time
+        return (time - self._cool) * self.p.heat_time_lapse <= REMEMBERED
 
     def _learn(self, rise: float, passed: float, deviation: float) -> None:
         """Learn from a reading, unless enough has been learned, the bearing departs from the model, or it is too early to say."""

@@ -73,6 +73,13 @@ def test_a_starved_bearing_is_too_cool_and_then_hot() -> None:
     assert "too cool before" in hot[-1].confirmed["lubrication"].reason
 
 
+@pytest.mark.parametrize(("pause", "verdict"), [(11.0, "lubrication"), (13.0, "overheating"), (-24.0, "overheating")])
+def test_a_hint_of_starved_films_outlasts_a_pause_but_no_reset(pause: float, verdict: str) -> None:
+    judge = learned(40.0)
+    read(judge, 8.0, 10, DAY)
+    assert names(read(judge, 110.0, 10, DAY + pause * 3600.0))[-1] == verdict
+
+
 def test_a_hint_of_starved_films_is_forgotten_after_half_a_day() -> None:
     judge = learned(40.0)
     read(judge, 8.0, 10, DAY)
