@@ -22,7 +22,7 @@ LOADS = (50e3, 90e3, 140e3)
 TEMPERATURES = (-30.0, -10.0, 10.0, 25.0, 40.0, 55.0, 75.0, 100.0, 140.0, 200.0, 300.0, 450.0)
 """Of the oil at the inlets of a raceway [deg C]."""
 SIZES: dict[Fault, tuple[float, ...]] = {
-    "loss": (0.0, 0.25, 0.5, 0.7, 0.8, 0.85, 0.9, 0.93, 0.96, 1.0),
+    "loss": (0.0, 0.25, 0.5, 0.7, 0.8, 0.85, 0.875, 0.9, 0.915, 0.93, 0.945, 0.96, 0.97, 0.98, 0.99, 1.0),
     "clearance": (0.0, 3e-5, 5e-5, 6e-5, 7e-5, 8e-5, 9e-5, 1.1e-4, 1.3e-4, 1.5e-4),
 }
 """Sizes of the faults; the radial gap of the bench `healthy` is 70 um."""
@@ -52,7 +52,7 @@ class HeatTable:
     heat: Grid
     """At inner and outer raceway [W], over speed, load, temperature of the oil and size of the fault."""
     rest: Grid
-    """About cages and in seals [W], over speed and temperature."""
+    """About cages and in seals [W], over speed, temperature and size of the fault."""
     flow: Grid
     """Conductance at inner and outer raceway [W/K], over speed and load."""
     cooling: Floats
@@ -78,7 +78,7 @@ class HeatTable:
         inner, rollers, outer, _ = temperatures
         at_inner = self.heat.at(speed, load, 0.5 * (inner + rollers), size)[0] * scale
         at_outer = self.heat.at(speed, load, 0.5 * (outer + rollers), size)[1] * scale
-        rest = self.rest.at(speed, rollers)[0] * scale
+        rest = self.rest.at(speed, rollers, size)[0] * scale
         heat = np.stack([0.5 * at_inner, 0.5 * (at_inner + at_outer + rest), 0.5 * (at_outer + rest), sun])
         to_inner, to_outer = self.flow.at(speed, load)
         axle = AXLE + AXLE_OVER_SPEED * self.vehicle * speed
@@ -103,7 +103,7 @@ def heat_table(configuration: Configuration, fault: Fault) -> HeatTable:
     bearing, rows = QuasiSteady(configuration), configuration.bearing.rows
     network, sizes = bearing.network, SIZES[fault]
     heat = np.zeros((len(SPEEDS), len(LOADS), len(TEMPERATURES), len(sizes), 2))
-    rest = np.zeros((len(SPEEDS), len(TEMPERATURES), 1))
+    rest = np.zeros((len(SPEEDS), len(TEMPERATURES), len(sizes), 1))
     flow = np.zeros((len(SPEEDS), len(LOADS), 2))
     for i, speed in enumerate(SPEEDS):
         for j, load in enumerate(LOADS):
@@ -117,12 +117,12 @@ def heat_table(configuration: Configuration, fault: Fault) -> HeatTable:
                 for k, temperature in enumerate(TEMPERATURES):
                     lost = bearing.power(worn, [temperature] * (network.box + 1), size if fault == "loss" else 0.0)
                     heat[i, j, k, m] = [rows * lost[0][0], rows * lost[0][1]]
-                    rest[i, k] = rows * lost[0][2]
+                    rest[i, k, m] = rows * lost[0][2]
     nodes = network.inner, network.rollers, network.outer
     area, exchange = network.box_area, [surface_exchange(air, network.box_size) for air in AIR]
     return HeatTable(
         heat=Grid((SPEEDS, LOADS, TEMPERATURES, sizes), heat),
-        rest=Grid((SPEEDS, TEMPERATURES), rest),
+        rest=Grid((SPEEDS, TEMPERATURES, sizes), rest),
         flow=Grid((SPEEDS, LOADS), flow),
         cooling=area * np.array(exchange),
         seat=rows * network.seat,

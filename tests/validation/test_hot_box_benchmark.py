@@ -1,0 +1,36 @@
+"""The tables of heat in `benchmarks/hot_box_heat.py` have the temperatures of the bearing that they stand for."""
+
+from __future__ import annotations
+
+import itertools
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from dcrb_ros.bearing.quasi_steady import QuasiSteady
+from dcrb_ros.settings.files import load_configuration
+
+sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
+
+from hot_box_heat import heat_table
+
+AMBIENT = 20.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("losses", "error"), [((0.0,), 0.03), ((0.6, 0.89, 0.952, 1.0), 0.06)])
+def test_boxes_have_the_temperatures_of_steady_running(losses: tuple[float, ...], error: float) -> None:
+    """docs/results/thermal.md: ring and box within 3 % of `QuasiSteady` while healthy, within 6 % with a loss of lubricant."""
+    c = load_configuration("healthy", {"thermal.law": "network"})
+    table, steady = heat_table(c, "loss"), QuasiSteady(c)
+    cases = list(itertools.product((40.0, 75.0, 120.0), (80e3, 100e3, 115e3), losses))
+    speed, load, loss = np.array(cases).T
+    temperatures, usual = np.full((4, len(cases)), AMBIENT), np.ones(len(cases))
+    for _ in range(600):
+        temperatures = table.after(temperatures, speed, load, loss, AMBIENT * usual, usual, usual, 0.0 * usual, 60.0)
+    network = steady.network
+    expected = np.array([steady.steady(steady.running(*case[:2]), case[2]) for case in cases])[:, [network.outer(0), network.box]]
+    rise = temperatures[2:].T - AMBIENT
+    assert rise == pytest.approx(expected - AMBIENT, rel=error)
