@@ -18,6 +18,8 @@ class Trend:
     def __init__(self, seconds: float, interval: float) -> None:
         """Fit the last ``seconds``, with a judgement every ``interval`` [s]."""
         self._points: deque[tuple[float, float]] = deque(maxlen=max(FEWEST_POINTS, round(seconds / interval)))
+        self._oldest = max(seconds, FEWEST_POINTS * interval)
+        """Age of the oldest judgement that counts [s]."""
         self._verdict: Verdict = "waiting"
 
     def slope(self, time: float, verdict: Verdict, severity: float) -> float:
@@ -29,6 +31,8 @@ class Trend:
         if verdict != self._verdict or severity <= 0.0 or restarted:
             self._points.clear()
             self._verdict = verdict
+        while self._points and time - self._points[0][0] > self._oldest:
+            self._points.popleft()
         if severity > 0.0:
             self._points.append((time, 20.0 * float(np.log10(severity))))
         if len(self._points) < FEWEST_POINTS:

@@ -127,6 +127,14 @@ def test_the_trend_needs_four_points_and_forgets_those_before_its_time() -> None
     assert [short.slope(0.5 * k, "cage", 10.0 ** (0.05 * k)) for k in range(4)][3] == pytest.approx(120.0)
 
 
+def test_the_trend_forgets_a_severity_before_a_pause() -> None:
+    trend, pause = Trend(60.0, 0.5), 3600.0
+    for k in range(120):
+        trend.slope(0.5 * k, "outer_ring", 1.0)
+    slopes = [trend.slope(pause + 0.5 * k, "outer_ring", 10.0 ** (0.05 * 0.5 * k)) for k in range(4)]  # 1 dB a second
+    assert slopes == pytest.approx([0.0, 0.0, 0.0, 60.0])
+
+
 def test_the_trend_begins_anew_after_a_restart() -> None:
     trend = Trend(60.0, 0.5)
     for time, severity in [(100.0, 1.0), (100.5, 1.0), (101.0, 1.0), (0.5, 2.0), (1.0, 2.0), (1.5, 2.0), (2.0, 2.0)]:
