@@ -76,10 +76,16 @@ def duty_of_line(stations: Sequence[Station], braking: Braking, wheel_diameter: 
     speed v it reaches v = sqrt(2 s / (1/a + 1/b)) and brakes at once.
 
     Raises:
-        Refusal: fewer than two stations, a stretch without length, permitted speed or name.
+        Refusal: fewer than two stations, a stretch without length, permitted speed or name, or a dwell at the last station.
     """
     if len(stations) < 2:
         raise Refusal(f"{source}: line.stations has {len(stations)} station(s): give at least two, or a spectrum")
+    last = stations[-1]
+    if "dwell" in last.model_fields_set and last.dwell:
+        raise Refusal(
+            f"{source}: line.stations: the line ends at {last.name}, so its dwell of {last.dwell:g} s has no effect: leave it out, or add "
+            f"it to that of {stations[0].name}, where the next run begins"
+        )
     sections = []
     for station, following in itertools.pairwise(stations):
         name, distance = f"{station.name} - {following.name}", 1e3 * abs(following.km - station.km)

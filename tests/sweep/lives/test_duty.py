@@ -35,6 +35,15 @@ def test_a_short_stretch_does_not_reach_the_permitted_speed() -> None:
     assert 3600.0 * only.total == pytest.approx(60.0)
 
 
+def test_a_dwell_at_the_last_station_is_refused() -> None:
+    *before, last = line(0.0, 5.0)
+    for dwell in ({}, {"dwell": 0.0}):
+        stations = [*before, Station(name="S1", km=last.km, **dwell)]
+        assert duty_of_line(stations, Braking(), WHEEL, "test") == duty_of_line([*before, last], Braking(), WHEEL, "test")
+    with pytest.raises(Refusal, match="the line ends at S1, so its dwell of 600 s has no effect: leave it out, or add it to that of S0"):
+        duty_of_line([*before, Station(name="S1", km=5.0, dwell=600.0)], Braking(), WHEEL, "test")
+
+
 @given(st.lists(st.floats(0.05, 300.0), min_size=1, max_size=6), st.floats(10.0, 300.0))
 def test_the_wheels_turn_once_per_circumference(stretches: list[float], speed: float) -> None:
     places = [sum(stretches[:k]) for k in range(len(stretches) + 1)]
