@@ -74,12 +74,12 @@ def detector_alarms(speed: Floats, ring: Floats, air: Floats) -> list[Alarm]:
     return alarms
 
 
-def wayside_alarm(fleet: Fleet, truth: Temperatures, axle: int, onset: float) -> float:
-    """Return when a wayside detector first finds the first box of an axle hot after an onset [s]; infinite if none does."""
+def wayside_alarm(fleet: Fleet, truth: Temperatures, axle: int, onset: float, side: int = 0) -> float:
+    """Return when a wayside detector first finds the box at a side of an axle hot after an onset [s]; infinite if none does."""
     wayside = Wayside(WaysideParameters(seed=(fleet.seed * 100_003 + axle) % 2**31))
     boxes, rings, air = truth.box[:, axle].tolist(), truth.outer_ring[:, axle].tolist(), fleet.duty.ambient[:, axle].tolist()
     for k, speed in enumerate(fleet.duty.speed[:, axle].tolist()):
-        axle_boxes = AxleBoxes(boxes[k][0], rings[k][0], boxes[k][1], rings[k][1], air[k])
+        axle_boxes = AxleBoxes(boxes[k][side], rings[k][side], boxes[k][1 - side], rings[k][1 - side], air[k])
         passage = wayside.follow(round(k * STEP * 1e9), speed, axle_boxes)
         if passage is not None and passage.alarm and k * STEP >= onset:
             return k * STEP
@@ -92,7 +92,7 @@ def table_of(fault: Fault) -> HeatTable:
 
 
 def healthy_fleet(seed: int) -> tuple[list[tuple[int, float, str]], int]:
-    """Return the alarms of a healthy fleet, each with the number of its box, and how many axles have a first box hot by the wayside."""
+    """Return the alarms of a healthy fleet, each with the number of its box, and how many boxes are hot by the wayside."""
     fleet = Fleet(AXLES, DAYS, seed)
     truth = fleet.temperatures(table_of("loss"))
     ring, air = fleet.readings(truth)
@@ -101,7 +101,7 @@ def healthy_fleet(seed: int) -> tuple[list[tuple[int, float, str]], int]:
         for box, (k, side) in enumerate(itertools.product(range(AXLES), (0, 1)))
         for alarm in detector_alarms(fleet.duty.speed[:, k], ring[:, k, side], air[:, k])
     ]
-    return alarms, sum(wayside_alarm(fleet, truth, k, 0.0) < math.inf for k in range(AXLES))
+    return alarms, sum(wayside_alarm(fleet, truth, k, 0.0, side) < math.inf for k in range(AXLES) for side in (0, 1))
 
 
 def faulty_fleet(fault: Fault, axles: int, seed: int) -> list[Outcome]:

@@ -1,4 +1,4 @@
-"""The tables of heat in `benchmarks/hot_box_heat.py` have the temperatures of the bearing that they stand for."""
+"""The trial of hot boxes, `benchmarks/hot_boxes.py`: its tables of heat, and the wayside detector at both sides of an axle."""
 
 from __future__ import annotations
 
@@ -14,7 +14,9 @@ from dcrb_ros.settings.files import load_configuration
 
 sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
 
+from hot_box_fleet import Fleet, Temperatures
 from hot_box_heat import heat_table
+from hot_boxes import wayside_alarm
 
 AMBIENT = 20.0
 
@@ -34,3 +36,12 @@ def test_boxes_have_the_temperatures_of_steady_running(losses: tuple[float, ...]
     expected = np.array([steady.steady(steady.running(*case[:2]), case[2]) for case in cases])[:, [network.outer(0), network.box]]
     rise = temperatures[2:].T - AMBIENT
     assert rise == pytest.approx(expected - AMBIENT, rel=error)
+
+
+def test_a_wayside_detector_judges_both_boxes_of_an_axle() -> None:
+    fleet = Fleet(1, 1, 1)
+    for hot in (0, 1):
+        box = np.repeat(fleet.duty.ambient[:, :, None] + 20.0, 2, axis=2)
+        box[:, :, hot] += 100.0
+        found = [wayside_alarm(fleet, Temperatures(box, box), 0, 0.0, side) < np.inf for side in (0, 1)]
+        assert found == [side == hot for side in (0, 1)]
