@@ -105,9 +105,10 @@ class TrainPassage:
 class Wayside:
     """Follows a vehicle, and reads its axle box wherever it passes a detector."""
 
-    def __init__(self, parameters: WaysideParameters) -> None:
+    def __init__(self, parameters: WaysideParameters, box: str = "") -> None:
+        """Begin a run; the noise depends on the seed and on ``box``, the name of the axle box where there are several."""
         self._p = parameters
-        self._random = random_stream(parameters.seed, "wayside detector")
+        self._random = random_stream(parameters.seed, f"wayside detector{box}")
         self._distance, self._passed = 0.0, 0
         self._before_ns: int | None = None
 

@@ -7,7 +7,7 @@ import sys
 
 from dcrb_ros.diagnosis.wayside import AxleBoxes, Wayside, WaysideParameters
 from dcrb_ros.messages.cdr import decoded
-from dcrb_ros.messages.topics import GROUND_TRUTH, WAYSIDE, WAYSIDE_ALARM, WAYSIDE_TEMPERATURE, Message
+from dcrb_ros.messages.topics import GROUND_TRUTH, NAMESPACE, WAYSIDE, WAYSIDE_ALARM, WAYSIDE_TEMPERATURE, Message
 from dcrb_ros.messages.topics.wayside import encode_alarm, encode_reading
 from dcrb_ros.nodes.base import BenchNode
 from dcrb_ros.nodes.programs import main
@@ -41,12 +41,16 @@ class HotBoxDetectorNode(BenchNode):
         """
         super().__init__("hot_box_detector")
         self._line = self.declare(WaysideParameters)
-        self._wayside, self._before_ns = Wayside(self._line), 0
+        self._wayside, self._before_ns = self._run(), 0
         self._warned, self._refusals = False, Refusals(self.get_logger().warning)
         self.watch_publishers(*WAYSIDE)
         self._publisher = Publisher(self, WAYSIDE)
         self.subscribe(GROUND_TRUTH, self._receive)
         self.log_wait(GROUND_TRUTH)
+
+    def _run(self) -> Wayside:
+        """Return the line at the start of a run; the nodes of the boxes of a vehicle have noise of their own."""
+        return Wayside(self._line, self.get_namespace().removeprefix(NAMESPACE))
 
     def close(self) -> None:
         """Leave the topics."""
@@ -66,7 +70,7 @@ class HotBoxDetectorNode(BenchNode):
                 self.get_logger().warning(NOT_WARM)
             return
         if truth.time_ns < self._before_ns:  # the bench was reset
-            self._wayside = Wayside(self._line)
+            self._wayside = self._run()
         self._before_ns = truth.time_ns
         passage = self._wayside.follow(truth.time_ns, truth.speed, boxes, truth.thermal.get("acceleration", 1.0))
         if passage is None:

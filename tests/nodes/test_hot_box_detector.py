@@ -7,6 +7,8 @@ from typing import Any
 
 import pytest
 
+from dcrb_ros.diagnosis.wayside import WaysideParameters
+from dcrb_ros.measurement.random_streams import random_stream
 from dcrb_ros.messages.statuses import ERROR, OK, encode_diagnostics, encode_truth
 from dcrb_ros.messages.topics import GROUND_TRUTH, WAYSIDE_ALARM, WAYSIDE_TEMPERATURE, Message
 from dcrb_ros.stream.block import Truth
@@ -14,18 +16,23 @@ from dcrb_ros.stream.block import Truth
 rclpy = pytest.importorskip("rclpy")
 
 
-@pytest.fixture
-def node() -> Iterator[Any]:
+def made(*arguments: str) -> Iterator[Any]:
+    """Yield a node with arguments for ROS."""
     from dcrb_ros.nodes.hot_box_detector import HotBoxDetectorNode
 
-    rclpy.init(args=["--ros-args", "-p", "spacing:=0.05", "-p", "noise:=0.0"])
-    made = HotBoxDetectorNode()
+    rclpy.init(args=["--ros-args", "-p", "spacing:=0.05", *arguments])
+    node = HotBoxDetectorNode()
     try:
-        yield made
+        yield node
     finally:
-        made.close()
-        made.destroy_node()
+        node.close()
+        node.destroy_node()
         rclpy.try_shutdown()
+
+
+@pytest.fixture
+def node() -> Iterator[Any]:
+    yield from made("-p", "noise:=0.0")
 
 
 def truth(second: int, box: float) -> bytes:
@@ -62,3 +69,17 @@ def test_a_malformed_ground_truth_is_refused_in_one_sentence(node: Any, monkeypa
     partly = {"row1/outer_ring [deg C]": 35.0, "opposite_box [deg C]": 35.0}
     node._receive(encode_truth(Truth(0, 125.664, (0.0, -1e5), {}, {}, thermal=partly)))
     assert (node._refusals.count(GROUND_TRUTH.name), sent) == (3, [])
+
+
+def test_the_nodes_of_several_boxes_have_noise_of_their_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = []
+    for namespace in ("/dcrb", "/dcrb/axle_1/left", "/dcrb/axle_1/right"):
+        for node in made("-r", f"__ns:={namespace}"):
+            sent: list[Message] = []
+            monkeypatch.setattr(node._publisher, "write_messages", sent.extend)
+            for second in range(2):
+                node._take(truth(second, 35.0))
+            found.append(sent[0].content)
+    drawn = random_stream(WaysideParameters().seed, "wayside detector").standard_normal()
+    assert found[0] == pytest.approx(35.0 + WaysideParameters().noise * drawn)
+    assert len(set(found)) == 3
