@@ -38,11 +38,11 @@ class VehicleHeat:
         return 0.5 * BRAKE_SHARE * self._braked * brake * speed
 
     def surroundings(self, speed: float, wind: float, brake: float, boxes: Mapping[str, Simulation]) -> dict[str, Surroundings]:
-        """Return the surroundings of the boxes with a thermal network at a speed [m/s], wind [N] and brake [m/s^2]."""
+        """Return the surroundings of those of ``boxes`` with a thermal network at a speed [m/s], wind [N] and brake [m/s^2]."""
         temperatures = {name: box.temperatures for name, box in boxes.items()}
         heat, given = self.brakes(speed, brake), {}
         for box in self._boxes:
-            if temperatures[box.name] is not None:
+            if temperatures.get(box.name) is not None:
                 opposite = temperatures.get(self._opposite.get(box.name, ""))
                 surroundings = Surroundings(opposite, heat, air_share(box.side, wind, trailing=self._trailing[box.name]))
                 given[box.name] = ALONE if surroundings == ALONE else surroundings

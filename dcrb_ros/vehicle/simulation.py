@@ -274,13 +274,13 @@ class VehicleSimulation:
 
     def _begin_frame(self, pool: ThreadPoolExecutor, frame: _Planned) -> dict[str, Future[tuple[Floats, Floats]]]:
         """Let the bearings step a frame; return acceleration and angle of each box."""
-        plan = frame.plan
-        for name, surroundings in self._heat.surroundings(plan.speed, frame.wind, frame.brake, self.simulations).items():
-            self.simulations[name].surround(surroundings)
+        plan, running = frame.plan, self._running
+        for name, surroundings in self._heat.surroundings(plan.speed, frame.wind, frame.brake, running).items():
+            running[name].surround(surroundings)
         for box, drive, load in zip(self.vehicle.boxes, self._drives, plan.load, strict=True):
             drive.speed, drive.load = float(plan.shaft_speed[box.axle]), load
         self._steps += FRAME
-        return {name: pool.submit(simulation.step_to, self._steps) for name, simulation in self._running.items()}
+        return {name: pool.submit(simulation.step_to, self._steps) for name, simulation in running.items()}
 
     def _plan_next(self) -> Plan:
         """Return the plan of the next frame; the scenario's settings of that frame act from its end on."""

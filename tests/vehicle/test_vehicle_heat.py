@@ -112,3 +112,13 @@ def test_boxes_of_a_wheelset_are_each_other_s_neighbour() -> None:
     # Sun, then the trailing wheelset and the lee on the left.
     box = {name: thermal["box [deg C]"] for name, thermal in last.items()}
     assert box["axle_1.left"] > box["axle_2.left"] > box["axle_2.right"] > box["axle_1.right"]
+
+
+@pytest.mark.slow
+def test_a_box_that_failed_heats_its_neighbour_no_longer() -> None:
+    simulation = VehicleSimulation(read_vehicle("healthy_bogie", {**SMOOTH, **NETWORK, "vehicle.on_failure": "continue"}))
+    next(simulation.blocks(0.02))
+    simulation._silent["axle_1.left"] = "axle_1.left: the model failed on purpose"
+    next(simulation.blocks(0.02))
+    opposite = {name: box._heating.surroundings.opposite for name, box in simulation.simulations.items() if name != "axle_1.left"}
+    assert [name for name, temperatures in opposite.items() if temperatures is None] == ["axle_1.right"]
