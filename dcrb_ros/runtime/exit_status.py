@@ -40,14 +40,6 @@ def exit_status(program: str, command: Callable[[], Any]) -> int:
     except (KeyboardInterrupt, typer.Abort):
         _report(program, "stopped")
         return STOPPED
-    except BrokenPipeError:
-        discard(sys.stdout)
-        return 0
-    except SystemExit as end:
-        if not isinstance(end.__context__, BrokenPipeError):
-            raise
-        discard(sys.stdout)  # the console of rich exits with status 1 where the pipe is broken
-        return 0
     except Exception as error:
         # Typer's usage errors: their class depends on the release, their method does not.
         explain = getattr(error, "format_message", None)

@@ -1,45 +1,51 @@
-"""The standard output with a file name, which appears in errors of writing it."""
+"""The standard outputs: errors of writing them name them, and what nobody reads is discarded."""
 
 from __future__ import annotations
 
 import io
 import os
 import sys
-from typing import Any, TextIO
+from typing import IO, Any
 
 NAME = "the standard output"
+NAMES = {1: NAME, 2: "the standard error output"}
+"""Names of the standard outputs by their file descriptors."""
 
 
 class _StandardOutput(io.FileIO):
-    """The file of the standard output; the operating system's errors in writing it have no file name."""
+    """The file of a standard output; the operating system's errors in writing it have no file name."""
 
     def write(self, data: Any, /) -> int:
-        """Write bytes and return how many were written."""
+        """Write bytes and return how many were written; without a reader they are discarded, since the command may have more to do."""
         try:
             return super().write(data)
+        except BrokenPipeError:
+            discard(self)
+            return len(data)
         except OSError as error:
-            error.filename = NAME
+            error.filename = NAMES[self.fileno()]
             raise
 
 
 def prepare_standard_output() -> None:
-    """Name the standard output in the errors of writing it, and escape the characters that its encoding does not have.
+    """Name the standard outputs in the errors of writing them, and escape the characters that their encodings do not have.
 
     Those of ``LC_ALL=C`` are all but ASCII. An output that is not a file of this process, as in a notebook or a test, keeps its errors.
-    What is printed to a closed one is discarded.
+    What is printed to a closed one, or to a pipe whose reader has left, is discarded.
     """
     _open_closed_streams()
-    output = sys.stdout
-    raw = getattr(output.buffer, "raw", output.buffer) if isinstance(output, io.TextIOWrapper) else None
-    if isinstance(output, io.TextIOWrapper) and isinstance(raw, io.FileIO) and raw.fileno() == 1:
-        output.flush()
-        file = _StandardOutput(1, "w", closefd=False)
-        sys.stdout = io.TextIOWrapper(
-            io.BufferedWriter(file), output.encoding, line_buffering=output.line_buffering, write_through=output.write_through
-        )
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")
+    for number, name in ((1, "stdout"), (2, "stderr")):
+        stream = getattr(sys, name)
+        if not isinstance(stream, io.TextIOWrapper):
+            continue
+        raw = getattr(stream.buffer, "raw", stream.buffer)
+        if isinstance(raw, io.FileIO) and raw.fileno() == number:
+            stream.flush()
+            file = _StandardOutput(number, "w", closefd=False)
+            buffer: Any = file if raw is stream.buffer else io.BufferedWriter(file)  # PYTHONUNBUFFERED
+            stream = io.TextIOWrapper(buffer, stream.encoding, line_buffering=stream.line_buffering, write_through=stream.write_through)
+            setattr(sys, name, stream)
+        stream.reconfigure(errors="backslashreplace")
 
 
 def _open_closed_streams() -> None:
@@ -52,6 +58,6 @@ def _open_closed_streams() -> None:
             setattr(sys, name, os.fdopen(os.open(os.devnull, os.O_RDWR), mode, encoding="utf-8", closefd=False))
 
 
-def discard(stream: TextIO) -> None:
+def discard(stream: IO[Any]) -> None:
     """Discard the later output of a stream and the rest of its buffer, which would fail again at the exit."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())

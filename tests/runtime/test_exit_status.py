@@ -97,3 +97,29 @@ def test_a_reader_that_leaves_early_changes_no_status(words: str) -> None:
         command = [sys.executable, "-m", "dcrb_ros.cli.program", *words.split()]
         done = subprocess.run(command, stdout=pipe, stderr=subprocess.PIPE, text=True, timeout=600.0)
     assert (done.returncode, done.stderr) == (0, "")
+
+
+PRINTING = """
+import sys, typer
+from dcrb_ros.runtime.exit_status import exit_status
+from dcrb_ros.runtime.terminal import console
+def command():
+    for _ in range(2):
+        console(stderr=sys.argv[1] == "stderr").print("report\\n" * 10000)
+        print("report\\n" * 10000, file=getattr(sys, sys.argv[1]), flush=True)
+    open(sys.argv[2], "w").close()
+    raise typer.Exit(1)
+sys.exit(exit_status("dcrb", command))
+"""
+
+
+@pytest.mark.parametrize("stream", ["stdout", "stderr"])
+def test_a_command_whose_reader_leaves_early_does_the_rest_and_keeps_its_status(stream: str, tmp_path: Path) -> None:
+    reader, writer = os.pipe()
+    os.close(reader)
+    with os.fdopen(writer, "wb") as pipe:
+        command = [sys.executable, "-c", PRINTING, stream, str(tmp_path / "report")]
+        outputs = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, stream: pipe}
+        done = subprocess.run(command, **outputs, timeout=600.0, check=False)  # type: ignore[call-overload]
+    assert (done.returncode, done.stdout or b"", done.stderr or b"") == (1, b"", b"")
+    assert (tmp_path / "report").exists()
