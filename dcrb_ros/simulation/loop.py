@@ -170,19 +170,24 @@ class Simulation:
         if changes:
             self._pending.add_change(changes, self._altered)
 
-    def check_change(self, changes: Mapping[str, Any]) -> None:
+    def check_change(self, changes: Mapping[str, Any]) -> Configuration:
         """Check a change as `change` does, and change nothing.
+
+        Returns
+        -------
+        Configuration
+            The configuration after the pending changes and this one.
 
         Raises
         ------
         Refusal
             `change` would refuse it.
         """
-        self._pending.check_change(keyed("changes", changes), self._altered)
+        return self._pending.check_change(keyed("changes", changes), self._altered)
 
-    def _altered(self, changes: Mapping[str, Any]) -> Configuration:
-        """Return the present configuration with some changes, or refuse them."""
-        return altered(self.configuration, changes)
+    def _altered(self, changes: Mapping[str, Any], configuration: Configuration | None = None) -> Configuration:
+        """Return a configuration, by default the present one, with some changes, or refuse them."""
+        return altered(configuration or self.configuration, changes)
 
     def fork(self) -> Simulation:
         """Return an independent copy that continues from the present state; without further commands both yield the same samples.

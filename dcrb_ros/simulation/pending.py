@@ -8,10 +8,14 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.events import Command, ParameterChange
 
 MAX_PENDING = 1000
 """Commands that may wait for the next block."""
+
+Alter = Callable[[Mapping[str, Any], Configuration | None], Configuration]
+"""Returns a configuration, the present one for None, with some changes, or refuses them."""
 
 
 class PendingCommands:
@@ -21,8 +25,8 @@ class PendingCommands:
         self.lock = threading.Lock()
         """Held while the configuration changes, so that a change is checked against the present one."""
         self.commands: deque[Command] = deque()
-        self._requested: dict[str, Any] = {}
-        """Values in the pending changes."""
+        self._after: Configuration | None = None
+        """The configuration after the last pending change; None if no change is pending."""
 
     def add(self, command: Command) -> None:
         """Keep a command.
@@ -36,27 +40,27 @@ class PendingCommands:
             self._check_room()
             self.commands.append(command)
 
-    def add_change(self, changes: Mapping[str, Any], check: Callable[[Mapping[str, Any]], object]) -> None:
+    def add_change(self, changes: Mapping[str, Any], alter: Alter) -> None:
         """Keep a change of parameters; see `check_change`."""
         with self.lock:
-            self._check_change(changes, check)
+            self._after = self._check_change(changes, alter)
             self.commands.append(ParameterChange(changes))
-            self._requested.update(changes)
 
-    def check_change(self, changes: Mapping[str, Any], check: Callable[[Mapping[str, Any]], object]) -> None:
-        """Check a change of parameters together with those that are pending.
+    def check_change(self, changes: Mapping[str, Any], alter: Alter) -> Configuration:
+        """Check a change of parameters after those that are pending, and return the configuration after it.
 
         Raises
         ------
         Refusal
-            ``check`` refuses the values, or too many commands are pending.
+            ``alter`` refuses the values, or too many commands are pending.
         """
         with self.lock:
-            self._check_change(changes, check)
+            return self._check_change(changes, alter)
 
-    def _check_change(self, changes: Mapping[str, Any], check: Callable[[Mapping[str, Any]], object]) -> None:
-        check({**self._requested, **changes})
+    def _check_change(self, changes: Mapping[str, Any], alter: Alter) -> Configuration:
+        after = alter(changes, self._after)
         self._check_room()
+        return after
 
     def _check_room(self) -> None:
         if len(self.commands) >= MAX_PENDING:
@@ -69,4 +73,4 @@ class PendingCommands:
         with self.lock:
             while self.commands:
                 apply(self.commands.popleft())
-            self._requested.clear()
+            self._after = None

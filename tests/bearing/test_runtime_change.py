@@ -132,6 +132,14 @@ def test_changes_are_checked_together_with_pending_ones() -> None:
     assert set(simulation.configuration.faults.described()) == {"outer_1"}
 
 
+def test_a_change_is_checked_after_a_pending_one_of_the_same_parameter() -> None:
+    simulation = bench()
+    simulation.change({"faults.broken_bars": "row1/bar15"})
+    with pytest.raises(Refusal, match=r"row1/bar15 is broken and does not heal"):
+        simulation.change({"faults.broken_bars": ""})
+    assert simulation.check_change({}).faults.broken_bars == "row1/bar15"
+
+
 def test_a_change_is_pending_until_it_is_in_the_configuration(monkeypatch: pytest.MonkeyPatch) -> None:
     simulation = bench()
     simulation.change({"faults.outer_1.width": 0.002})
