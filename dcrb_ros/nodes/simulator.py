@@ -14,7 +14,6 @@ from rclpy.parameter import Parameter
 
 from dcrb_ros.bearing.payload import body_names
 from dcrb_ros.bearing.plausibility import implausible_notches
-from dcrb_ros.bearing.runtime_change import altered
 from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.topics import DETECTED, LOAD_COMMAND, SENSOR, SIMULATED, SPEED_COMMAND, TRANSFORMS, VIBRATION, Message, Topic
@@ -31,7 +30,7 @@ from dcrb_ros.runtime.prefetch import prefetch
 from dcrb_ros.schema.parameter_field import wrong_type
 from dcrb_ros.schema.simulated_time import checked_duration
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import flatten, parameter_fields
+from dcrb_ros.settings.files import flatten, parameter_fields, validated
 from dcrb_ros.settings.parameters import COMMANDED
 from dcrb_ros.simulation.ground_truth import commands_in
 from dcrb_ros.simulation.loop import Simulation
@@ -127,13 +126,18 @@ class SimulatorNode(SimulatingNode):
             for key in changes:
                 if key in COMMANDED and not wrong_type(self._fields[key], changes[key]):
                     raise changed_by_topic(key, COMMANDED[key])
+            scale = changes.get("time_scale")
+            if scale is not None:
+                validated({"time_scale": scale}, Configuration, "parameters")
             self.refuse_untimely("parameters", discarded=changes.keys() != {"time_scale"})
-            after = altered(self._source.simulation.configuration, changes)
-            for sentence in sorted({*implausible_notches(after)} - {*implausible_notches(self._source.simulation.configuration)}):
-                self.get_logger().info(sentence)
-            self._source.simulation.change({key: value for key, value in changes.items() if key != "time_scale"})
-            if "time_scale" in changes:
-                self.engine.gate.rescale(changes["time_scale"])
+            simulation, asked = self._source.simulation, {key: value for key, value in changes.items() if key != "time_scale"}
+            if asked:
+                before, after = simulation.check_change({}), simulation.check_change(asked)
+                for sentence in sorted({*implausible_notches(after)} - {*implausible_notches(before)}):
+                    self.get_logger().info(sentence)
+                simulation.change(asked)
+            if scale is not None:
+                self.engine.gate.rescale(scale)
 
     def update_parameters(self) -> None:
         """Set the node's parameters to the present configuration, which a reset or a scenario may have changed."""

@@ -261,6 +261,15 @@ def test_a_bench_is_neither_changed_nor_commanded_while_a_reset_is_pending(ros: 
     node.destroy_node()
 
 
+def test_a_change_that_fits_a_pending_one_is_accepted(ros: None) -> None:
+    node = SimulatorNode(parameters=load_configuration("healthy", {"faults.outer_1.width": 0.002}))
+    node.engine.prepare()
+    assert answer(node, faults__outer_1__azimuth=1.0) == (True, "")
+    assert answer(node, faults__outer_2__width=0.002) == (True, "")
+    assert not answer(node, time_scale=-1.0, faults__outer_3__azimuth=1.0)[0]
+    node.destroy_node()
+
+
 def test_a_wrong_type_is_named_as_such(ros: None) -> None:
     node = SimulatorNode()
     node.engine.prepare()
