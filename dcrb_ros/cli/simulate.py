@@ -105,7 +105,7 @@ def simulate(
 
     tree = scenario_tree(scenario, seconds)
     configuration = starting_configuration(tree, load_configuration(config, settings or ()), str(scenario))
-    _refuse_without_sample(seconds, configuration)
+    _check(seconds, configuration)
     path = output or Path(Path(config).stem)
     with replacing("-o", path, force=force):
         from dcrb_ros.recordings.recorder import Recorder
@@ -118,11 +118,14 @@ def simulate(
     _print_written(path, progress, {"": recorder.outcome}, quiet=quiet, as_json=as_json)
 
 
-def _refuse_without_sample(seconds: float, configuration: Configuration) -> None:
-    """Refuse a duration that has no sample, as the recording could not be opened."""
-    rate = configuration.sensor.sampling_rate
+def _check(seconds: float, *configurations: Configuration) -> None:
+    """Refuse a duration that has no sample, as the recording could not be opened, and topics that are not recorded."""
+    from dcrb_ros.recordings.recorder import check_topics
+
+    rate = configurations[0].sensor.sampling_rate
     if not round(seconds * rate):
         raise Refusal(f"--duration {seconds:g} s is shorter than a sample at {rate} Hz: give at least {1.0 / rate:.2g} s")
+    check_topics(*configurations)
 
 
 def reproduce(source: Path, output: Path | None, *, force: bool, quiet: bool, as_json: bool) -> None:
@@ -183,7 +186,7 @@ def simulate_vehicle(
     tree, path = scenario_tree(scenario, seconds), output or Path(Path(source).stem)
     parameters = starting_parameters(tree, read_parameters(source, settings), str(scenario))
     simulation = simulation_of(parameters, source, tree, str(scenario))
-    _refuse_without_sample(seconds, simulation.vehicle.boxes[0].configuration)
+    _check(seconds, *(box.configuration for box in simulation.vehicle.boxes))
     with replacing("-o", path, force=force), VehicleRecorder(path, parameters, simulation) as recorder:
         progress = _run(path.name, simulation.blocks(seconds), seconds, recorder.write, quiet=quiet, partial=True)
     for failure in simulation.silent.values():

@@ -26,7 +26,6 @@ from dcrb_ros.nodes.ros import installed
 from dcrb_ros.nodes.services import OVER, Services
 from dcrb_ros.nodes.simulation_interfaces import PACKAGE, SimulationInterfaces
 from dcrb_ros.nodes.subscriber_wait import SubscriberWait
-from dcrb_ros.recordings.recorder import chosen_topics
 from dcrb_ros.recordings.splitting import RecordingFailed
 from dcrb_ros.runtime.threads import repeating
 from dcrb_ros.schema.refusal import Refusal
@@ -87,10 +86,9 @@ class SimulatingNode(BenchNode):
             answers: the diagnoses that are waited for at the end.
 
         Raises:
-            Refusal: a topic to record is unknown, or the path of the recording impossible.
+            Refusal: the path of the recording is impossible.
         """
         self.configuration = configuration
-        chosen_topics(configuration.recording.topics)  # also without a recording, as the service may start one later
         publishing, log, path = configuration.publishing, self.get_logger(), configuration.recording.path
         gate = Gate(Pacer(configuration.time_scale, time.monotonic), time.monotonic)
         clocks = [CLOCK] if publishing.clock else []

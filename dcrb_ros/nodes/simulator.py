@@ -24,7 +24,7 @@ from dcrb_ros.nodes.programs import main
 from dcrb_ros.nodes.publisher import Publisher
 from dcrb_ros.nodes.ros import own_arguments, run_node
 from dcrb_ros.nodes.simulating import SimulatingNode, check_effect, decoded_by
-from dcrb_ros.recordings.recorder import Recorder
+from dcrb_ros.recordings.recorder import Recorder, check_topics
 from dcrb_ros.recordings.recorder_thread import RecorderThread
 from dcrb_ros.runtime.prefetch import prefetch
 from dcrb_ros.schema.parameter_field import wrong_type
@@ -79,6 +79,7 @@ class SimulatorNode(SimulatingNode):
         configuration = self.declare(
             Configuration, run_time=RUN_TIME, adjust=lambda given: starting_configuration(self._scenario, parameters or given, name)
         )
+        check_topics(configuration, detector=True)  # also without a recording, as the service may start one later
         changes = scheduled_changes(self._scenario, configuration, name) if scenario else []
         if scenario:
             check_effect(self._scenario, scenario, duration)

@@ -24,6 +24,7 @@ from dcrb_ros.nodes.parameters import changed_by_topic, is_of_ros, not_while_run
 from dcrb_ros.nodes.programs import main
 from dcrb_ros.nodes.ros import own_arguments, run_node
 from dcrb_ros.nodes.simulating import SimulatingNode, check_effect, decoded_by
+from dcrb_ros.recordings.recorder import check_topics
 from dcrb_ros.recordings.recorder_thread import RecorderThread
 from dcrb_ros.recordings.vehicle_recorder import BoxCommand, VehicleCommand, VehicleRecorder, commands_of
 from dcrb_ros.runtime.prefetch import prefetch
@@ -108,6 +109,7 @@ class VehicleSimulatorNode(SimulatingNode):
             return simulation_of(self._tree, name, changes, str(scenario))
 
         self._vehicle = vehicle_of(self._tree, name)
+        check_topics(*(box.configuration for box in self._vehicle.boxes))
         if changes is not None:
             vehicle_scenario(changes, self._vehicle, str(scenario))
         if scenario:

@@ -25,7 +25,7 @@ from dcrb_ros.stream.block import Block
 from dcrb_ros.stream.events import TimedCommand
 from dcrb_ros.stream.states import BodyNames
 
-__all__ = ["Recorder", "RecordingFailed", "RunRecorder", "channel_of", "chosen_topics"]
+__all__ = ["Recorder", "RecordingFailed", "RunRecorder", "channel_of", "check_topics", "chosen_topics"]
 
 
 def qos_profiles(topic: Topic) -> list[dict[str, Any]]:
@@ -68,6 +68,21 @@ def chosen_topics(text: str, key: str = "recording.topics") -> frozenset[Topic]:
         if name not in known:
             raise Refusal(f"{key}: there is no topic '{name}'{nearest(name, known)} (known: {', '.join(known)})")
     return frozenset(known[name] for name in names or known) | {SENSOR}
+
+
+def check_topics(*configurations: Configuration, detector: bool = False) -> None:
+    """Refuse topics to record that a run never records: of a bearing, of the boxes of a vehicle, or with a ``detector`` beside it.
+
+    Raises:
+        Refusal: ``recording.topics`` names such a topic, or one that does not exist.
+    """
+    text = configurations[0].recording.topics
+    chosen_topics(text)
+    recorded = [topic.name for topic in SIMULATED if any(topic.enabled(configuration) for configuration in configurations)]
+    recorded += [topic.name for topic in DETECTED if detector and topic.recorded]
+    for name in named_topics(text):
+        if name not in recorded:
+            raise Refusal(f"recording.topics: this run does not record '{name}': leave it out (recorded: {', '.join(recorded)})")
 
 
 class Counted(Protocol):

@@ -40,6 +40,8 @@ LIST, RECORDED, VEHICLE = ("score", "smoke", "--list"), ("score", "bag"), ("dete
         (("simulate", "dry"), ("--set", "time_scale=2.0"), NODES),
         (("simulate", "dry"), ("--set", "recording.path=other"), NODES),
         (("simulate", "--vehicle", "bogie"), ("--set", "time_scale=2.0"), NODES),
+        (("simulate", "dry"), ("--set", "recording.topics=diagnosis"), "recording.topics: this run does not record 'diagnosis'"),
+        (("simulate", "--vehicle", "bogie"), ("--set", "recording.topics=roller_contacts"), "does not record 'roller_contacts'"),
         (("simulate", "--vehicle", "bogie"), ("dry",), "leave out CONFIG"),
         (("bench", "--vehicle", "bogie"), ("dry",), "leave out CONFIG"),
         (("bench", "dry", "--time-scale", "2"), ("--set", "time_scale=3.0"), "--time-scale and --set time_scale set the same parameter"),

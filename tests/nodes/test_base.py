@@ -37,6 +37,7 @@ from dcrb_ros.recordings.replay import ReplayParameters
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten, load_configuration, nest
+from dcrb_ros.vehicle.file import read_parameters
 
 
 class Asked(BenchNode):
@@ -268,6 +269,16 @@ def test_a_change_that_fits_a_pending_one_is_accepted(ros: None) -> None:
     assert answer(node, faults__outer_2__width=0.002) == (True, "")
     assert not answer(node, time_scale=-1.0, faults__outer_3__azimuth=1.0)[0]
     node.destroy_node()
+
+
+def test_a_node_records_no_topic_that_it_does_not_publish(ros: None, tmp_path: Path) -> None:
+    SimulatorNode(parameters=load_configuration("dry", {"recording.topics": "diagnosis"})).destroy_node()
+    with pytest.raises(Refusal, match=r"recording.topics: this run does not record 'envelope_spectrum'"):
+        SimulatorNode(parameters=load_configuration("dry", {"recording.topics": "envelope_spectrum"}))
+    path = tmp_path / "two.yaml"
+    path.write_text(VEHICLE)
+    with pytest.raises(Refusal, match=r"recording.topics: this run does not record 'diagnosis'"):
+        VehicleSimulatorNode(None, str(path), parameters=read_parameters(str(path), ["recording.topics=diagnosis"]))
 
 
 def test_a_wrong_type_is_named_as_such(ros: None) -> None:

@@ -22,7 +22,7 @@ from slow_recorder import SlowRecorder
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.topics import DETECTED, NAMESPACE, SENSOR, SIMULATED, VIBRATION
 from dcrb_ros.recordings.reader import Recording
-from dcrb_ros.recordings.recorder import Recorder, channel_of, chosen_topics
+from dcrb_ros.recordings.recorder import Recorder, channel_of, check_topics, chosen_topics
 from dcrb_ros.recordings.recorder_thread import RecorderThread
 from dcrb_ros.recordings.splitting import RecordingFailed
 from dcrb_ros.recordings.verification import metadata_flaw
@@ -77,6 +77,22 @@ def test_definitions_are_those_of_ros_2() -> None:
 )
 def test_topics_are_separated_by_commas_or_blanks(text: str, names: set[str]) -> None:
     assert {topic.name for topic in chosen_topics(text)} == names
+
+
+def test_topics_that_a_run_never_records_are_refused() -> None:
+    def check(topics: str, *, contacts: bool = False, detector: bool = False) -> None:
+        given = {"publishing.contacts": contacts, "recording.topics": topics}
+        other = {**given, "publishing.contacts": False}
+        check_topics(load_configuration("dry", other), load_configuration("dry", given), detector=detector)
+
+    check("")
+    check("roller_contacts, ground_truth", contacts=True)
+    check("diagnosis fault_indicators", detector=True)
+    for name, detector in (("roller_contacts", True), ("lubrication/state", True), ("envelope_spectrum", True), ("diagnosis", False)):
+        with pytest.raises(Refusal, match=f"recording.topics: this run does not record '{name}': leave it out"):
+            check(f"outer_ring/vibration, {name}", detector=detector)
+    with pytest.raises(Refusal, match=r"recording.topics: there is no topic 'ground_thruth'; did you mean"):
+        check("ground_thruth")
 
 
 @pytest.mark.parametrize(("given", "start_ns"), [({}, 0), ({"start_ns": 5}, 5)])
