@@ -89,7 +89,8 @@ class BenchStatus:
         if self._starting() or not self._engine.prepared:
             warning = warning or self._compiling()
         factor = self._real_time_factor(time_ns * 1e-9)
-        level = ERROR if recording.failed else WARN if behind or others or warning else OK
+        failure = self._failure()
+        level = ERROR if failure else WARN if behind or others or warning else OK
         count = self._refusals.count
         values = {
             "time_scale": f"{gate.pacer.scale:g}",
@@ -113,7 +114,14 @@ class BenchStatus:
             **more,
         }
         message = warning or (self._behind if behind else "others publish on the same topics" if others else model)
-        return Status(name, level, recording.state if level == ERROR else message, values)
+        return Status(name, level, failure or message, values)
+
+    def _failure(self) -> str:
+        """Return why the simulation or the last recording failed, or ""."""
+        error = self._engine.failure
+        if error is not None:
+            return str(error) or type(error).__name__
+        return self._recording.state if self._recording.failed else ""
 
     def _model(self) -> str:
         """Return what the model does.

@@ -168,12 +168,14 @@ class SimulatingNode(BenchNode):
         return self.engine.failure or (RecordingFailed(self.recording.first_failure) if self.recording.first_failure else None)
 
     def close(self) -> None:
-        """Stop the simulation and finish the recording; wait for the delivery of the last messages if it was not interrupted."""
+        """Stop the simulation and finish the recording; if it was not interrupted, report a failure and wait for the delivery."""
         finished = self.engine.finished
         self.engine.close()
         self.recording.close()
         if finished:
             self._repeat_clock()
+            if self.failure is not None:
+                self._report()
             self._publisher.flush()
 
     def record_detected(self, topic: Topic) -> None:

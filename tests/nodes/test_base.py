@@ -23,7 +23,7 @@ from waiting import wait_for
 
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.messages.bundle import Bundle
-from dcrb_ros.messages.statuses import Status
+from dcrb_ros.messages.statuses import ERROR, Status, decode_diagnostics
 from dcrb_ros.messages.topics import CLOCK, LOAD_COMMAND, SPEED_COMMAND, Message
 from dcrb_ros.nodes.base import BenchNode
 from dcrb_ros.nodes.clock import ClockPublisher
@@ -369,6 +369,24 @@ def test_the_last_time_of_a_run_is_published(replayed: bool, ros: None, tmp_path
     assert published == [20_000_000]
     node.close()
     assert published == [20_000_000, 60_000_000]
+    node.destroy_node()
+
+
+def test_a_failed_model_is_the_last_report(ros: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    published: list[Message] = []
+    monkeypatch.setattr(Publisher, "write_messages", lambda publisher, messages: published.extend(messages))
+
+    def fail(*_: object) -> None:
+        raise RuntimeError("the model failed on purpose")
+
+    node = SimulatorNode()
+    node.engine.prepare()
+    monkeypatch.setattr(node._source.simulation, "blocks", fail)
+    node.engine.start()
+    wait_for(lambda: node.engine.ended)
+    node.close()
+    (status,) = decode_diagnostics(published[-1].data)[1]
+    assert (status.level, status.message, status.values["model"]) == (ERROR, "the model failed on purpose", "failed")
     node.destroy_node()
 
 
