@@ -44,7 +44,7 @@ def exit_status(program: str, command: Callable[[], Any]) -> int:
         # Typer's usage errors: their class depends on the release, their method does not.
         explain = getattr(error, "format_message", None)
         if explain is not None:
-            _report(program, f"{explain()} (try --help)")
+            _report(program, f"{explain() or 'a command is missing'} (try --help)")
             return 2
         where = "" if isinstance(error, RuntimeError) else " (DCRB_DEBUG=1 shows where)"
         if isinstance(error, OSError) and error.filename == NAME:

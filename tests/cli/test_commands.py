@@ -135,3 +135,11 @@ def test_an_empty_path_is_not_the_current_folder(command: tuple[str, ...], capsy
 def test_a_path_that_must_be_given_cannot_be_left_out(command: tuple[str, ...], sentence: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert dcrb(*command) == 2
     assert capsys.readouterr().err.endswith(sentence)
+
+
+@pytest.mark.parametrize("group", [(), ("config",), ("exam",)])
+def test_a_missing_command_is_named(group: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
+    assert dcrb(*group) == 2
+    output = capsys.readouterr()
+    assert output.err == "dcrb: a command is missing (try --help)\n"
+    assert "--help" in output.out
