@@ -20,7 +20,11 @@ MOST_WORKERS = 256
 """Largest number of parallel runs that is accepted [-]."""
 OF_NODES = {
     "time_scale": "the simulation runs as fast as it can",
+    "publishing.clock": "nothing is published",
+    "publishing.listeners": "nothing is published",
+    "publishing.wait": "nothing is published",
     "recording.path": "and name the recording with -o",
+    "recording.queue": "the simulation waits for the disk",
 }
 """Parameters that only nodes use, each with what takes their place in a command without nodes."""
 
