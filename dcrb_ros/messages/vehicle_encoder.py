@@ -57,6 +57,7 @@ class VehicleEncoder:
         before = self._place if self._place is not None else truth.place if truth.time_ns else 0.0
         self._pose, self._place = self._pose.moved(truth.place - before, curvature), truth.place
         if repeats_with(next(iter(block.boxes.values()))):
+            messages.append(Message(TRANSFORMS, truth.time_ns, self._frames))
             messages.append(Message(VEHICLE_DESCRIPTION, truth.time_ns, self._description))
         messages.append(Message(VEHICLE_TRUTH, truth.time_ns, encode_vehicle_truth(truth)))
         messages.append(Message(VEHICLE_STATE, block.end_ns, encode_state(block.end_ns, self._pose, truth.speed, truth.speed * curvature)))

@@ -113,6 +113,19 @@ def test_a_vehicle_in_a_curve_to_the_left_turns_to_the_left(start: int, places: 
     assert state.twist.twist.angular.z == pytest.approx(30.0 * 0.01)
 
 
+def test_descriptions_and_frames_are_repeated_every_second() -> None:
+    vehicle = vehicle_of({"vehicle.bench": "dry", "axle_1.left": {}, "axle_1.right": {}}, "two boxes")
+    names = [box.name for box in vehicle.boxes]
+    encoder = VehicleEncoder(vehicle, dict.fromkeys(names, BODIES))
+    first = {message.topic: message.data for message in encoder.start()}
+    repeated = []
+    for made in list(blocks(51))[-2:]:  # the last one begins at a second
+        about = truth(time_ns=made.stamp_ns, load={}, parts={}, creep={}, events=())
+        messages = encoder.encode(VehicleBlock(dict.fromkeys(names, made), about, made.end_ns))
+        repeated.append({message.topic: message.data for message in messages if message.topic in first})
+    assert repeated == [{}, first]
+
+
 def truth(**changes: Any) -> VehicleTruth:
     about: dict[str, Any] = {
         "time_ns": 40_000_000,
