@@ -29,9 +29,8 @@ class ClockPublisher:
     def write(self, bundle: Bundle) -> None:
         """Publish the end of a bundle, unless a message was published less than `PERIOD` ago."""
         with self._lock:
-            self._time_ns, now = bundle.end_ns, time.monotonic()
-            if now >= self._next:
-                self._next = now + PERIOD
+            self._time_ns = bundle.end_ns
+            if time.monotonic() >= self._next:
                 self._publish_time()
 
     def repeat(self) -> None:
@@ -41,4 +40,5 @@ class ClockPublisher:
 
     def _publish_time(self) -> None:
         """Publish the time, with the lock held: a time read before would run back behind that of `write`."""
+        self._next = time.monotonic() + PERIOD
         self._publish([Message(CLOCK, self._time_ns, encode_clock(self._time_ns))])

@@ -347,6 +347,18 @@ def test_the_clock_does_not_run_back_if_a_block_comes_during_a_report(ros: None,
     node.destroy_node()
 
 
+def test_a_repeated_time_counts_for_the_rate_of_the_clock(monkeypatch: pytest.MonkeyPatch) -> None:
+    published: list[int] = []
+    now = iter([100.0, 100.005, 100.009, 100.02, 100.03])
+    monkeypatch.setattr("dcrb_ros.nodes.clock.time.monotonic", lambda: next(now, 100.03))
+    monkeypatch.setattr("dcrb_ros.nodes.clock.PERIOD", 0.01)
+    clock = ClockPublisher(lambda messages: published.extend(message.time_ns for message in messages))
+    clock.repeat()
+    for end_ns in (20, 40, 60):
+        clock.write(Bundle(0, end_ns, ()))
+    assert published == [0, 60]
+
+
 @pytest.mark.parametrize("replayed", [False, True])
 def test_the_last_time_of_a_run_is_published(replayed: bool, ros: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     published: list[int] = []
