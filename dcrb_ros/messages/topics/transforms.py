@@ -34,5 +34,9 @@ def encode_transforms(configuration: Configuration) -> bytes:
 
 
 TRANSFORMS = Topic(
-    "/tf_static", TF, "place of the sensor in the bearing; simulator only, if `tf2_msgs` is installed", depth=1, latched=True
+    "/tf_static",
+    TF,
+    "place of the sensor in the bearing; of a vehicle, the places of all boxes, also in a replay; if `tf2_msgs` is installed",
+    depth=1,
+    latched=True,
 )
