@@ -54,9 +54,9 @@ def smoothed(level: Floats, lines: int) -> Floats:
 
 def spectrum_of(task: Task[Any], machine: str) -> Spectrum:
     """Return the spectrum of a task's recording."""
-    original, samples = task.original, task.signal.recording.longest_part(SECONDS)
-    factor = 4 if original.rate >= 40000 else 1
-    rate = original.rate / factor
+    original, one = task.original, task.signal.recording
+    samples, factor = one.samples()[: round(SECONDS * one.rate)], 4 if one.rate >= 40000 else 1
+    rate = one.rate / factor
     frequency, density = signal.welch(signal.decimate(samples, factor) if factor > 1 else samples, rate, nperseg=SEGMENT)
     band = (frequency > LOWEST) & (frequency < HIGHEST_SHARE * rate)
     return Spectrum(original.rig, machine, original.bearing, original.truth, 10.0 * np.log10(np.asarray(density)[band]))

@@ -26,7 +26,7 @@ def replica(
     seed: Annotated[int, typer.Option(help="Seed of everything that is drawn.")] = 1,
     machines: Annotated[int, typer.Option(help="Simulated machines for each measured one, 1 to 64.")] = 6,
     counterparts: Annotated[int, typer.Option(help="Counterparts of each faulty recording, at most one on each machine.")] = 3,
-    longest: Annotated[float, typer.Option(help="Longest part of a recording that is compared [s], 1 to 60.")] = 5.0,
+    longest: Annotated[float, typer.Option(help="Longest part of a recording that is compared [s], 1 to 60.")] = 2.5,
     bench: Annotated[
         str, typer.Option(help="Configuration on which the bearings are scaled.", autocompletion=completion.configurations)
     ] = "ball_bearing_6205",

@@ -58,8 +58,8 @@ def canonical(tree: Any) -> str:
     return json.dumps(tree, sort_keys=True, separators=(",", ":"), ensure_ascii=True, allow_nan=False)
 
 
-def scenarios_hash(cases: Iterable[Case], tags: Sequence[str] = ()) -> str:
-    """Return the SHA-256 of all scenarios: configurations, timelines, durations, expected verdicts and the values of some ``tags``.
+def scenarios_hash(cases: Iterable[Case], tags: Sequence[str] = (), **task: float) -> str:
+    """Return the SHA-256 of a task and all scenarios: configurations, timelines, durations, expected verdicts and values of some ``tags``.
 
     Names and order do not enter the hash.
     """
@@ -71,6 +71,7 @@ def scenarios_hash(cases: Iterable[Case], tags: Sequence[str] = ()) -> str:
                 "required": c.expectation.required,
                 "run": c.simulation.described(),
                 **{tag: c.expectation.tags.get(tag) for tag in tags},
+                **task,
             },
         )
         for c in cases

@@ -18,6 +18,7 @@ from dcrb_ros.exam.case import Case, CaseSimulation, derived_tags, refuse_ineffe
 from dcrb_ros.exam.criteria import Criteria, DelayLimits
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.fault_history import fault_history
+from dcrb_ros.exam.replica_priors import START, STARTS
 from dcrb_ros.exam.revolutions import speed_knots
 from dcrb_ros.exam.twins import with_twins
 from dcrb_ros.schema.fields import Group, choice, quantity
@@ -74,6 +75,8 @@ class ReplicaOrigin(Group):
     counterparts: int
     longest: float
     """Longest part of a recording [s]."""
+    lead: float = 0.0
+    """Length of the healthy run before each recording [s]; 0 in a file that does not state it."""
     without: list[str]
     """Parts that are left out."""
     dcrb_ros: str
@@ -112,8 +115,10 @@ class Exam:
 
     @property
     def digest(self) -> str:
-        """SHA-256 of the scenarios; of a replica also of the machines, which decide what precedes each recording."""
-        return scenarios_hash(self.cases, (MACHINE_TAG, GAIN_TAG) if self.replica else ())
+        """SHA-256 of the scenarios; of a replica also of the machines and of what is known of the healthy runs."""
+        if self.replica is None:
+            return scenarios_hash(self.cases)
+        return scenarios_hash(self.cases, (MACHINE_TAG, GAIN_TAG), lead=self.replica.lead, start=START, starts=STARTS)
 
 
 def read_exam(source: str | Path) -> Exam:

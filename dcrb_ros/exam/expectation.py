@@ -41,7 +41,7 @@ class Expectation:
     last_verdict: bool = False
     """Whether the answer is the last verdict from the onset on, instead of the most frequent one; also of a healthy bearing."""
     lead: str = ""
-    """Name of the healthy recording that ends at the onset, which several scenarios may share; empty if there is none."""
+    """Name of the healthy signal that ends at the onset, which several scenarios may share; empty if there is none."""
     speeds: tuple[Knot, ...] = ()
     """Times [s] and speeds [rad/s] between which the speed is linear; if empty, it is constant at the tag ``speed``."""
 

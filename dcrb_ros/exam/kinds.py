@@ -49,7 +49,7 @@ def matching(exam: AnyExam, pattern: str) -> AnyExam:
     if isinstance(exam, VehicleExam):
         return dataclasses.replace(exam, name=name, cases=tuple(case for case in exam.cases if case.name in kept))
     kept |= {case.expectation.twin for case in exam.cases if case.name in kept}
-    if exam.replica is not None:  # a healthy recording of the machine precedes each
+    if exam.replica is not None:  # a healthy run of the machine precedes each
         machines = {case.expectation.tags.get(MACHINE_TAG) for case in exam.cases if case.name in kept}
         kept |= {case.name for case in exam.cases if not case.expectation.faulty and case.expectation.tags.get(MACHINE_TAG) in machines}
     return dataclasses.replace(exam, name=name, cases=tuple(case for case in exam.cases if case.name in kept))

@@ -1,10 +1,10 @@
-"""A recording with known truth after a healthy one of the same machine, from which a detector learns what healthy is."""
+"""A recording with known truth after a healthy signal of the same machine, from which a detector learns what healthy is."""
 
 from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Generic, TypeVar
@@ -17,10 +17,20 @@ from dcrb_ros.bearing.waveform import Piece
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.schema.arrays import Floats
 
-LEAD = 5.0
-"""Longest part of a healthy recording before the one under evaluation [s]."""
+LEAD = 2.5
+"""Longest healthy signal before a recording [s]."""
 PIECE = 0.05
 """Length of a block [s]."""
+SAME_SPEED = 0.05
+"""Relative difference up to which the speed of a healthy signal is made that of the recording [-]."""
+LARGEST_FACTOR = 10000
+"""Largest denominator of the factor by which it is stretched [-]."""
+ROUNDING = 1e-6
+"""Rounding error of a number of samples [-]."""
+FILTER_ORDER = 8
+"""Order of the low-pass filter, which is applied forwards and backwards [-]."""
+BAND = 0.42
+"""Corner of the low-pass filter of all signals over the sampling rate [-], below the edges that other filters leave behind."""
 SAME_BEARING = 1e-3
 """Largest relative difference between the orders of one bearing in two rows of the table [-]."""
 
@@ -49,38 +59,39 @@ class JudgedRecording(ABC):
         return {"rig": self.rig}
 
     @abstractmethod
-    def longest_part(self, seconds: float) -> Floats:
-        """Return the acceleration of the first ``seconds`` [m/s^2], shape (samples,)."""
-
-    def samples_within(self, seconds: float) -> int:
-        """Return the number of samples of that part."""
-        return len(self.longest_part(seconds))
+    def samples(self) -> Floats:
+        """Return the acceleration [m/s^2], shape (samples,)."""
 
 
 Judged = TypeVar("Judged", bound=JudgedRecording)
 
 
+@dataclass(frozen=True, kw_only=True)
+class Form:
+    """What all signals of a machine and bearing type have in common, so that only the vibration tells healthy ones from faulty ones."""
+
+    rate: int
+    """Sampling rate, the lowest one of the recordings [Hz]."""
+    judged: float
+    """Length of the part under evaluation [s]."""
+    lead: float
+    """Length of the healthy signal [s]."""
+
+
 @dataclass(frozen=True)
 class LedSignal(Generic[Judged]):
-    """A recording after a healthy one; the shaft turns on without a jump, at the speed of each.
+    """The beginning of a recording after the end of a healthy one, both without their mean and behind one low-pass filter.
 
-    Levels cannot be compared unless all bearings are known to have been recorded with one gain. Otherwise the healthy recording is scaled
-    to the rms of the other one.
+    * A healthy signal at nearly the speed of the recording is stretched to that speed, and the shaft turns on without a jump.
+    * Levels cannot be compared unless all bearings are known to have been recorded with one gain. Otherwise the healthy signal is scaled
+      to the rms of the recording.
     """
 
     recording: Judged
     lead: Judged | None
-    """The healthy recording; None if there is none."""
-    longest: float
-    """Longest part of the recording under evaluation [s]."""
-    longest_lead: float = LEAD
-    """Longest part of the healthy recording [s]."""
+    """The recording with the healthy signal at its end, for a measured healthy one itself; None if there is none."""
+    form: Form
     bearing: None = None
-
-    @property
-    def recordings(self) -> list[Judged]:
-        """The healthy recording, if there is one, and the other one."""
-        return [self.recording] if self.lead is None else [self.lead, self.recording]
 
     @property
     def orders(self) -> Orders:
@@ -90,7 +101,17 @@ class LedSignal(Generic[Judged]):
     @property
     def sampling_rate(self) -> int:
         """[Hz]"""
-        return self.recording.rate
+        return self.form.rate
+
+    @property
+    def _lead_samples(self) -> int:
+        """Samples of the healthy signal; none without one."""
+        return math.floor(self.form.lead * self.form.rate + ROUNDING) if self.lead else 0
+
+    @property
+    def _judged_samples(self) -> int:
+        """Samples of the part under evaluation."""
+        return math.floor(self.form.judged * self.form.rate + ROUNDING)
 
     def temperatures(self) -> TemperatureReadings:
         """Return no reading."""
@@ -98,63 +119,81 @@ class LedSignal(Generic[Judged]):
 
     def pieces(self) -> Iterator[Piece]:
         """Yield the blocks of both recordings."""
-        rate, before, values = self.recording.rate, self._before(), self.recording.longest_part(self.longest)
-        samples = np.concatenate([before, values])
-        frequency = np.repeat([self.lead.speed if self.lead else 0.0, self.recording.speed], [len(before), len(values)])
+        rate, speed, samples = self.form.rate, self.recording.speed, np.concatenate(self._signals())
+        frequency = np.full(len(samples), speed)
+        if self.lead and not self._near:
+            frequency[: self._lead_samples] = self.lead.speed
         angle = np.mod(np.cumsum(frequency) * (2.0 * np.pi / rate), 2.0 * np.pi)
         length = max(1, int(PIECE * rate))
         for begin in range(0, len(samples), length):
             part = samples[begin : begin + length].astype(np.float32)
             yield Piece(begin, np.column_stack([part, part]), angle[begin : begin + length].astype(np.float32), 0.0)
 
-    def _before(self) -> Floats:
-        """Return the samples of the healthy recording at the sampling rate of the other one [m/s^2]."""
-        from scipy.signal import resample_poly
+    @property
+    def _near(self) -> bool:
+        """Whether the healthy signal is stretched to the speed of the recording."""
+        return self.lead is not None and abs(self.lead.speed / self.recording.speed - 1.0) <= SAME_SPEED
 
+    def _signals(self) -> tuple[Floats, Floats]:
+        """Return the healthy signal and the recording after it [m/s^2]."""
+        samples, ratio = self.recording.samples(), Fraction(self.form.rate, self.recording.rate)
+        judged = self._formed(samples[: math.ceil(self._judged_samples / ratio)], ratio)[: self._judged_samples]
         if self.lead is None:
-            return np.zeros(0)
-        signal, rate = self.lead.longest_part(self.longest_lead), self.recording.rate
-        if self.lead.rate != rate:
-            signal = np.asarray(resample_poly(signal, rate, self.lead.rate))
-        return signal if self.recording.gain_known else signal * self._scale(signal)
+            return np.zeros(0), judged
+        count, ratio = self._lead_samples, Fraction(self.form.rate, self.lead.rate)
+        if self._near:
+            ratio *= Fraction(self.lead.speed / self.recording.speed).limit_denominator(LARGEST_FACTOR)
+        given = samples if self.lead is self.recording else self.lead.samples()
+        lead = self._formed(given[-math.ceil(count / ratio) :], ratio)[:count]
+        healthy, level = float(lead.std()), float(judged.std())
+        scaled = not self.recording.gain_known and healthy > 0.0 and level > 0.0
+        return lead * (level / healthy) if scaled else lead, judged
 
-    def _scale(self, lead: Floats) -> float:
-        """Return the factor that gives the healthy recording the rms of the other one; 1 if one of them is constant."""
-        healthy, judged = float(lead.std()), float(self.recording.longest_part(self.longest).std())
-        return judged / healthy if healthy > 0.0 and judged > 0.0 else 1.0
+    def _formed(self, samples: Floats, ratio: Fraction) -> Floats:
+        """Return samples without their mean, at ``ratio`` times their rate, and behind the low-pass filter."""
+        from scipy.signal import butter, resample_poly, sosfiltfilt
+
+        formed = samples - samples.mean()
+        if ratio != 1:
+            formed = resample_poly(formed, ratio.numerator, ratio.denominator)
+        return np.asarray(sosfiltfilt(butter(FILTER_ORDER, 2.0 * BAND, output="sos"), formed))
 
     def expectation(self) -> Expectation:
-        """Return what is expected: an alarm in the healthy lead is false, and the last verdict after it counts."""
-        rate, before, lead = self.recording.rate, 0, ""
-        if self.lead is not None:  # resampled to the other rate
-            before, lead = math.ceil(Fraction(self.lead.samples_within(self.longest_lead) * rate, self.lead.rate)), self.lead.name
-        return expectation(self.recording, (before + self.recording.samples_within(self.longest)) / rate, before / rate, lead)
+        """Return what is expected: an alarm in the healthy signal is false, and the last verdict after it counts."""
+        onset, end = (count / self.form.rate for count in (self._lead_samples, self._lead_samples + self._judged_samples))
+        return expectation(self.recording, end, onset, f"the end of {self.lead.name}" if self.lead else "")
 
 
-def healthy_lead(recording: Judged, recordings: Sequence[Judged]) -> Judged | None:
-    """Return another, healthy recording of the same machine and bearing type at the nearest speed; None if there is none.
+def form_of(recording: Judged, seconds: Mapping[str, float], recordings: Iterable[Judged], longest: float) -> Form:
+    """Return the form of all signals of a recording's machine and bearing type, whose lengths by name are ``seconds`` [s].
 
-    A bearing type is known by its orders. A higher sampling rate is reduced, so that rates may differ; a lower one cannot be used.
+    A healthy recording provides `LEAD` or, if it is shorter than twice that, half of its length as the healthy signal; the rest is judged.
+    Of a faulty one, all is judged.
     """
-    candidates = [
-        other
-        for other in recordings
-        if other.truth == "healthy"
-        and other.name != recording.name
-        and other.machine == recording.machine
-        and other.rate >= recording.rate
-        and _same_bearing(other.orders, recording.orders)
-    ]
+    alike = [other for other in recordings if _alike(recording, other)]
+    leads = {other.name: min(LEAD, 0.5 * seconds[other.name]) for other in alike if other.truth == "healthy"}
+    judged = min(longest, *(seconds[other.name] - leads.get(other.name, 0.0) for other in alike))
+    return Form(rate=min(other.rate for other in alike), judged=judged, lead=min(leads.values(), default=LEAD))
+
+
+def healthy_recording(recording: Judged, recordings: Iterable[Judged]) -> Judged | None:
+    """Return the healthy recording of the same machine and bearing type at the nearest speed, itself if it is healthy; None without one."""
+    if recording.truth == "healthy":
+        return recording
+    candidates = [other for other in recordings if other.truth == "healthy" and _alike(recording, other)]
     return min(candidates, key=lambda other: (abs(other.speed - recording.speed), other.name), default=None)
 
 
-def _same_bearing(first: Orders, second: Orders) -> bool:
-    pairs = zip(first.as_dict().values(), second.as_dict().values(), strict=True)
-    return all(math.isclose(a, b, rel_tol=SAME_BEARING) for a, b in pairs)
+def _alike(first: JudgedRecording, second: JudgedRecording) -> bool:
+    """Return whether two recordings are of one machine and bearing type, which is known by its orders."""
+    return first.machine == second.machine and all(
+        math.isclose(a, b, rel_tol=SAME_BEARING)
+        for a, b in zip(first.orders.as_dict().values(), second.orders.as_dict().values(), strict=True)
+    )
 
 
 def expectation(recording: JudgedRecording, end: float, onset: float = 0.0, lead: str = "") -> Expectation:
-    """Return what is expected of a recording from ``onset`` to ``end`` [s], after the recording ``lead``; ball faults are not required."""
+    """Return what is expected of a recording from ``onset`` to ``end`` [s], after the signal ``lead``; ball faults are not required."""
     # Envelope analysis cannot name most ball faults (Smith and Randall 2015), so they enter the statistics only.
     required = recording.truth != "roller"
     return Expectation(recording.name, recording.truth, end, onset, recording.tags, required=required, last_verdict=True, lead=lead)

@@ -1,10 +1,11 @@
 """Measured recordings with known truth: a table of files.
 
-The shipped detector judges each as a whole. A detector in Python first receives a healthy recording of the same machine.
+The shipped detector judges each as a whole. A detector in Python first receives a healthy signal of the same machine.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import hashlib
 import math
 import zipfile
@@ -23,7 +24,7 @@ from dcrb_ros.exam.case import canonical
 from dcrb_ros.exam.criteria import UNLIMITED, Criteria, DelayLimits
 from dcrb_ros.exam.evaluation import Outcome, Scenario, ScenarioSet, Signal, bearing_scenario, named
 from dcrb_ros.exam.expectation import Expectation
-from dcrb_ros.exam.led_signal import LEAD, JudgedRecording, LedSignal, expectation, healthy_lead
+from dcrb_ros.exam.led_signal import JudgedRecording, LedSignal, expectation, form_of, healthy_recording
 from dcrb_ros.messages.received_diagnosis import decode_diagnosis
 from dcrb_ros.messages.topics.diagnosis import encode_diagnosis
 from dcrb_ros.schema.arrays import Floats
@@ -266,7 +267,7 @@ class WholeRecording:
 
     def expectation(self) -> Expectation:
         """Return what is expected; the verdict is that of the last sample."""
-        return expectation(self.recording, (self.recording.samples_within(self.longest) - 1) / self.recording.rate)
+        return expectation(self.recording, (len(self.recording.longest_part(self.longest)) - 1) / self.recording.rate)
 
 
 @dataclass(frozen=True)
@@ -292,14 +293,31 @@ def whole_scenarios(folder: Path, speed: str, longest: float = LONGEST) -> Scena
 
 
 def led_scenarios(folder: Path, speed: str, longest: float = LONGEST) -> ScenarioSet[LedSignal[MeasuredRecording]]:
-    """Return the recordings of a folder, each after a healthy one of the same machine and bearing type where the table has one.
-
-    Either is at most ``longest`` [s], and the healthy one at most `LEAD`.
-    """
+    """Return the recordings of a folder, each after a healthy signal; see `led_recordings`."""
     recordings = read_measured(folder, speed)
-    signals = [LedSignal(one, healthy_lead(one, recordings), longest, min(longest, LEAD)) for one in recordings]
+    signals = led_recordings(recordings, longest)
     scenarios = [bearing_scenario(named(s.recording.name, s.expectation), partial(_itself, s)) for s in signals]
-    return _scenario_set(speed, [longest], recordings, scenarios)
+    task = [[dataclasses.astuple(s.form), s.lead.name if s.lead else ""] for s in signals]
+    return _scenario_set(speed, [longest, canonical(task)], recordings, scenarios)
+
+
+def led_recordings(recordings: Sequence[MeasuredRecording], longest: float) -> list[LedSignal[MeasuredRecording]]:
+    """Return the beginnings of recordings, of each at most ``longest`` [s], after a healthy signal.
+
+    A healthy recording follows its own end. A faulty one follows the end of the healthy one of the same machine and bearing type at the
+    nearest speed, if there is one. All of a machine and bearing type have one form; see `form_of`.
+
+    Raises:
+        Refusal: see `MeasuredRecording.samples`, or a healthy recording is too short to be divided.
+    """
+    seconds = {one.name: len(one.samples()) / one.rate for one in recordings}
+    for one in recordings:
+        if one.truth == "healthy" and seconds[one.name] < 2.0 * SHORTEST:
+            raise Refusal(
+                f"{one.file} has {seconds[one.name]:.2f} s, but a healthy recording needs {2.0 * SHORTEST:g} s, since one half follows the "
+                "other: leave it out of the table"
+            )
+    return [LedSignal(one, healthy_recording(one, recordings), form_of(one, seconds, recordings, longest)) for one in recordings]
 
 
 def _scenario_set(

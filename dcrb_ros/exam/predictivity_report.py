@@ -16,12 +16,11 @@ from dcrb_ros.exam.evaluation import OnDone
 from dcrb_ros.exam.exam_file import Exam, ReplicaOrigin
 from dcrb_ros.exam.exam_scenarios import led_signals
 from dcrb_ros.exam.leaderboard_entry import Entry
-from dcrb_ros.exam.led_signal import LEAD
 from dcrb_ros.exam.limits import Limits
 from dcrb_ros.exam.measured import TABLE, led_scenarios, read_measured, read_table
 from dcrb_ros.exam.predictivity import Compared, Marks, Predictivity, check_families, predictivities
 from dcrb_ros.exam.predictivity_marks import answers_of
-from dcrb_ros.exam.predictivity_task import Task, measured_tasks, simulate_missing, simulated_tasks
+from dcrb_ros.exam.predictivity_task import Task, measured_tasks, runs_of, simulate_missing, simulated_tasks
 from dcrb_ros.exam.replica import table_digest
 from dcrb_ros.exam.statistics import CONFIDENCE, Interval, class_mean
 from dcrb_ros.schema.arrays import Floats
@@ -86,7 +85,7 @@ def compare_with_field(
     measured = read_table(table, origin.speed)
     first = measured_tasks(measured, origin.longest)
     second = simulated_tasks(exam, measured, recordings)
-    simulate_missing(second, workers, progress("simulated", len(second)))
+    simulate_missing(second, workers, progress("simulated", len(runs_of(second))))
     tasks: list[Task[Any]] = [*first, *second]
     found = answers_of(members, tasks, recordings, limits, workers, progress("judged", len(members)))
     kept = [member for member in members if member.name in found.answers]
@@ -102,18 +101,13 @@ def compare_entries(table: Path, exam: Exam, entries: Sequence[Entry], measured:
     Each detector is a family of its own. The measured recordings must have been cut to the longest part of the replica.
 
     Raises:
-        Refusal: the replica is one of another table or has longer healthy parts than measured recordings, an entry was made with another
-            exam, another task or another truth, or lacks a recording, or fewer than three detectors are in both.
+        Refusal: the replica is one of another table or task, an entry was made with another exam, another task or another truth, or lacks a
+            recording, or fewer than three detectors are in both.
     """
     origin, ours, field = origin_of(exam, table), by_name(entries, "the exam"), by_name(measured, "the measured recordings")
     foreign = next((name for name, entry in ours.items() if entry.scenarios_sha256 != exam.digest), None)
     if foreign is not None:
         raise Refusal(f"the entry '{foreign}' was made with another exam than '{exam.name}': make it with dcrb score REPLICA --entry")
-    if origin.longest > LEAD:
-        raise Refusal(
-            f"the healthy parts of '{exam.name}' have up to {origin.longest:g} s, but those of dcrb score --measured {LEAD:g} s: give "
-            "--detectors instead of entries, or make a replica with a shorter --longest"
-        )
     table_rows = read_table(table, origin.speed)
     counterparts: dict[str, list[str]] = {}
     for task in simulated_tasks(exam, table_rows, Path()):

@@ -1,7 +1,8 @@
-"""The task of both sides of a comparison: each recording, measured or simulated, after a healthy one of its machine."""
+"""The task of both sides of a comparison: each recording, measured or simulated, after a healthy signal of its machine."""
 
 from __future__ import annotations
 
+import dataclasses
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
@@ -13,9 +14,9 @@ from typing import Generic
 
 from dcrb_ros.exam.evaluation import OnDone
 from dcrb_ros.exam.exam_file import Exam
-from dcrb_ros.exam.exam_scenarios import SimulatedRecording, led_signals
-from dcrb_ros.exam.led_signal import Judged, LedSignal, healthy_lead
-from dcrb_ros.exam.measured import MeasuredRecording
+from dcrb_ros.exam.exam_scenarios import SimulatedRecording, led_signals, simulated_recordings
+from dcrb_ros.exam.led_signal import Judged, LedSignal
+from dcrb_ros.exam.measured import MeasuredRecording, led_recordings
 from dcrb_ros.exam.recording_cache import cached_recording, case_hash, is_recorded
 from dcrb_ros.runtime.processes import in_processes
 from dcrb_ros.schema.refusal import Refusal
@@ -45,7 +46,7 @@ def measured_tasks(recordings: Sequence[MeasuredRecording], longest: float) -> l
     if missing is not None:
         raise Refusal(f"{missing.file} is not there: restore this recording, or leave {missing.name} out of the table")
     files = {recording.name: hashlib.sha256(recording.file.read_bytes()).hexdigest() for recording in recordings}
-    signals = [LedSignal(one, healthy_lead(one, recordings), longest, longest) for one in recordings if one.truth in COMPARED]
+    signals = [signal for signal in led_recordings(recordings, longest) if signal.recording.truth in COMPARED]
     return [_task(signal, signal.recording, files) for signal in signals]
 
 
@@ -56,7 +57,6 @@ def simulated_tasks(exam: Exam, recordings: Sequence[MeasuredRecording], folder:
         Refusal: a scenario is no counterpart of a recording of the table.
     """
     known = {recording.name: recording for recording in recordings}
-    hashes = {case.name: case_hash(case) for case in exam.cases}
     tasks = []
     for signal in led_signals(exam, folder):
         simulated = signal.recording
@@ -67,16 +67,21 @@ def simulated_tasks(exam: Exam, recordings: Sequence[MeasuredRecording], folder:
                 "with dcrb exam replica"
             )
         if simulated.truth in COMPARED:
+            hashes = {one.name: case_hash(one.case) for one in simulated_recordings(signal)}
             tasks.append(_task(signal, original, hashes))
     return tasks
 
 
+def runs_of(tasks: Sequence[Task[SimulatedRecording]]) -> dict[str, SimulatedRecording]:
+    """Return the recordings of all tasks and the healthy runs before them by name."""
+    return {one.name: one for task in tasks for one in simulated_recordings(task.signal)}
+
+
 def simulate_missing(tasks: Sequence[Task[SimulatedRecording]], workers: int, progress: AbstractContextManager[OnDone]) -> None:
-    """Simulate the recordings and their leads that are missing, with more than one worker in processes of their own."""
-    recordings = {one.name: one for task in tasks for one in task.signal.recordings}
+    """Simulate the recordings that are missing, with more than one worker in processes of their own."""
     with progress as on_done:
         missing = {}
-        for name, one in recordings.items():
+        for name, one in runs_of(tasks).items():
             if is_recorded(one.case, one.folder):
                 on_done(name)
             else:
@@ -91,10 +96,10 @@ def _task(signal: LedSignal[Judged], original: MeasuredRecording, digests: Mappi
         digests[one.name],
         *([digests[lead.name], lead.speed, lead.rate] if lead else []),
         one.rate,
+        dataclasses.astuple(signal.form),
         one.speed,
         one.orders.as_dict(),
         [getattr(each, "unit", "") for each in (one, lead or one)],
-        signal.longest,
         one.gain_known,
     ]
     digest = hashlib.sha256(json.dumps(about).encode()).hexdigest()

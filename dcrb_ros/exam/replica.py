@@ -15,6 +15,7 @@ from typing import Any
 
 from dcrb_ros.exam.criteria import UNLIMITED
 from dcrb_ros.exam.exam_file import GAIN_TAG, MACHINE_TAG, exam_of
+from dcrb_ros.exam.led_signal import LEAD, form_of
 from dcrb_ros.exam.measured import FOUND, KNOWN, LEAST_TURNS, MeasuredRecording, read_table
 from dcrb_ros.exam.replica_geometry import bearing_settings, geometry_of, longest_step
 from dcrb_ros.exam.replica_priors import (
@@ -63,7 +64,7 @@ class ReplicaPlan:
     """Simulated machines for each measured one; each has a counterpart of every healthy recording [-]."""
     counterparts: int = 3
     """Counterparts of a faulty recording, on different machines [-]."""
-    longest: float = 5.0
+    longest: float = 2.5
     """Longest part of a recording that is simulated and compared [s]."""
     bench: str = BENCH
     """Configuration on which the bearings are scaled."""
@@ -122,6 +123,7 @@ def replica_tree(table: Path, plan: ReplicaPlan, speed: str = "lines") -> dict[s
             "machines": plan.machines,
             "counterparts": plan.counterparts,
             "longest": plan.longest,
+            "lead": LEAD,
             "without": list(plan.without),
             "dcrb_ros": __version__,
         },
@@ -155,11 +157,12 @@ def _counterparts(
             f"{table}, {recording.name}: a speed of {60.0 * recording.speed:g} rpm is outside 0 .. {rpm(fastest):.0f} rpm of the bench: "
             "check the column of speeds, or leave it out of the table"
         )
-    turns = min(plan.longest, recording.seconds) * recording.speed
+    form = form_of(recording, {one.name: one.seconds for one in recordings}, recordings, plan.longest)
+    turns = form.judged * recording.speed
     if turns < LEAST_TURNS:
         raise Refusal(
             f"{table}, {recording.name}: at {60.0 * recording.speed:g} rpm the shaft makes {turns:.2g} revolutions in the "
-            f"{min(plan.longest, recording.seconds):g} s that are compared, but a verdict needs {LEAST_TURNS:g}: check the column of "
+            f"{form.judged:g} s that are compared, but a verdict needs {LEAST_TURNS:g}: check the column of "
             "speeds, compare a longer part with --longest, or leave the recording out of the table"
         )
     sampled = fields_by_key()["sensor.sampling_rate"]
@@ -171,7 +174,7 @@ def _counterparts(
         )
     try:
         bearing = bearing_settings(geometry_of(recording.orders), bench, recording.pitch_radius)
-        fixed = {**bearing, **rates(recording.rate, longest_step(bearing, bench))}
+        fixed = {**bearing, **rates(form.rate, longest_step(bearing, bench))}
         changed(bench, fixed, "its bearing")
     except Refusal as refusal:
         raise Refusal(f"{table}, {recording.name}: {refusal}") from None
@@ -187,7 +190,7 @@ def _counterparts(
         yield {
             "name": f"{recording.name}/{number + 1}",
             "verdict": recording.truth,
-            "duration": min(plan.longest, recording.seconds),
+            "duration": form.judged,
             "seeds": [int(generator_of(plan.seed, machine, recording.name, "run").integers(1, SEEDS))],
             "twin": False,
             "required": recording.truth != "roller",

@@ -108,6 +108,8 @@ PRIORS: tuple[Prior, ...] = (
     Prior("structure.mounting", "bearing", Seed(), "-", "spectra of the bearings of a rig, three rigs", "path"),
 )
 """What is drawn for every replica."""
+START, STARTS = 0.2, 0.3
+"""Shortest start of a run that is cut off, and the range of its random lengths [s]."""
 HOUSINGS = {"balls": "laboratory", "rollers": "axle_box"}
 """Housing of a replica with a path, by the kind of its bench; see `dcrb_ros.measurement.housing_priors`."""
 MOST_SPREAD = 1.3

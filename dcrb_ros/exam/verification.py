@@ -6,9 +6,8 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from dcrb_ros.exam.case import simulation_seeds
 from dcrb_ros.exam.exam_file import Exam
-from dcrb_ros.exam.exam_scenarios import expectations
+from dcrb_ros.exam.exam_scenarios import expectations, seeds_of
 from dcrb_ros.exam.leaderboard_entry import Entry, entry_of
 from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.scoring import score_scenario
@@ -32,7 +31,7 @@ def differences(entry: Entry, exam: Exam) -> Iterator[str]:
         score_scenario(expectation, stated[expectation.name].diagnoses.received(), exam.criteria, failure=stated[expectation.name].failure)
         for expectation in expectations(exam)
     )
-    seeds = simulation_seeds(exam.cases)
+    seeds = seeds_of(exam)
     follows = entry_of(Report(exam.name, entry.detector, exam.criteria, exam.digest, results, exam.seal, seeds))
     if entry.criteria_sha256 != follows.criteria_sha256:
         yield f"its criteria are not those of the exam in dcrb_ros {__version__}; dcrb_ros {entry.dcrb_ros} made it"

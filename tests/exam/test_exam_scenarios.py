@@ -15,14 +15,17 @@ import yaml
 from dcrb_ros.cli.score import print_scenarios
 from dcrb_ros.exam import exam_scenarios
 from dcrb_ros.exam.exam_file import Exam, exam_of
-from dcrb_ros.exam.exam_scenarios import expectations, led_signals
+from dcrb_ros.exam.exam_scenarios import expectations, led_signals, simulated_recordings
+from dcrb_ros.exam.expectation import repeated_time
 from dcrb_ros.exam.kinds import matching
+from dcrb_ros.exam.led_signal import LEAD
+from dcrb_ros.exam.replica_priors import START, STARTS
 from dcrb_ros.exam.scoring import score_scenario
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.schema.refusal import Refusal
 
 ORIGIN = {
-    **{"table_sha256": "", "speed": "lines", "seed": 1, "machines": 2, "counterparts": 1, "longest": 2.0, "without": []},
+    **{"table_sha256": "", "speed": "lines", "seed": 1, "machines": 2, "counterparts": 1, "longest": 2.0, "lead": LEAD, "without": []},
     "dcrb_ros": "0.1.0",
 }
 
@@ -56,22 +59,55 @@ GIVEN = (
 )
 
 
-def test_a_healthy_recording_of_the_same_machine_at_the_nearest_speed_precedes_each() -> None:
-    signals = {signal.recording.name: signal for signal in led_signals(replica(*GIVEN), Path())}
-    leads = {name: signal.lead.name if signal.lead else "" for name, signal in signals.items()}
-    assert leads == {"calm/1": "fast/1", "calm/2": "", "fast/1": "", "outer/1": "fast/1", "outer/3": ""}
+def test_a_healthy_run_of_the_same_machine_precedes_each() -> None:
+    loaded = {**GIVEN[3], "set": {**GIVEN[3]["set"], "operating.load": 900.0}}
+    signals = {signal.recording.name: signal for signal in led_signals(replica(*GIVEN[:3], loaded, GIVEN[4]), Path())}
+    assert {name for name, signal in signals.items() if signal.lead is None} == {"outer/3"}
+    for signal in signals.values():
+        if signal.lead is None:
+            continue
+        ours, theirs = signal.recording.case.simulation.configuration, signal.lead.case.simulation.configuration
+        # Nothing but the vibration tells the two apart.
+        assert (theirs.operating, theirs.sensor, theirs.publishing) == (ours.operating, ours.sensor, ours.publishing)
+        assert (signal.lead.rate, signal.lead.speed, signal.sampling_rate) == (
+            ours.sensor.sampling_rate,
+            signal.recording.speed,
+            signal.lead.rate,
+        )
+        assert theirs.simulation.step == ours.simulation.step
+        assert theirs.simulation.seed != ours.simulation.seed
+        assert not theirs.faults.described()
+        assert signal.lead.truth == "healthy"
+        assert signal.lead.case.simulation.duration == pytest.approx(signal.lead.start + LEAD)
+        assert len({one.name for one in simulated_recordings(signal)}) == 2
     faulty = signals["outer/1"].recording
     assert (faulty.rate, faulty.truth, faulty.rig, faulty.gain_known) == (10000, "outer_ring", "r", False)
     assert faulty.orders.bpfo + faulty.orders.bpfi == pytest.approx(16.0)
 
 
-def test_the_onset_is_the_end_of_the_healthy_recording() -> None:
+def test_the_healthy_run_is_of_the_bearing_at_the_nearest_speed() -> None:
+    given = [{**one, "set": {**one["set"], "surfaces.seed": number}} for number, one in enumerate(GIVEN, 1)]
+    leads = {signal.recording.name: signal.lead for signal in led_signals(replica(*given), Path())}
+    seeds = {name: lead and lead.case.simulation.configuration.surfaces.seed for name, lead in leads.items()}
+    # A healthy recording follows a run of its own bearing, and outer/1, at 190 rad/s, one of fast/1.
+    assert seeds == {"calm/1": 1, "calm/2": 2, "fast/1": 3, "outer/1": 3, "outer/3": None}
+
+
+def test_the_background_of_a_healthy_run_is_proportional_to_the_speed() -> None:
+    background = {"structure.housing": "laboratory", "structure.healthy_level": 3.0}
+    given = [{**one, "set": {**one["set"], **background}} for one in GIVEN]
+    leads = {signal.recording.name: signal.lead for signal in led_signals(replica(*given), Path())}
+    levels = {name: lead and lead.case.simulation.configuration.model_dump()["structure"]["healthy_level"] for name, lead in leads.items()}
+    assert levels == {"calm/1": 3.0, "calm/2": 3.0, "fast/1": 3.0, "outer/1": pytest.approx(3.0 * 190.0 / 200.0), "outer/3": None}
+
+
+def test_the_onset_is_the_end_of_the_healthy_run() -> None:
     found = {expectation.name: expectation for expectation in expectations(replica(*GIVEN))}
-    # The healthy recording of 1 s at 20 kHz is reduced to 10 kHz.
     assert {name: (one.onset, one.duration) for name, one in found.items()} == {
-        **{"calm/1": (1.0, 3.0), "calm/2": (0.0, 2.0), "fast/1": (0.0, 1.0)},
-        **{"outer/1": (1.0, 3.0), "outer/3": (0.0, 2.0)},
+        **{"calm/1": (LEAD, LEAD + 2.0), "calm/2": (LEAD, LEAD + 2.0), "fast/1": (LEAD, LEAD + 1.0)},
+        **{"outer/1": (LEAD, LEAD + 2.0), "outer/3": (0.0, 2.0)},
     }
+    assert repeated_time(list(found.values())) == 0.0
     assert all(one.last_verdict and one.required for one in found.values())
     assert found["outer/1"].tags["width"] == 0.001
 
@@ -98,14 +134,20 @@ def test_a_known_gain_is_part_of_the_signal_and_of_the_digest() -> None:
     assert replica(*known).digest != replica(*GIVEN).digest
 
 
-def test_a_recording_has_the_axis_of_the_load(monkeypatch: pytest.MonkeyPatch) -> None:
-    both = np.array([[1.0, 2.0]]).repeat(20000, axis=0)
+def test_a_recording_has_the_axis_of_the_load_and_its_run_a_start_that_is_cut_off(monkeypatch: pytest.MonkeyPatch) -> None:
+    recording = led_signals(replica(*GIVEN), Path())[0].recording
+    both = np.array([[1.0, 2.0]]).repeat(round(recording.case.simulation.duration * recording.rate), axis=0)
     monkeypatch.setattr(exam_scenarios, "cached_recording", lambda case, folder: folder / case.name)
     monkeypatch.setattr(exam_scenarios, "Recording", lambda path: SimpleNamespace(acceleration=both))
-    recording = led_signals(replica(*GIVEN), Path())[0].recording
-    part = recording.longest_part(1.5)
-    assert (part.shape, set(part)) == ((15000,), {2.0})
-    assert len(part) == recording.samples_within(1.5)
+    samples = recording.samples()
+    assert (samples.shape, set(samples)) == ((20000,), {2.0})
+
+
+def test_a_healthy_run_and_the_recording_after_it_begin_at_different_angles() -> None:
+    for signal in led_signals(replica(*GIVEN[:4]), Path()):
+        starts = [run.start for run in simulated_recordings(signal)]
+        assert len(set(starts)) == 2
+        assert all(START <= start < START + STARTS for start in starts)
 
 
 def test_a_scenario_without_a_machine_is_refused() -> None:
@@ -118,6 +160,7 @@ def test_a_scenario_without_a_machine_is_refused() -> None:
     [
         ({"duration": 2.5}, "lasts 2.5 s, but replica.longest is 2 s"),
         ({"onset": 1.0}, "changes while it is recorded"),
+        ({"speed": 0.0}, "stands still, but a recording has a speed"),
         ({"timeline": [{"at": 1.0, "set": {"operating.speed": 50.0}}]}, "changes while it is recorded"),
     ],
 )
@@ -132,24 +175,38 @@ def test_a_longest_part_that_is_no_time_is_refused() -> None:
         expectations(replica(*GIVEN, replica={**ORIGIN, "longest": -1.0}))
 
 
+def test_healthy_runs_of_another_length_are_refused() -> None:
+    exam = replica(*GIVEN, replica={**ORIGIN, "lead": 5.0})
+    with pytest.raises(
+        Refusal, match=r"replica\.lead = 5 s in two machines, but a recording follows 2\.5 s of healthy signal: make it again"
+    ):
+        expectations(exam)
+    assert exam.digest != replica(*GIVEN).digest
+
+
+def test_a_replica_without_the_length_of_its_healthy_runs_is_refused() -> None:
+    without = {key: value for key, value in ORIGIN.items() if key != "lead"}
+    with pytest.raises(Refusal, match=r"replica\.lead = 0 s in two machines, .*: make it again"):
+        expectations(replica(*GIVEN, replica=without))
+
+
 def test_a_scenario_is_required_as_its_file_says() -> None:
     given = [*GIVEN, scenario("outer/4", "m4", "outer_ring", required=False)]
     assert [one.name for one in expectations(replica(*given)) if not one.required] == ["outer/4"]
 
 
-def test_the_revolutions_are_those_of_each_part() -> None:
+def test_the_revolutions_are_counted_in_either_direction() -> None:
     found = {one.name: one for one in expectations(replica(*GIVEN))}["outer/1"]
-    # 1 s at 200 rad/s, then 2 s at 190 rad/s in the other direction.
-    assert found.revolutions(0.0, found.onset) == pytest.approx(200.0 / (2.0 * math.pi))
+    # Both at 190 rad/s.
+    assert found.revolutions(0.0, found.onset) == pytest.approx(190.0 * LEAD / (2.0 * math.pi))
     assert found.revolutions(found.onset, found.end) == pytest.approx(380.0 / (2.0 * math.pi))
-    assert found.revolutions(0.0, found.end) == pytest.approx(580.0 / (2.0 * math.pi))
 
 
 def test_the_last_verdict_counts_whenever_it_is_given() -> None:
     criteria = {"delay": dict.fromkeys(("outer_ring", "inner_ring", "roller"), 1e6), "smallest_width": 0.0, "silence": 1e6}
     exam = replica(*GIVEN, criteria=criteria)
     (late,) = [one for one in expectations(exam) if one.name == "outer/1"]
-    given = [ReceivedDiagnosis(time, verdict) for time, verdict in ((0.5, "healthy"), (2.9, "outer_ring"))]
+    given = [ReceivedDiagnosis(time, verdict) for time, verdict in ((0.5, "healthy"), (LEAD + 1.9, "outer_ring"))]
     assert score_scenario(late, given, exam.criteria).passed
     with pytest.raises(Refusal, match=r"but criteria.delay.outer_ring allows 1e\+06 s"):
         replica(*GIVEN, criteria=criteria, replica=None)
@@ -158,7 +215,7 @@ def test_the_last_verdict_counts_whenever_it_is_given() -> None:
 def test_the_list_has_the_onset_in_the_signal(capsys: pytest.CaptureFixture[str]) -> None:
     print_scenarios(replica(*GIVEN))
     (row,) = [line for line in capsys.readouterr().out.splitlines() if "outer/1" in line]
-    assert [cell.strip() for cell in row.split("│")[2:5]] == ["outer_ring", "1", "3"]
+    assert [cell.strip() for cell in row.split("│")[2:5]] == ["outer_ring", "2.5", "4.5"]
 
 
 def test_a_selected_recording_keeps_what_precedes_it() -> None:

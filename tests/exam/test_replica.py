@@ -62,6 +62,14 @@ def test_a_replica_needs_no_recording_and_has_the_shape_of_the_table(tmp_path: P
     assert sorted(faulty) == [f"bench#{k}" for k in range(1, 5)]
 
 
+def test_the_recordings_of_a_machine_have_one_rate(tmp_path: Path) -> None:
+    given_table = table(tmp_path, ROWS, machine="m")
+    text = given_table.read_text().replace("calm_1,bench12,healthy,12000", "calm_1,bench48,healthy,48000")
+    given_table.write_text(text)
+    scenarios = replica_tree(given_table, PLAN)["scenarios"]
+    assert {scenario["set"]["sensor.sampling_rate"] for scenario in scenarios} == {12000}
+
+
 def test_a_replica_is_an_exam_and_the_same_for_the_same_seed(tmp_path: Path) -> None:
     given_table = table(tmp_path)
     first, second = replica_tree(given_table, PLAN), replica_tree(given_table, PLAN)
@@ -116,7 +124,8 @@ def test_columns_of_the_table_replace_what_is_drawn(tmp_path: Path) -> None:
     tree = replica_tree(table(tmp_path, gain="known", load="333", pitch_diameter_mm="50", seconds="1.5"), PLAN)
     sets = [scenario["set"] for scenario in tree["scenarios"]]
     assert {(one["structure.gain_y"], one["operating.load"], one["bearing.pitch_radius"]) for one in sets} == {(1.0, 333.0, 0.025)}
-    assert {scenario["duration"] for scenario in tree["scenarios"]} == {1.5}
+    # A measured healthy recording of 1.5 s leaves half of its length after the healthy signal.
+    assert {scenario["duration"] for scenario in tree["scenarios"]} == {0.75}
     unknown = replica_tree(table(tmp_path, gain="unknown"), PLAN)
     gains = {(one["tags"]["machine"], one["tags"]["recording"][:-2]): one["set"]["structure.gain_y"] for one in unknown["scenarios"]}
     assert len(set(gains.values())) == len(gains) == 8
@@ -214,7 +223,10 @@ def test_every_prior_is_described_and_draws_values_within_its_words() -> None:
         ({"seconds": "0.4"}, "line 2: seconds = 0.4, but a verdict needs 0.5 s: leave calm_1 out"),
         ({"gain": "loud"}, "gain = loud is invalid"),
         ({"speed_rpm_from_lines": "10000"}, "calm_1: a speed of 10000 rpm is outside 0 .. 9549 rpm of the bench: check the"),
-        ({"speed_rpm_from_lines": "1e-6"}, "calm_1: at 1e-06 rpm the shaft makes 8.3e-08 revolutions in the 5 s that are compared, but a"),
+        (
+            {"speed_rpm_from_lines": "1e-6"},
+            "calm_1: at 1e-06 rpm the shaft makes 4.2e-08 revolutions in the 2.5 s that are compared",
+        ),
         ({"speed_rpm_from_lines": "x"}, "line 2"),
     ],
 )
