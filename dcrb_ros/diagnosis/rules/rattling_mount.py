@@ -18,6 +18,8 @@ LATEST = 3
 """Hops of which the median counts."""
 FEWEST = 4
 """Earlier hops without which nothing is compared."""
+ALIKE = 1.5
+"""Largest ratio of the changes of an axis among small and large samples [-]."""
 REMEMBERED = 120
 """Earlier hops from which the usual asymmetry is taken: a minute."""
 
@@ -69,12 +71,14 @@ class RattlingMount(SampleRule[RattlingMountParameters]):
         return f"the asymmetry of large and small samples has changed by {change:.2f} in all axes: the mount of the sensor is loose"
 
     def _change(self) -> float:
-        """Return the least change of the asymmetry among small and large samples of all axes; 0 if those of an axis differ in sign [-]."""
+        """Return the least change of the asymmetry among small and large samples of all axes; 0 if those of an axis are not alike [-]."""
         if len(self._latest) < LATEST or len(self._earlier) < FEWEST:
             return 0.0
         changes = np.median(self._latest, axis=0) - np.median(self._earlier, axis=0)
-        alike = np.all((changes > 0.0).all(axis=0) | (changes < 0.0).all(axis=0))
-        return float(np.abs(changes).min()) if alike else 0.0
+        sizes = np.abs(changes)
+        same_sign = (changes > 0.0).all(axis=0) | (changes < 0.0).all(axis=0)
+        alike = same_sign & (sizes.max(axis=0) <= ALIKE * sizes.min(axis=0))
+        return float(sizes.min()) if alike.all() else 0.0
 
 
 def asymmetry(samples: Floats) -> Floats:

@@ -379,6 +379,16 @@ def test_what_changes_one_axis_or_large_samples_alone_is_no_mount(axes: int, sma
         assert rule.flaw(samples(*columns)) == ""
 
 
+def test_a_signal_whose_large_samples_are_more_asymmetric_is_no_loose_mount() -> None:
+    """So do impacts: ring faults of a measured rig have -0.09 for small samples and -0.22 for large ones."""
+    rule, random = RattlingMount(P), np.random.default_rng(14)
+    for number in range(14):
+        columns = random.normal(size=(2, 20000))
+        if number >= 8:
+            columns += 0.1 * columns**2  # 0.07 beyond quartiles, 0.2 beyond the 2nd percentiles
+        assert rule.flaw(samples(*columns)) == ""
+
+
 def test_a_loose_mount_has_lost_eight_decibels_and_is_below_its_level() -> None:
     def level(value: float) -> Any:
         return levels(0.0, 0.0, 0.0, 0.0, level=(50.0, 50.0, 7.0 + value, 7.0))
