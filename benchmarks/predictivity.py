@@ -90,7 +90,7 @@ def main() -> int:
     parser.add_argument("--recordings", type=Path, default=default_folder())
     parser.add_argument("--machines", type=int, default=6)
     parser.add_argument("--counterparts", type=int, default=3)
-    parser.add_argument("--longest", type=float, default=5.0)
+    parser.add_argument("--longest", type=float, default=ReplicaPlan.longest)
     parser.add_argument("--published", action="store_true", help="only the published settings of each family but the shipped one")
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--leaderboard", type=Path, help="folder with entries, and with those on MEASURED in its subfolder measured/")
