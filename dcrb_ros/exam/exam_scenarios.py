@@ -59,7 +59,7 @@ def _recording_of(case: Case, exam: Exam, origin: ReplicaOrigin, folder: Path) -
     elif case.simulation.scenario is not None or expectation.onset:
         flaw = "changes while it is recorded, but a recording has one speed and one truth"
     elif configuration.operating.speed == 0.0:
-        flaw = "stands still, but a recording has a speed"
+        flaw = "is at rest, but a recording has a speed"
     elif not duration <= origin.longest:
         flaw = f"lasts {duration:g} s, but replica.longest is {origin.longest:g} s"
     if flaw:

@@ -68,7 +68,7 @@ Judged = TypeVar("Judged", bound=JudgedRecording)
 
 @dataclass(frozen=True, kw_only=True)
 class Form:
-    """What all signals of a machine and bearing type have in common, so that only the vibration tells healthy ones from faulty ones."""
+    """What all signals of a machine and bearing type have in common, so that only the vibration distinguishes healthy from faulty ones."""
 
     rate: int
     """Sampling rate, the lowest one of the recordings [Hz]."""

@@ -160,7 +160,7 @@ def test_a_scenario_without_a_machine_is_refused() -> None:
     [
         ({"duration": 2.5}, "lasts 2.5 s, but replica.longest is 2 s"),
         ({"onset": 1.0}, "changes while it is recorded"),
-        ({"speed": 0.0}, "stands still, but a recording has a speed"),
+        ({"speed": 0.0}, "is at rest, but a recording has a speed"),
         ({"timeline": [{"at": 1.0, "set": {"operating.speed": 50.0}}]}, "changes while it is recorded"),
     ],
 )
