@@ -44,6 +44,8 @@ DEFAULTS = DetectorParameters()
 
 MARGIN_PERIODS = 10.0
 """Periods of the lowest frequency on either side of a hop that its envelope depends on."""
+LARGEST_INDEX = 2**53
+"""Largest number of a sample [-]: times are numbers of double precision."""
 BINS_PER_ORDER = 3
 """Bins per turn relative to the highest order [-]; 2 is the Nyquist rate."""
 
@@ -160,8 +162,11 @@ class FaultDetector:
         ``acceleration`` has shape (samples, axes) [m/s^2], ``shaft_angle`` (samples,) [rad]; without a tachometer, omit it or pass NaN.
 
         Raises:
-            Refusal: arrays of another shape or type, or other axes than those of the baseline; the detector continues with the next block.
+            Refusal: arrays of another shape or type, other axes than those of the baseline, or an index beyond `LARGEST_INDEX`. The
+                detector continues with the next block.
         """
+        if abs(index) > LARGEST_INDEX:
+            raise Refusal(f"index has {len(str(abs(index)))} digits, but the number of a sample is at most {LARGEST_INDEX}: count samples")
         diagnosis = None
         if self._baseline is not None and acceleration.ndim == 2:
             self._baseline.check_axes(acceleration)

@@ -115,7 +115,7 @@ class Exam:
 
     @property
     def digest(self) -> str:
-        """SHA-256 of the scenarios; of a replica also of the machines and of what is known of the healthy runs."""
+        """SHA-256 of the scenarios; of a replica also of the machines and of the lengths and starts of the healthy runs."""
         if self.replica is None:
             return scenarios_hash(self.cases)
         return scenarios_hash(self.cases, (MACHINE_TAG, GAIN_TAG), lead=self.replica.lead, start=START, starts=STARTS)

@@ -92,8 +92,8 @@ def led_signals(exam: Exam, folder: Path) -> list[LedSignal[SimulatedRecording]]
     """Return the recordings of a replica, which are kept in a folder, each after a healthy run of its own if the machine has a healthy one.
 
     Raises:
-        Refusal: the exam is no replica or has healthy runs of another length than `LEAD`, or one of its scenarios names no machine,
-            changes during the recording or is too long.
+        Refusal: the exam is no replica or has healthy runs of another length than `LEAD`, or one of its scenarios names no machine, is
+            at rest, changes during the recording or is too long.
     """
     if exam.replica is None:
         raise Refusal(f"the exam '{exam.name}' is no replica: make one with dcrb exam replica")

@@ -16,7 +16,7 @@ from typing import Any
 from dcrb_ros.exam.criteria import UNLIMITED
 from dcrb_ros.exam.exam_file import GAIN_TAG, MACHINE_TAG, exam_of
 from dcrb_ros.exam.led_signal import LEAD, form_of
-from dcrb_ros.exam.measured import FOUND, KNOWN, LEAST_TURNS, MeasuredRecording, read_table
+from dcrb_ros.exam.measured import FOUND, KNOWN, LEAST_TURNS, SHORTEST, MeasuredRecording, read_table
 from dcrb_ros.exam.replica_geometry import bearing_settings, geometry_of, longest_step
 from dcrb_ros.exam.replica_priors import (
     AZIMUTH,
@@ -96,7 +96,7 @@ def replica_tree(table: Path, plan: ReplicaPlan, speed: str = "lines") -> dict[s
     """Return the exam file of a replica as a tree for YAML; equal tables and plans give equal trees.
 
     Each machine of the table has `ReplicaPlan.machines` counterparts, drawn from `replica_priors.PRIORS`. Each of these has every healthy
-    recording of the machine, from which a detector learns, and its share of the faulty ones.
+    recording of the machine and its share of the faulty ones. A healthy run of `LEAD` precedes each; see `exam_scenarios`.
 
     Raises:
         Refusal: the table is invalid, a bearing has impossible orders, the bench cannot make a recording, or the plan is out of range.
@@ -158,6 +158,11 @@ def _counterparts(
             "check the column of speeds, or leave it out of the table"
         )
     form = form_of(recording, {one.name: one.seconds for one in recordings}, recordings, plan.longest)
+    if form.judged < SHORTEST:
+        raise Refusal(
+            f"{table}, {recording.name}: {form.judged:g} s are compared, since half of a healthy recording precedes the other, but a "
+            f"verdict needs {SHORTEST:g} s: give a healthy recording of at least {2.0 * SHORTEST:g} s, or leave it out of the table"
+        )
     turns = form.judged * recording.speed
     if turns < LEAST_TURNS:
         raise Refusal(

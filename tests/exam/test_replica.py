@@ -221,6 +221,7 @@ def test_every_prior_is_described_and_draws_values_within_its_words() -> None:
         ({"truth": "cage"}, "calm_1 is cage, which has no replica"),
         ({"seconds": "-1"}, "seconds = -1 is not a number above 0"),
         ({"seconds": "0.4"}, "line 2: seconds = 0.4, but a verdict needs 0.5 s: leave calm_1 out"),
+        ({"seconds": "0.6"}, "calm_1: 0.3 s are compared, since half of a healthy recording precedes the other"),
         ({"gain": "loud"}, "gain = loud is invalid"),
         ({"speed_rpm_from_lines": "10000"}, "calm_1: a speed of 10000 rpm is outside 0 .. 9549 rpm of the bench: check the"),
         (

@@ -30,7 +30,7 @@ class RattlingMountParameters(Group):
     rattle_change: float = quantity(
         0.05,
         "-",
-        "Common change of the asymmetry of small and large samples in all axes that is a loose mount; anything else causes up to 0.03",
+        "Common change of the asymmetry of small and large samples in all axes that is a loose mount; up to 0.03 in simulations of others",
         0.005,
         2.0,
     )

@@ -209,7 +209,7 @@ def track(kinks: Kinks | None) -> Status:
     difference, score = float(np.median(kinks.louder)), 3.0 * len(kinks.first)
     again = f"{len(kinks.first)} impact{'s' * (len(kinks.first) > 1)} that the other wheelset repeats {kinks.lags[-1] * 1e3:.1f} ms later"
     if math.isnan(difference):
-        return Status("joint", f"{again}; one side is measured only", probability(score), score)
+        return Status("joint", f"{again}; only one side is measured", probability(score), score)
     if abs(difference) < ONE_RAIL:
         return Status("joint", f"{again}, on both sides alike", probability(score), score)
     side = SIDES[0] if difference > 0.0 else SIDES[1]

@@ -13,6 +13,7 @@ from scipy.optimize import brentq
 
 from dcrb_ros.diagnosis.evidence import LevelHistory, Levels, SampleEvidence
 from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.diagnosis.rules import rattling_mount
 from dcrb_ros.diagnosis.rules.constant import Constant
 from dcrb_ros.diagnosis.rules.dead import Dead
 from dcrb_ros.diagnosis.rules.gain_drift import GainDrift
@@ -387,6 +388,15 @@ def test_a_signal_whose_large_samples_are_more_asymmetric_is_no_loose_mount() ->
         if number >= 8:
             columns += 0.1 * columns**2  # 0.07 beyond quartiles, 0.2 beyond the 2nd percentiles
         assert rule.flaw(samples(*columns)) == ""
+
+
+@pytest.mark.parametrize(("ratio", "loose"), [(1.4, True), (1.6, False)])
+def test_small_and_large_samples_of_a_loose_mount_change_alike(monkeypatch: pytest.MonkeyPatch, ratio: float, loose: bool) -> None:
+    values = iter([0.0] * 8 + [0.1] * 3)
+    rows = np.array([[1.0], [1.0], [ratio], [ratio]]) * np.ones((4, 2))
+    monkeypatch.setattr(rattling_mount, "asymmetry", lambda _: next(values) * rows)
+    rule, hop = RattlingMount(P), samples(*np.zeros((2, 10)))
+    assert bool([rule.flaw(hop) for _ in range(11)][-1]) is loose
 
 
 def test_a_loose_mount_has_lost_eight_decibels_and_is_below_its_level() -> None:

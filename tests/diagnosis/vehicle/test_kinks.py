@@ -76,7 +76,7 @@ def test_joints_that_a_box_hears_from_both_wheelsets_are_the_tracks(spacing: flo
 def test_a_joint_of_which_one_side_is_measured_is_no_crossing(side: str) -> None:
     found = kinks({f"axle_1/{side}": [0.5, 1.3], f"axle_2/{side}": [0.55, 1.35]})
     status = track(found)
-    assert (status.verdict, status.reason.endswith("; one side is measured only")) == ("joint", True)
+    assert (status.verdict, status.reason.endswith("; only one side is measured")) == ("joint", True)
     assert np.isnan(found.louder).all()
 
 
