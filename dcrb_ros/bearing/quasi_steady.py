@@ -154,14 +154,11 @@ class QuasiSteady:
                 break
         return temperatures
 
-    def after(
-        self, running: Running, temperatures: Sequence[float], duration: float, loss: float = 0.0, *, ambient: float | None = None
-    ) -> Vector:
+    def after(self, running: Running, temperatures: Sequence[float], duration: float, loss: float = 0.0) -> Vector:
         """Return the temperatures after a step over a duration [s], with the heat of the temperatures before; some 20 s are a good step."""
         thermal = self.configuration.thermal
         heat = self.network.heat(self.power(running, temperatures, loss), thermal.sun)
-        surroundings = thermal.ambient if ambient is None else ambient
-        return self.network.after(temperatures, self.conductances(running), heat, surroundings, duration)
+        return self.network.after(temperatures, self.conductances(running), heat, thermal.ambient, duration)
 
     def _rolling(self, oil: Any, running: Running, number: int) -> float:
         """Return the power that a row loses in the resistance of a raceway's contacts to rolling [W]: 2 F_R V each."""

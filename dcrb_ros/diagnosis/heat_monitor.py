@@ -89,7 +89,12 @@ class HeatMonitor:
         """Return what the latest reading says at a ``time`` [s]; None if it is the first one, or far from that time, as after a reset."""
         return self._judgement if self._before is not None and abs(time - self._before) <= LONGEST_PAUSE else None
 
-    def _restart(self, time: float) -> None:
+    def forget(self) -> None:
+        """Begin anew, as after the reset of a bench; what was learned about the bearing is kept."""
+        self._restart(None)
+        self._cool = -math.inf
+
+    def _restart(self, time: float | None) -> None:
         self._before, self._judgement = time, None
         self.model.restart()
         self._suspicions = {rule.trouble: Suspicion() for rule in self._rules}

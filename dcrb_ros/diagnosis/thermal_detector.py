@@ -17,7 +17,7 @@ import numpy.typing as npt
 from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.diagnosis.demodulation import NYQUIST_SHARE
 from dcrb_ros.diagnosis.detector import FaultDetector
-from dcrb_ros.diagnosis.heat_monitor import LONGEST_PAUSE, HeatMonitor
+from dcrb_ros.diagnosis.heat_monitor import LEARNED_WITHIN, LONGEST_PAUSE, HeatMonitor
 from dcrb_ros.diagnosis.heat_rule import HeatFinding
 from dcrb_ros.diagnosis.hysteresis import Suspicion, probability
 from dcrb_ros.diagnosis.registry import HEAT_RULES
@@ -62,6 +62,8 @@ class ThermalFaultDetector(FaultDetector):
         self._noise_finding: HeatFinding | None = None
         self._frequency = math.nan
         """Latest shaft frequency [Hz], but for `_angle`; NaN where it is unknown."""
+        self._last = math.nan
+        """Latest shaft frequency that was known when a temperature was read [Hz]."""
         self._turned_until = 0.0
         """End of the block from which the frequency is known [s]."""
         self._angle: Floats | None = None
@@ -73,16 +75,24 @@ class ThermalFaultDetector(FaultDetector):
 
         Temperatures are in deg C. ``load`` is that on the bearing [N], NaN where it is unknown. The next diagnosis takes the reading into
         account. Readings need not be regular. During a pause of more than ten minutes the operation of the bearing is unknown. Impossible
-        values are counted, and noted in the remarks of the diagnosis. Readings are left out while the shaft frequency is unknown, and from
-        ten minutes after the latest block.
+        values are counted, and noted in the remarks of the diagnosis. While the shaft frequency is unknown, and from ten minutes after the
+        latest block, only readings far above the rise that was expected last are taken into account: a bearing that cools need not be
+        starved, but one that is hot overheats.
         """
         self._take_angle()
-        if not math.isnan(self._frequency) and time - self._turned_until <= LONGEST_PAUSE:
-            self._monitor.update(time, self._frequency, bearing, ambient, load)
+        known = not math.isnan(self._frequency) and time - self._turned_until <= LONGEST_PAUSE
+        if known:
+            self._last = self._frequency
+        model = self._monitor.model
+        if known or (not math.isnan(self._last) and bearing - ambient > model.expected + LEARNED_WITHIN * model.deviation):
+            self._monitor.update(time, self._last, bearing, ambient, load)
 
     def update(self, index: int, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any] | None = None) -> Diagnosis | None:
         """Take a block; see `FaultDetector.update`."""
+        restarts = self.restarts
         diagnosis, end = super().update(index, acceleration, shaft_angle), (int(index) + len(acceleration)) / self.rate
+        if self.restarts != restarts:
+            self._monitor.forget()
         if shaft_angle is not None and len(shaft_angle) > 1 and np.isfinite(shaft_angle).all():
             self._angle, self._turned_until = np.array(shaft_angle, np.float64), end
         elif diagnosis is not None:

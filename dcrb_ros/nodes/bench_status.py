@@ -92,6 +92,7 @@ class BenchStatus:
         failure = self._failure()
         level = ERROR if failure else WARN if behind or others or warning else OK
         count = self._refusals.count
+        residual = progress.energy_residual  # which the engine may forget at any time
         values = {
             "time_scale": f"{gate.pacer.scale:g}",
             "real_time_factor": f"{factor:.3f}" if self._engine.computed else "",
@@ -106,7 +107,7 @@ class BenchStatus:
             "recorder": recording.state,
             "recording": str(recording.path or ""),
             "simulation_interfaces": "offered" if installed(PACKAGE) else "not installed",
-            **({} if progress.energy_residual is None else {"energy_residual [J]": f"{progress.energy_residual:.4g}"}),
+            **({} if residual is None else {"energy_residual [J]": f"{residual:.4g}"}),
             "model": model,
             "other_publishers": ", ".join(others),
             **_lubrication(progress.lubrication),

@@ -231,7 +231,7 @@ class Heating:
         self.temperatures = self._network.after(self.temperatures, self.flow, heat, c.thermal.ambient, duration)
         if self._sensors is not None:
             self._sensors.follow(c, self.temperatures, duration)
-        if self._opposite is not None and self.surroundings.opposite is None:
+        if self._opposite is not None:  # also beside a real one, which may fail
             x, y = state.load.tolist()
             self._opposite.follow(_in_air(c, self.surroundings.air), speed, math.hypot(y, x), self._tick)
         self._count_clamped(c)

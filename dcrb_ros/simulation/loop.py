@@ -276,6 +276,7 @@ class Simulation:
             scheduled = self._scheduled.popleft()
             with self._pending.lock:
                 event = self._alter(scheduled.changes, scheduled.event or ScenarioEvent(scheduled.changes))
+                self._pending.rebase(self._altered)
             if scheduled.event is not None or isinstance(event, Refused):
                 self._note(event)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections import deque
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Any
 
 from dcrb_ros.schema.refusal import Refusal
@@ -67,6 +68,14 @@ class PendingCommands:
             raise Refusal(
                 f"{MAX_PENDING} commands are already waiting for the next block; this one is refused, send it again once the bench runs"
             )
+
+    def rebase(self, alter: Alter) -> None:
+        """Compute the configuration after the pending changes anew, with the lock held: a scenario has changed the present one."""
+        self._after = None
+        for command in self.commands:
+            if isinstance(command, ParameterChange):
+                with suppress(Refusal):
+                    self._after = alter(command.changes, self._after)
 
     def apply(self, apply: Callable[[Command], None]) -> None:
         """Remove the commands in order and apply them."""

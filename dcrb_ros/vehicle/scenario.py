@@ -159,8 +159,9 @@ def check_way(
 
     of_vehicle = (item for item in settings if item[0].key.startswith(PREFIX))
     for frame, together in itertools.groupby(of_vehicle, key=lambda item: item[0].frame):
-        speed = _approached(speed, commands["speed_kmh"], 3.6 * ramp * (frame - begun) * interval)
-        check(frame * interval)
+        before, speed = speed, _approached(speed, commands["speed_kmh"], 3.6 * ramp * (frame - begun) * interval)
+        if speed != before:
+            check(frame * interval)
         for setting, name in together:
             source = name
             if setting.key == RAMP:

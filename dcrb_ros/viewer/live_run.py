@@ -13,6 +13,7 @@ import numpy as np
 import rerun as rr
 
 from dcrb_ros.bearing.fault_lines import fault_combs
+from dcrb_ros.messages.cdr import STAMP_END, stamps
 from dcrb_ros.messages.topics import Topic
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.viewer import bearing_picture, load_zone, order_map, series, spectrum_picture, summary
@@ -29,6 +30,8 @@ RECENT = 1000
 """Number of latest states from which the mean forces in the load zone are computed [-]."""
 MOST_SPECTRA = 300
 """Spectra in the order map at most [-]; it has about as many rows of pixels."""
+EARLY_NS = 200_000_000
+"""Simulated time after a reset whose messages may arrive before it is noticed [ns]."""
 HEADROOM = 1.25
 """Largest force over the end of the force scale before a new scale is drawn [-]."""
 
@@ -55,10 +58,19 @@ class ReceivedMessages:
             del queue[0]
 
     def _check_time(self, stamp_ns: int) -> None:
-        """Close the recording if the simulated time has gone back."""
+        """Close the recording if the simulated time has gone back; messages of the new run that arrived before are kept for it."""
         if stamp_ns < self._newest_ns:
+            early = {topic: [data for data in queue if self._is_early(data, stamp_ns)] for topic, queue in self._received.items()}
+            for topic, queue in early.items():
+                self._received[topic] = [data for data in self._received[topic] if data not in queue]
             self.close()
+            self._received.update(early)
         self._newest_ns = stamp_ns
+
+    def _is_early(self, data: bytes, stamp_ns: int) -> bool:
+        """Return whether a message is of the run that begins at a time [ns], and not of the one before."""
+        latest = stamp_ns + EARLY_NS
+        return self._newest_ns > latest and len(data) >= STAMP_END and int(stamps([data])[0]) <= latest
 
     def close(self) -> None:
         """Log the remaining messages and close the recording."""

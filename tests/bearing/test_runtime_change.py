@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from typing import Any
 
@@ -11,7 +12,9 @@ import pytest
 from dcrb_ros.bearing.runtime_change import altered
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.simulation.pending import PendingCommands
 from dcrb_ros.stream.block import Block, Truth
 from dcrb_ros.stream.events import ParameterChange
 
@@ -138,6 +141,21 @@ def test_a_change_is_checked_after_a_pending_one_of_the_same_parameter() -> None
     with pytest.raises(Refusal, match=r"row1/bar15 is broken and does not heal"):
         simulation.change({"faults.broken_bars": ""})
     assert simulation.check_change({}).faults.broken_bars == "row1/bar15"
+
+
+def test_a_change_is_checked_after_what_a_scenario_has_changed_since() -> None:
+    pending, present = PendingCommands(), load_configuration("dry")
+
+    def alter(changes: Mapping[str, Any], after: Configuration | None) -> Configuration:
+        return altered(present if after is None else after, changes)
+
+    pending.add_change({"operating.load": 50e3}, alter)
+    present = altered(present, {"faults.broken_bars": "row1/bar3"})  # by the scenario
+    with pending.lock:
+        pending.rebase(alter)
+    with pytest.raises(Refusal, match="bar3 is broken and does not heal"):
+        pending.add_change({"faults.broken_bars": "row1/bar5"}, alter)
+    assert pending.check_change({"faults.broken_bars": "row1/bar3,row1/bar5"}, alter).operating.load == 50e3
 
 
 def test_a_change_is_pending_until_it_is_in_the_configuration(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -120,6 +120,25 @@ def test_a_bearing_that_cools_at_an_unknown_speed_is_not_starved() -> None:
     assert {diagnosis.verdict for diagnosis in found if diagnosis.time > 7.0} == {"waiting"}  # no line has a speed
 
 
+def test_a_hot_bearing_overheats_at_an_unknown_speed() -> None:
+    """A dead accelerometer without a shaft angle says nothing of the speed."""
+    one = detector(heat_rise_deviation=1.0, heat_time_lapse=600.0)
+    signal, found = np.concatenate([damaged()[0], np.zeros_like(damaged()[0])]), list[Diagnosis]()
+    for k in range(0, len(signal), RATE // 5):
+        diagnosis = one.update(k, signal[k : k + RATE // 5])
+        found += [diagnosis] if diagnosis is not None else []
+        one.take_temperature(k / RATE, 54.0 if k < len(signal) // 2 else 200.0, 20.0)
+    assert found[-1].verdict == "overheating"
+
+
+def test_a_verdict_on_heat_ends_with_the_reset_of_a_short_run() -> None:
+    one, (acceleration, angle) = detector(), healthy()
+    for k in range(0, len(angle), RATE // 5):
+        one.update(k, acceleration[k : k + RATE // 5], angle[k : k + RATE // 5])
+        one.take_temperature(k / RATE, HOT, 20.0)
+    assert diagnoses(one, (acceleration, angle))[-1].verdict == "healthy"  # from index 0 again, without thermometers
+
+
 def test_a_bearing_that_cools_while_no_signal_arrives_is_not_starved() -> None:
     one, (acceleration, angle) = detector(heat_rise_deviation=1.0), healthy()
     diagnoses(one, (acceleration, angle))

@@ -122,3 +122,13 @@ def test_a_box_that_failed_heats_its_neighbour_no_longer() -> None:
     next(simulation.blocks(0.02))
     opposite = {name: box._heating.surroundings.opposite for name, box in simulation.simulations.items() if name != "axle_1.left"}
     assert [name for name, temperatures in opposite.items() if temperatures is None] == ["axle_1.right"]
+
+
+@pytest.mark.slow
+def test_beside_a_box_that_failed_the_healthy_bearing_has_the_time_that_has_passed() -> None:
+    changes = {f"{box.rpartition('.')[0]}.{key}": value for box in NETWORK for key, value in (("start", "cold"), ("acceleration", 3000.0))}
+    simulation = VehicleSimulation(read_vehicle("healthy_bogie", {**SMOOTH, **NETWORK, **changes}))
+    list(simulation.blocks(1.1))
+    right = simulation.simulations["axle_1.right"]._heating
+    assert right._opposite is not None
+    assert right._opposite.box > 25.0  # it began at 20 deg C

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -29,7 +30,7 @@ from dcrb_ros.vehicle.description import described
 from dcrb_ros.vehicle.file import read_parameters, read_vehicle, vehicle_of
 from dcrb_ros.vehicle.frame import TrackEvent
 from dcrb_ros.vehicle.simulation import VehicleSimulation
-from dcrb_ros.viewer import palette, show
+from dcrb_ros.viewer import live_run, palette, show
 from dcrb_ros.viewer.content import Series, TimedWaveform
 from dcrb_ros.viewer.plan_view import DOUBTFUL, HEALTHY, WAITING, colour_of, text_of, worst
 from dcrb_ros.viewer.vehicle_content import VehicleContent, Verdicts, diagnoses_of, events_in, lead_times
@@ -200,8 +201,12 @@ def test_rerun_is_given_the_readable_messages_of_a_damaged_recording(tmp_path: P
     assert {f"/dcrb/{box}/outer_ring/vibration" for box in BOXES} < topics
 
 
+@pytest.mark.parametrize("boxes", [BOXES, BOXES[::-1]])  # the node receives the first box last
 @pytest.mark.parametrize("batch", [1, 3])  # of 3 blocks, the second contains the reset
-def test_a_running_vehicle_is_shown_and_a_reset_begins_a_new_recording(batch: int, tmp_path: Path) -> None:
+def test_a_running_vehicle_is_shown_and_a_reset_begins_a_new_recording(
+    batch: int, boxes: Sequence[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(live_run, "EARLY_NS", 20_000_000)  # a block
     files: list[Path] = []
     warnings: list[str] = []
 
@@ -219,7 +224,7 @@ def test_a_running_vehicle_is_shown_and_a_reset_begins_a_new_recording(batch: in
     for run in range(2):
         for number in range(4):
             block = blocks(number)
-            for box in BOXES:
+            for box in boxes:
                 view.take(VIBRATION.below(box), encode_vibration(block, block.acceleration))
                 view.take(FEATURES.below(box), encode_features(block))
             # The second spectrum rises beyond the axes of the first.
