@@ -92,7 +92,7 @@ class BenchStatus:
         failure = self._failure()
         level = ERROR if failure else WARN if behind or others or warning else OK
         count = self._refusals.count
-        residual = progress.energy_residual  # which the engine may forget at any time
+        residual = progress.energy_residual  # the engine may reset it at any time
         values = {
             "time_scale": f"{gate.pacer.scale:g}",
             "real_time_factor": f"{factor:.3f}" if self._engine.computed else "",
