@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future
@@ -39,7 +40,7 @@ LONGEST_FLUSH = 30.0
 """Wall time in which Rerun must write what is left [s]: after a failed write it may never answer."""
 
 
-class ReceivedMessages:
+class ReceivedMessages(ABC):
     """Keeps messages until they are logged; after a reset a new Rerun recording is started."""
 
     def __init__(self, begin: Callable[[int], rr.RecordingStream], title: str, log: Callable[[str], object]) -> None:
@@ -72,9 +73,9 @@ class ReceivedMessages:
         latest = stamp_ns + EARLY_NS
         return self._newest_ns > latest and len(data) >= STAMP_END and int(stamps([data])[0]) <= latest
 
+    @abstractmethod
     def close(self) -> None:
         """Log the remaining messages and close the recording."""
-        raise NotImplementedError
 
     def _sound(self, decode: Callable[[Sequence[bytes]], Decoded], messages: Sequence[bytes]) -> Decoded:
         """Return the decoded messages on a topic, or those of none if one is invalid."""
