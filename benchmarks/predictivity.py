@@ -15,7 +15,7 @@ from result_pages import ROOT, commit, today
 
 from dcrb_ros.exam.detector_families import families_of, shipped_members
 from dcrb_ros.exam.evaluation import no_progress
-from dcrb_ros.exam.exam_file import exam_of, read_exam
+from dcrb_ros.exam.exam_file import Exam, exam_of, read_exam
 from dcrb_ros.exam.leaderboard import read_entries
 from dcrb_ros.exam.limits import Limits
 from dcrb_ros.exam.predictivity_figure import write_predictivity_figure
@@ -40,12 +40,16 @@ def compared(given: argparse.Namespace, without: tuple[str, ...]) -> Comparison:
     """Return the comparison of a replica without some parts."""
     recordings = given.measured / "recordings.csv"
     plan = ReplicaPlan(machines=given.machines, counterparts=given.counterparts, longest=given.longest, without=without)
-    exam = exam_of(replica_tree(recordings, plan), "replica")
     with checked_folder(given.recordings) as folder:
         members, broken = families_of(given.detectors, folder)
         if given.published:
             members = [member for member in members if member.published]
-        return compare_with_field(recordings, exam, [*shipped_members(), *members], broken, folder, Limits(), given.workers, no_progress)
+        members = [*shipped_members(), *members]
+
+        def replica() -> Exam:
+            return exam_of(replica_tree(recordings, plan), "replica")
+
+        return compare_with_field(recordings, replica, members, broken, folder, Limits(), given.workers, no_progress)
 
 
 def page(comparisons: dict[str, Comparison], source: str) -> str:

@@ -96,14 +96,14 @@ class DetectorOptions(NamedTuple):
 def evaluate_measured_folder(folder: Path, options: DetectorOptions, speed: str, longest: float, workers: int, *, quiet: bool) -> Report:
     """Return the report of measured recordings, of each at most ``longest`` [s]."""
     from dcrb_ros.exam.evaluation import evaluate
-    from dcrb_ros.exam.measured import ShippedOnce, led_scenarios, whole_scenarios
+    from dcrb_ros.exam.measured import ShippedOnce, led_scenarios, read_measured, whole_scenarios
     from dcrb_ros.exam.plugin_process import ProcessDetector
 
-    progress = partial(progress_of, quiet=quiet)
+    progress, recordings = partial(progress_of, quiet=quiet), read_measured(folder, speed)
     if options.python is not None:
         candidate = ProcessDetector(options.name, options.python, options.limits)
-        return evaluate(candidate, led_scenarios(folder, speed, longest), workers=workers, progress=progress)
-    whole = whole_scenarios(folder, speed, longest)
+        return evaluate(candidate, led_scenarios(recordings, speed, longest), workers=workers, progress=progress)
+    whole = whole_scenarios(recordings, speed, longest)
     return evaluate(ShippedOnce(options.name, options.parameters), whole, workers=workers, progress=progress)
 
 

@@ -84,22 +84,26 @@ def predictivity(
     from dcrb_ros.cli.evaluation import progress_of
     from dcrb_ros.cli.first_start import announce_compilation
     from dcrb_ros.exam.detector_families import families_of, shipped_members
-    from dcrb_ros.exam.exam_file import exam_of, read_exam
+    from dcrb_ros.exam.exam_file import Exam, exam_of, read_exam
     from dcrb_ros.exam.leaderboard import read_entries
     from dcrb_ros.exam.limits import Limits
     from dcrb_ros.exam.predictivity_report import as_json as comparison_tree
-    from dcrb_ros.exam.predictivity_report import compare_entries, compare_with_field, markdown, origin_of
+    from dcrb_ros.exam.predictivity_report import compare_entries, compare_with_field, markdown
     from dcrb_ros.exam.recording_cache import checked_folder, default_folder
     from dcrb_ros.exam.replica import ReplicaPlan, replica_tree
 
     check_outputs(("--output", output, ()), ("--figure", figure, PICTURES), force=force)
     count, given = worker_count(workers), _checked(table)
-    announce_compilation(quiet=quiet)
-    exam = exam_of(replica_tree(given, ReplicaPlan()), f"the replica of {table}") if replica is None else read_exam(replica)
-    origin_of(exam, given)
+
+    def chosen_exam() -> Exam:
+        if replica is not None:
+            return read_exam(replica)
+        announce_compilation(quiet=quiet)
+        return exam_of(replica_tree(given, ReplicaPlan()), f"the replica of {table}")
+
     if entries is not None and measured is not None:
         refuse_given(context, "runs detectors, but entries are compared: leave it out", "detectors", "recordings", "workers", "quiet")
-        comparison = compare_entries(given, exam, read_entries(entries), read_entries(measured))
+        comparison = compare_entries(given, chosen_exam(), read_entries(entries), read_entries(measured))
     elif entries is not None or measured is not None:
         raise Refusal("--entries and --measured belong together: give the folders with the entries of both sides")
     else:
@@ -107,7 +111,7 @@ def predictivity(
             members, broken = families_of(detectors, folder) if detectors is not None else ([], [])
             comparison = compare_with_field(
                 given,
-                exam,
+                chosen_exam,
                 [*shipped_members(), *members],
                 broken,
                 folder,
@@ -130,7 +134,10 @@ def predictivity(
 
 
 def _checked(table: Path) -> Path:
-    """Return a table, also of the folder that contains it."""
+    """Return a table that can be read, also of the folder that contains it."""
     from dcrb_ros.exam.measured import TABLE
+    from dcrb_ros.exam.replica import table_digest
 
-    return table / TABLE if table.is_dir() else table
+    path = table / TABLE if table.is_dir() else table
+    table_digest(path)
+    return path

@@ -14,6 +14,7 @@ from typing import Any
 from dcrb_ros.exam.family_process import class_and_variants
 from dcrb_ros.exam.limits import Limits
 from dcrb_ros.exam.plugin_process import DetectorProcess
+from dcrb_ros.recordings.manifest import software
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.parameter_field import more
 from dcrb_ros.schema.refusal import Refusal
@@ -24,7 +25,20 @@ SHIPPED_MODULE = "dcrb_ros.exam.shipped_family"
 SHIPPED_FAMILY = "shipped detector"
 SOURCES = ("bearing", "diagnosis", "exam", "messages", "schema", "stream", "settings")
 """Packages on which verdicts on a given signal may depend; a change of one of their sources makes verdicts outdated."""
-UNRELATED = ("predictivity", "replica", "leaderboard", "agreement", "correlation", "report", "entry", "exam_", "figure", "junit", "sealing")
+UNRELATED = (
+    "predictivity",
+    "replica",
+    "leaderboard",
+    "agreement",
+    "correlation",
+    "report",
+    "entry",
+    "exam_file",
+    "exam_score",
+    "figure",
+    "junit",
+    "sealing",
+)
 """Beginnings of the names of modules of the exam that take no part in a verdict."""
 
 
@@ -160,11 +174,11 @@ def _imported(file: Path, known: set[Path], folder: Path) -> set[Path]:
 
 @functools.cache
 def package_digest() -> str:
-    """Return the digest of the sources of this package on which verdicts may depend, and of its version."""
+    """Return the digest of the sources of this package on which verdicts may depend, of its version and of the software below it."""
     package = Path(__file__).parents[1]
     files = [path for name in SOURCES for path in sorted((package / name).rglob("*.py"))]
     related = [path for path in files if path.parent.name != "exam" or not path.name.startswith(UNRELATED)]
-    return hashlib.sha256(f"{__version__} {_digest_of(related)}".encode()).hexdigest()
+    return hashlib.sha256(f"{__version__} {_digest_of(related)} {json.dumps(software())}".encode()).hexdigest()
 
 
 def _digest_of(files: Iterable[Path]) -> str:

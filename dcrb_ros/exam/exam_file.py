@@ -34,6 +34,8 @@ from dcrb_ros.text.yaml import read_yaml
 SEED = "simulation.seed"
 MACHINE_TAG, GAIN_TAG = "machine", "gain"
 """Tags of the scenarios of a replica: simulated machine, and `measured.KNOWN` if its bearings were recorded with one gain."""
+LARGEST_EXAM = 8_000_000
+"""Largest file of an exam [bytes]: a replica takes some 2 kB per scenario."""
 MOST_CASES = 2_000
 """Cases of an exam, without the twins; each is checked with its whole configuration, which takes a millisecond."""
 
@@ -127,7 +129,7 @@ def read_exam(source: str | Path) -> Exam:
     Raises:
         Refusal: there is no such exam, it has an unknown key or no expected verdict, or one of its scenarios is invalid.
     """
-    return exam_of(read_yaml(find_shipped("exam", source)), str(source))
+    return exam_of(read_yaml(find_shipped("exam", source), LARGEST_EXAM), str(source))
 
 
 def exam_of(tree: Any, source: str) -> Exam:

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TypeAlias
 
-from dcrb_ros.exam.exam_file import MACHINE_TAG, Exam, exam_of
+from dcrb_ros.exam.exam_file import LARGEST_EXAM, MACHINE_TAG, Exam, exam_of
 from dcrb_ros.exam.vehicle.exam_file import VehicleExam, vehicle_exam_of
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.shipped import find_shipped
@@ -27,7 +27,7 @@ def read_any_exam(source: str | Path) -> AnyExam:
     Raises:
         Refusal: see `exam_file.read_exam` and `vehicle.exam_file.read_vehicle_exam`.
     """
-    tree = read_yaml(find_shipped("exam", source))
+    tree = read_yaml(find_shipped("exam", source), LARGEST_EXAM)
     of_vehicle = isinstance(tree, Mapping) and "vehicle" in tree
     return vehicle_exam_of(tree, str(source)) if of_vehicle else exam_of(tree, str(source))
 

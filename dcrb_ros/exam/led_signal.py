@@ -24,7 +24,7 @@ PIECE = 0.05
 SAME_SPEED = 0.05
 """Relative difference up to which the speed of a healthy signal is made that of the recording [-]."""
 LARGEST_FACTOR = 10000
-"""Largest denominator of the factor by which it is stretched [-]."""
+"""Largest denominator of the factor by which it is resampled [-]: the time and the memory for it grow with the factor."""
 ROUNDING = 1e-6
 """Rounding error of a number of samples [-]."""
 FILTER_ORDER = 8
@@ -142,7 +142,7 @@ class LedSignal(Generic[Judged]):
             return np.zeros(0), judged
         count, ratio = self._lead_samples, Fraction(self.form.rate, self.lead.rate)
         if self._near:
-            ratio *= Fraction(self.lead.speed / self.recording.speed).limit_denominator(LARGEST_FACTOR)
+            ratio = (ratio * Fraction(self.lead.speed / self.recording.speed)).limit_denominator(LARGEST_FACTOR)
         given = samples if self.lead is self.recording else self.lead.samples()
         lead = self._formed(given[-math.ceil(count / ratio) :], ratio)[:count]
         healthy, level = float(lead.std()), float(judged.std())

@@ -53,6 +53,8 @@ SHORTEST = 0.5
 """Shortest recording that is judged [s]."""
 LEAST_TURNS = 4.0
 """Shaft revolutions without which a recording is not judged [-]."""
+SAME_LENGTH, SAME_TIME = 0.01, 0.01
+"""Relative and absolute difference [s] up to which the length of a file is the one that the table states."""
 LARGEST = float(np.finfo(np.float32).max)
 """Largest acceleration, the range of a message [m/s^2]."""
 FOUND = 0.9
@@ -95,9 +97,16 @@ class MeasuredRecording(JudgedRecording):
                 f"{self.file}: 'a' is not finite in {counted(int(np.count_nonzero(~finite)), 'place')}, first {given[first]} at {first}: "
                 "give a part without them, or leave it out of the table"
             )
-        values = np.asarray(given, np.float64)
-        if len(values) < SHORTEST * self.rate:
-            raise Refusal(f"{self.file} has {len(values) / self.rate:.2f} s, but a verdict needs {SHORTEST:g} s: leave it out of the table")
+        values, seconds = np.asarray(given, np.float64), len(given) / self.rate
+        if seconds < SHORTEST:
+            raise Refusal(f"{self.file} has {seconds:.2f} s, but a verdict needs {SHORTEST:g} s: leave it out of the table")
+        if math.isfinite(self.seconds) and not math.isclose(seconds, self.seconds, rel_tol=SAME_LENGTH, abs_tol=SAME_TIME):
+            raise Refusal(
+                f"{self.file} has {seconds:.4g} s at {self.rate} Hz, but the table states {self.seconds:.4g} s: correct seconds or "
+                "sampling_rate"
+            )
+        if (values == values[0]).all():
+            raise Refusal(f"{self.file}: 'a' is {values[0]:g} throughout: leave the recording of a dead channel out of the table")
         with np.errstate(over="ignore"):
             values = values * ACCELERATION_UNITS[self.unit]
         if np.abs(values).max() > LARGEST:
@@ -151,8 +160,12 @@ def _recording(row: dict[str, str], folder: Path, speed: str) -> MeasuredRecordi
     """Return the recording of a row, whose file is in a folder and whose speed is in the column ``speed``."""
     _check_words(row, folder)
     numbers = {column: _number(row, column) for column in (*CHARACTERISTIC_FREQUENCIES, speed, "sampling_rate")}
+    if not numbers["sampling_rate"].is_integer():
+        raise Refusal(
+            f"sampling_rate = {row['sampling_rate']} is not a whole number: resample the recording, for example to a multiple of 100 Hz"
+        )
     rate, frequency = sampling_rate(numbers["sampling_rate"], "the row"), numbers[speed] / 60.0
-    if not (math.isfinite(frequency) and frequency > 0.0):
+    if frequency <= 0.0:
         raise Refusal(f"{speed} = {row[speed]} is not a speed: give it in rpm, above 0")
     if frequency >= 0.5 * rate:
         raise Refusal(
@@ -206,9 +219,12 @@ def _check_words(row: dict[str, str], folder: Path) -> None:
 def _number(row: dict[str, str], column: str) -> float:
     """Return the number in a column."""
     try:
-        return float(row[column])
+        value = float(row[column])
     except (TypeError, ValueError):
-        raise Refusal(f"{column} = {row[column] or 'nothing'} is not a number: give one") from None
+        value = math.nan
+    if not math.isfinite(value):
+        raise Refusal(f"{column} = {row[column] or 'nothing'} is not a finite number: give one, or leave {row['name']} out")
+    return value
 
 
 def _range(key: str, factor: float = 1.0) -> tuple[float, float]:
@@ -284,17 +300,17 @@ class ShippedOnce:
         return Outcome([decode_diagnosis(encode_diagnosis(diagnosis))])
 
 
-def whole_scenarios(folder: Path, speed: str, longest: float = LONGEST) -> ScenarioSet[WholeRecording]:
-    """Return the recordings of a folder, each judged as a whole, up to ``longest`` [s]."""
-    recordings = read_measured(folder, speed)
+def whole_scenarios(recordings: Sequence[MeasuredRecording], speed: str, longest: float = LONGEST) -> ScenarioSet[WholeRecording]:
+    """Return recordings of a table, each judged as a whole, up to ``longest`` [s]; ``speed`` names the column of their speeds."""
     signals = [WholeRecording(recording, longest) for recording in recordings]
     scenarios = [bearing_scenario(named(s.recording.name, s.expectation), partial(_itself, s)) for s in signals]
     return _scenario_set(speed, [longest, "whole"], recordings, scenarios)
 
 
-def led_scenarios(folder: Path, speed: str, longest: float = LONGEST) -> ScenarioSet[LedSignal[MeasuredRecording]]:
-    """Return the recordings of a folder, each after a healthy signal; see `led_recordings`."""
-    recordings = read_measured(folder, speed)
+def led_scenarios(
+    recordings: Sequence[MeasuredRecording], speed: str, longest: float = LONGEST
+) -> ScenarioSet[LedSignal[MeasuredRecording]]:
+    """Return recordings of a table, each after a healthy signal; see `led_recordings`. ``speed`` names the column of their speeds."""
     signals = led_recordings(recordings, longest)
     scenarios = [bearing_scenario(named(s.recording.name, s.expectation), partial(_itself, s)) for s in signals]
     task = [[dataclasses.astuple(s.form), s.lead.name if s.lead else ""] for s in signals]
@@ -308,10 +324,15 @@ def led_recordings(recordings: Sequence[MeasuredRecording], longest: float) -> l
     nearest speed, if there is one. All of a machine and bearing type have one form; see `form_of`.
 
     Raises:
-        Refusal: see `MeasuredRecording.samples`, or a healthy recording is too short to be divided.
+        Refusal: see `MeasuredRecording.samples`, two recordings have the same samples, or a healthy one is too short to be divided.
     """
-    seconds = {one.name: len(one.samples()) / one.rate for one in recordings}
+    seconds, of_samples = dict[str, float](), dict[str, str]()
     for one in recordings:
+        samples = one.samples()
+        seconds[one.name] = len(samples) / one.rate
+        first = of_samples.setdefault(hashlib.sha256(samples.tobytes()).hexdigest(), one.name)
+        if first != one.name:
+            raise Refusal(f"{one.name} has the same samples as {first}, so it is no recording of its own: leave one out of the table")
         if one.truth == "healthy" and seconds[one.name] < 2.0 * SHORTEST:
             raise Refusal(
                 f"{one.file} has {seconds[one.name]:.2f} s, but a healthy recording needs {2.0 * SHORTEST:g} s, since one half follows the "

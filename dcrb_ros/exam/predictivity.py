@@ -82,7 +82,8 @@ class Statistic:
     families: Interval
     """Interval of a bootstrap over the families of detectors."""
     ceiling: Interval
-    """The same statistic between halves of the measured recordings, mean over the splits, and the range of 95 % of them."""
+    """The same statistic between halves of the measured recordings, mean over the splits, and the range of 95 % of them; NaN if they
+    cannot be divided."""
 
 
 @dataclass(frozen=True)
@@ -146,7 +147,7 @@ def _predictivity(scope: str, marks: Marks, members: Sequence[int]) -> Predictiv
     for name, function in STATISTICS.items():
         value = float(function(*here)[0])
         resampled = np.array([function(here[0][chosen], here[1][chosen])[0] for chosen in by_family])
-        ceiling = function(*parts)
+        ceiling = function(*parts) if parts[0].shape[1] else np.array([np.nan])
         statistics[name] = Statistic(
             value,
             Interval(value, *interval(function(*drawn))),
@@ -188,7 +189,10 @@ def drawn_families(families: Sequence[str]) -> list[Indices]:
 
 
 def halves(recordings: Sequence[Compared]) -> tuple[Floats, Floats]:
-    """Return the weights of the recordings in both halves of every split of the bearings, each of shape (recordings, `SPLITS`)."""
+    """Return the weights of the recordings in both halves of splits of the bearings, each of shape (recordings, splits).
+
+    A class that one half lacks counts in neither, so that both have the same task. Of `SPLITS` splits, those without a class are left out.
+    """
     random, first = np.random.default_rng(SEED + 2), np.zeros((len(recordings), SPLITS))
     for bearings in _strata(recordings):
         for split in range(SPLITS):
@@ -196,4 +200,10 @@ def halves(recordings: Sequence[Compared]) -> tuple[Floats, Floats]:
             # The larger half of an odd number goes to either side.
             for k in order[: (len(bearings) + int(random.integers(2))) // 2]:
                 first[bearings[k], split] = 1.0
-    return first, 1.0 - first
+    second = 1.0 - first
+    for truth in {recording.truth for recording in recordings}:
+        members = np.array([recording.truth == truth for recording in recordings])
+        lacking = ~(first[members].any(axis=0) & second[members].any(axis=0))
+        first[np.ix_(members, lacking)] = second[np.ix_(members, lacking)] = 0.0
+    divided = first.any(axis=0)
+    return first[:, divided], second[:, divided]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
@@ -17,7 +18,7 @@ from dcrb_ros.exam.exam_file import Exam, ReplicaOrigin
 from dcrb_ros.exam.exam_scenarios import led_signals
 from dcrb_ros.exam.leaderboard_entry import Entry
 from dcrb_ros.exam.limits import Limits
-from dcrb_ros.exam.measured import TABLE, led_scenarios, read_measured, read_table
+from dcrb_ros.exam.measured import MeasuredRecording, led_scenarios, read_table
 from dcrb_ros.exam.predictivity import Compared, Marks, Predictivity, check_families, predictivities
 from dcrb_ros.exam.predictivity_marks import answers_of
 from dcrb_ros.exam.predictivity_task import Task, measured_tasks, runs_of, simulate_missing, simulated_tasks
@@ -63,7 +64,7 @@ def origin_of(exam: Exam, table: Path) -> ReplicaOrigin:
 
 def compare_with_field(
     table: Path,
-    exam: Exam,
+    replica: Callable[[], Exam],
     members: Sequence[Member],
     broken: Sequence[BrokenFamily],
     recordings: Path,
@@ -71,7 +72,7 @@ def compare_with_field(
     workers: int,
     progress: Callable[[str, int], AbstractContextManager[OnDone]],
 ) -> Comparison:
-    """Return the comparison of a replica with the measured recordings of its table.
+    """Return the comparison of a replica with the measured recordings of its table; it is made or read after the detectors were checked.
 
     Raises:
         Refusal: a recording is not there, the replica is one of another table, two detectors have one name, or fewer than three families
@@ -81,6 +82,7 @@ def compare_with_field(
     if (twice := repeated(member.name for member in members)) is not None:
         families = " and ".join(member.family for member in members if member.name == twice)
         raise Refusal(f"the name '{twice}' is that of detectors in {families}: give each another name, in VARIANTS or as its file")
+    exam = replica()
     origin = origin_of(exam, table)
     measured = read_table(table, origin.speed)
     first = measured_tasks(measured, origin.longest)
@@ -119,7 +121,7 @@ def compare_entries(table: Path, exam: Exam, entries: Sequence[Entry], measured:
     names = tuple(name for name in ours if name in field)
     alone = *_alone(ours, field, "on the measured recordings"), *_alone(field, ours, "in the exam")
     check_families(names, _reasons(alone))
-    _check_task(table, origin, field)
+    _check_task(table, table_rows, origin, field)
     right = {name: _right_answers(ours[name]) for name in names}, {name: _right_answers(field[name]) for name in names}
     for name in names:
         _check_scenarios(f"the entry '{name}'", ours[name], {case.name: case.expectation.verdict for case in exam.cases}, exam.name)
@@ -138,17 +140,16 @@ def _alone(entries: Mapping[str, Entry], others: Mapping[str, Entry], where: str
             yield BrokenFamily(name, f"it has no entry of this name {where}: give both the same --name")
 
 
-def _check_task(table: Path, origin: ReplicaOrigin, field: Mapping[str, Entry]) -> None:
+def _check_task(table: Path, recordings: Sequence[MeasuredRecording], origin: ReplicaOrigin, field: Mapping[str, Entry]) -> None:
     """Refuse entries on measured recordings that were made with another task than that of the replica, if the recordings are there."""
-    folder = table.parent
-    if table.name != TABLE or not all(one.file.is_file() for one in read_measured(folder, origin.speed)):
+    if not all(one.file.is_file() for one in recordings):
         return
-    digest = led_scenarios(folder, origin.speed, origin.longest).digest
+    digest = led_scenarios(recordings, origin.speed, origin.longest).digest
     other = next((name for name, entry in field.items() if entry.scenarios_sha256 != digest), None)
     if other is not None:
         raise Refusal(
             f"the entry '{other}' was made with another task or other recordings than the replica: make it with dcrb score --measured "
-            f"{folder} --speed {origin.speed} --longest {origin.longest:g} --python CLASS"
+            f"{table.parent} --speed {origin.speed} --longest {origin.longest:g} --python CLASS"
         )
 
 
@@ -227,7 +228,7 @@ def _tree(one: Predictivity) -> dict[str, Any]:
             "value": value.value,
             "over_bearings": [value.bearings.low, value.bearings.high],
             "over_families": [value.families.low, value.families.high],
-            "ceiling": list(value.ceiling),
+            "ceiling": [None if math.isnan(each) else each for each in value.ceiling],
         }
     return about
 
@@ -243,7 +244,8 @@ HEADS = ("recordings", *LABELS.values())
 def cell(one: Predictivity, name: str) -> str:
     """Return a statistic with its intervals over bearings and over families, and its ceiling."""
     value = one.statistics[name]
-    return f"{value.value:.2f} [{_range(value.bearings)}; {_range(value.families)}], {value.ceiling.value:.2f}"
+    ceiling = "–" if math.isnan(value.ceiling.value) else f"{value.ceiling.value:.2f}"
+    return f"{value.value:.2f} [{_range(value.bearings)}; {_range(value.families)}], {ceiling}"
 
 
 def _range(interval: Interval) -> str:

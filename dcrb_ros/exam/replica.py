@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from dcrb_ros.exam.criteria import UNLIMITED
-from dcrb_ros.exam.exam_file import GAIN_TAG, MACHINE_TAG, exam_of
+from dcrb_ros.exam.exam_file import GAIN_TAG, MACHINE_TAG, MOST_CASES, exam_of
 from dcrb_ros.exam.led_signal import LEAD, form_of
 from dcrb_ros.exam.measured import FOUND, KNOWN, LEAST_TURNS, SHORTEST, MeasuredRecording, read_table
 from dcrb_ros.exam.replica_geometry import bearing_settings, geometry_of, longest_step
@@ -41,6 +41,7 @@ from dcrb_ros.settings.files import changed, fields_by_key, load_configuration
 from dcrb_ros.settings.measured_rate import rates
 from dcrb_ros.settings.parameters import rpm
 from dcrb_ros.simulation.healthy_level import healthy_level
+from dcrb_ros.text.counts import counted
 from dcrb_ros.text.files import read_bytes
 from dcrb_ros.text.tables import LARGEST_TABLE
 
@@ -107,6 +108,12 @@ def replica_tree(table: Path, plan: ReplicaPlan, speed: str = "lines") -> dict[s
     if strange is not None:
         raise Refusal(
             f"{table}: {strange.name} is {strange.truth}, which has no replica: leave it out (known: healthy, {', '.join(FAULTS)})"
+        )
+    count = sum(plan.machines if recording.truth == "healthy" else plan.counterparts for recording in recordings)
+    if count > MOST_CASES:  # before healthy machines are simulated
+        raise Refusal(
+            f"{table}: {counted(len(recordings), 'recording')} would have {count} counterparts, but an exam has at most {MOST_CASES}: "
+            "give fewer --machines or --counterparts, or leave recordings out of the table"
         )
     levels = _HealthyLevels(bench)
     scenarios = [scenario for recording in recordings for scenario in _counterparts(table, recording, recordings, bench, plan, levels)]
@@ -179,7 +186,7 @@ def _counterparts(
         )
     try:
         bearing = bearing_settings(geometry_of(recording.orders), bench, recording.pitch_radius)
-        fixed = {**bearing, **rates(form.rate, longest_step(bearing, bench))}
+        fixed = {**bearing, **rates(form.rate, longest_step(bearing, bench, recording.load))}
         changed(bench, fixed, "its bearing")
     except Refusal as refusal:
         raise Refusal(f"{table}, {recording.name}: {refusal}") from None
@@ -192,6 +199,11 @@ def _counterparts(
         numbers = sorted((first + k) % plan.machines for k in range(plan.counterparts))  # type: ignore[assignment]
     for number in numbers:
         machine = f"{recording.machine}#{number + 1}"
+        try:
+            settings = _drawn_settings(recording, machine, bearing, bench, plan, partial(levels.level, machine, fixed))
+            changed(bench, {**fixed, **settings}, "the bench")
+        except Refusal as refusal:
+            raise Refusal(f"{table}, {recording.name}: {refusal}") from None
         yield {
             "name": f"{recording.name}/{number + 1}",
             "verdict": recording.truth,
@@ -205,7 +217,7 @@ def _counterparts(
                 MACHINE_TAG: machine,
                 **({GAIN_TAG: KNOWN} if recording.gain_known else {}),
             },
-            "set": {**fixed, **_drawn_settings(recording, machine, bearing, bench, plan, partial(levels.level, machine, fixed))},
+            "set": {**fixed, **settings},
         }
 
 

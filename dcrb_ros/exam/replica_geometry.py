@@ -9,7 +9,11 @@ from typing import Any
 
 from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.settings import step_limits
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import changed
+from dcrb_ros.settings.measured_rate import rates
+from dcrb_ros.settings.simulation import SHORTEST_STEP
 
 LARGEST_FRACTION = 0.05
 """Largest deviation of BPFO + BPFI from a whole number of rolling elements [-]."""
@@ -109,11 +113,17 @@ def bearing_settings(geometry: RollerGeometry, bench: Configuration, pitch_radiu
     return settings if geometry.contact_angle == 0.0 else {**settings, "bearing.contact_angle": geometry.contact_angle}
 
 
-def longest_step(bearing: Mapping[str, Any], bench: Configuration) -> float:
+def longest_step(bearing: Mapping[str, Any], bench: Configuration, load: float | None = None) -> float:
     """Return the longest time step [s] for a bearing of `bearing_settings`: that of the bench, or shorter for smaller rolling elements.
+
+    A known ``load`` [N] may need a shorter one. Loads that are drawn do not.
 
     The stiffness of a contact grows with the root of the size of a rolling element and its mass with the cube, so natural frequencies fall
     with the power 1.25 of the size. The exponent 1.5 leaves a margin for cages.
     """
     size = (bearing["bearing.roller_mass"] / bench.bearing.roller_mass) ** (1.0 / 3.0)
-    return float(bench.simulation.step * min(1.0, (size / SMALLEST_AT_FULL_STEP) ** 1.5))
+    step = float(bench.simulation.step * min(1.0, (size / SMALLEST_AT_FULL_STEP) ** 1.5))
+    if load is None:
+        return step
+    fine = rates(bench.sensor.sampling_rate, 2.0 * SHORTEST_STEP)
+    return min(step, step_limits.longest_step(changed(bench, {**bearing, **fine, "operating.load": load}, "its bearing")))

@@ -198,7 +198,10 @@ def _value(axis: Any, share: float, where: str) -> Any:
         raise Refusal(f"{where}: scale = {scale!r} is unknown: give linear or log")
     if any(isinstance(end, bool) or not isinstance(end, (int, float)) for end in (low, high)) or not low <= high or (log and low <= 0):
         raise Refusal(f"{where}: the range {low!r} .. {high!r} is invalid: give numbers in increasing order, above 0 with scale: log")
-    if isinstance(low, int) and isinstance(high, int) and not log:
+    whole = isinstance(low, int) and isinstance(high, int)
+    if whole and not log:
         return low + int(share * (high - low + 1))
     exact = low * (high / low) ** share if log else low + share * (high - low)
+    if whole:
+        return round(exact)
     return min(max(float(f"{exact:.{DIGITS}g}"), float(low)), float(high)) if math.isfinite(exact) else float(low)

@@ -44,9 +44,24 @@ def step_limits(c: ParameterGroups) -> Iterator[str]:
     yield from _damping(c)
 
 
+def longest_step(c: ParameterGroups) -> float:
+    """Return the longest step [s] that is stable with the stiffest mode and with the damping of the rings."""
+    return min(_longest_stable_step(_stiffest_mode(c)[1]), _longest_damped_step(c))
+
+
 def _stability(c: ParameterGroups) -> Iterator[str]:
     """Compare the step with the period of the stiffest mode under the largest forces that the load causes."""
-    b, h = c.bearing, c.simulation.step
+    h, (name, natural) = c.simulation.step, _stiffest_mode(c)
+    if h > _longest_stable_step(natural):
+        yield (
+            f"simulation.step = {h:g} s is too long for {name}, a mode at {natural / (2.0 * math.pi):.4g} Hz "
+            f"under {load_and_weight(c):.4g} N: {_shorter(c, longest_step(c))}"
+        )
+
+
+def _stiffest_mode(c: ParameterGroups) -> tuple[str, float]:
+    """Return the name and the angular frequency [rad/s] of the stiffest mode."""
+    b = c.bearing
     stiffness = contact_stiffness(c, heaviest(c))
     together = 0.5 * stiffness * (1.0 + 0.25 * b.rollers_per_row) * b.rows
     inner, outer = b.inner_ring_mass + c.housing.axle_mass, b.outer_ring_mass + c.housing.box_mass
@@ -55,15 +70,14 @@ def _stability(c: ParameterGroups) -> Iterator[str]:
         "the outer ring in the housing": c.housing.stiffness / outer,
     }
     modes |= _modes_at_the_cage(c, stiffness)
-    # The correction h^2 k/12 of the mass slows a mode: sin^2(phase/2) (1 + phase^2/12).
     name = max(modes, key=modes.__getitem__)
-    natural = math.sqrt(modes[name])
-    longest = LARGEST_PHASE / natural / math.sqrt(1.0 - LARGEST_PHASE**2 / 12.0)
-    if h > longest:
-        yield (
-            f"simulation.step = {h:g} s is too long for {name}, a mode at {natural / (2.0 * math.pi):.4g} Hz "
-            f"under {load_and_weight(c):.4g} N: {_shorter(c, min(longest, _longest_damped_step(c)))}"
-        )
+    return name, math.sqrt(modes[name])
+
+
+def _longest_stable_step(natural: float) -> float:
+    """Return the longest step [s] for a mode at an angular frequency [rad/s]."""
+    # The correction h^2 k/12 of the mass slows a mode: sin^2(phase/2) (1 + phase^2/12).
+    return LARGEST_PHASE / natural / math.sqrt(1.0 - LARGEST_PHASE**2 / 12.0)
 
 
 def _longest_damped_step(c: ParameterGroups) -> float:

@@ -31,6 +31,8 @@ class WaveletPacket(Novelty):
         low, high = DB4, DB4[::-1] * (-1.0) ** np.arange(len(DB4))
         packets = [frames]
         for _ in range(self.levels):
+            if packets[0].shape[1] < len(DB4):
+                break
             views = [np.lib.stride_tricks.sliding_window_view(packet, len(DB4), axis=1)[:, ::2] for packet in packets]
             packets = [view @ taps for view in views for taps in (low, high)]
         energy = np.stack([np.mean(packet**2, axis=1) for packet in packets], axis=1) + 1e-30

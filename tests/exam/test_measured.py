@@ -75,6 +75,14 @@ def folder(path: Path, **changes: str) -> Path:
     return path
 
 
+def another(one: MeasuredRecording, name: str, **changes: Any) -> MeasuredRecording:
+    """Write nearly the same samples under another name."""
+    path = one.file.with_name(f"{name}.npz")
+    samples = np.load(one.file)["a"]
+    np.savez(path, a=samples + 1e-3 * samples.std() * np.random.default_rng(list(name.encode())).normal(size=len(samples)))
+    return replace(one, name=name, file=path, **changes)
+
+
 def test_a_folder_is_scored_by_rig(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     junit = tmp_path / "report.xml"
     options = ("--json", "--workers", "1", "--junit", str(junit))
@@ -103,8 +111,10 @@ def test_a_wrong_answer_fails(tmp_path: Path, capsys: pytest.CaptureFixture[str]
         ({"rig": ""}, "line 2: rig is empty"),
         ({"speed_rpm_from_lines": "-5"}, "line 2: speed_rpm_from_lines = -5 is not a speed"),
         ({"speed_rpm_from_lines": "360000"}, "line 2: speed_rpm_from_lines = 360000 is outside 0 .. 360000 rpm, half a turn in"),
-        ({"BPFO": "x"}, "line 2: BPFO = x is not a number"),
-        ({"speed_rpm_from_lines": ""}, "line 2: speed_rpm_from_lines = nothing is not a number"),
+        ({"BPFO": "x"}, "line 2: BPFO = x is not a finite number"),
+        ({"BSF": "nan"}, "line 2: BSF = nan is not a finite number: give one, or leave calm out"),
+        ({"sampling_rate": "97656.25"}, "line 2: sampling_rate = 97656.25 is not a whole number: resample the recording"),
+        ({"speed_rpm_from_lines": ""}, "line 2: speed_rpm_from_lines = nothing is not a finite number"),
         ({"name": "calm"}, "lists calm twice"),
         ({"name": "lost"}, "twice"),
         ({"name": "../recordings"}, "line 2: name = '../recordings' is not the name of a file"),
@@ -120,6 +130,41 @@ def test_a_wrong_answer_fails(tmp_path: Path, capsys: pytest.CaptureFixture[str]
 def test_an_invalid_table_is_refused(changes: dict[str, str], sentence: str, tmp_path: Path) -> None:
     with pytest.raises(Refusal, match=sentence):
         read_measured(folder(tmp_path, **changes))
+
+
+def test_a_recording_of_another_length_than_the_table_states_is_refused(tmp_path: Path) -> None:
+    """Samples that were counted as seconds, or another sampling rate, would make another task of the field than of the exam."""
+    for seconds in ("2", "2.009"):
+        at = tmp_path / seconds
+        at.mkdir()
+        assert all(len(one.samples()) == 24000 for one in read_measured(folder(at, seconds=seconds)))
+    at = tmp_path / "wrong"
+    at.mkdir()
+    with pytest.raises(Refusal, match=r"calm.npz has 2 s at 12000 Hz, but the table states 60 s: correct seconds or sampling_rate"):
+        led_recordings(read_measured(folder(at, seconds="60")), LONGEST)
+
+
+def test_a_dead_channel_and_a_copy_are_refused(tmp_path: Path) -> None:
+    recordings = read_measured(folder(tmp_path))
+    np.savez(tmp_path / "recordings" / "calm.npz", a=np.full(24000, 0.5))
+    with pytest.raises(Refusal, match=r"calm.npz: 'a' is 0.5 throughout: leave the recording of a dead channel out"):
+        led_recordings(recordings, LONGEST)
+    (tmp_path / "recordings" / "calm.npz").write_bytes((tmp_path / "recordings" / "struck.npz").read_bytes())
+    with pytest.raises(Refusal, match="struck has the same samples as calm, so it is no recording of its own"):
+        led_recordings(recordings, LONGEST)
+
+
+def test_two_rates_at_two_speeds_are_resampled_by_a_small_factor(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    calm, struck = read_measured(folder(tmp_path))
+    np.savez(calm.file, a=np.random.default_rng(1).normal(size=2 * 97656))
+    fine, slow = replace(calm, rate=97656, speed=600.4 / 60.0), replace(struck, speed=599.8 / 60.0)
+    factors: list[int] = []
+    monkeypatch.setattr(
+        "scipy.signal.resample_poly", lambda samples, up, down: factors.extend((up, down)) or samples[:: max(1, down // up)]
+    )
+    for signal in led_recordings([fine, slow], 1.0):
+        list(signal.pieces())
+    assert 1 < max(factors) <= 10000
 
 
 def test_a_folder_without_table_or_column_is_refused(tmp_path: Path) -> None:
@@ -191,7 +236,7 @@ def test_options_that_do_not_apply_are_refused(tmp_path: Path, capsys: pytest.Ca
 @measured
 @pytest.mark.parametrize("speed", ["lines", "documented"])
 def test_the_measured_recordings_are_named(speed: str) -> None:
-    report = evaluate(ShippedOnce("shipped", DetectorParameters()), whole_scenarios(MEASURED, speed))
+    report = evaluate(ShippedOnce("shipped", DetectorParameters()), whole_scenarios(read_measured(MEASURED, speed), speed))
     found: dict[str, list[Any]] = {}
     for result in report.results:
         found.setdefault(result.expectation.verdict, []).append(result)
@@ -264,7 +309,7 @@ def in_band(samples: Floats) -> Floats:
 
 def test_healthy_and_faulty_recordings_have_one_form(tmp_path: Path) -> None:
     calm, struck = read_measured(folder(tmp_path))
-    fine = replace(struck, name="fine", rate=24000)
+    fine = another(struck, "fine", rate=24000)
     signals = led_recordings([calm, struck, fine], LONGEST)
     # Half of the healthy recording of 2 s leaves 1 s of each, also of the faulty ones of 2 and, at 24 kHz, 1 s.
     assert {(signal.sampling_rate, signal.expectation().onset, signal.expectation().duration) for signal in signals} == {(12000, 1.0, 2.0)}
@@ -375,7 +420,7 @@ def test_detectors_in_python_hear_the_healthy_bearing_first(tmp_path: Path) -> N
         "        loud, self.most = index > 6000 and level > 1.5 * self.most, max(level, self.most) if index < 12000 else self.most\n"
         "        return 'outer_ring' if loud else 'healthy'\n"
     )
-    report = evaluate(ProcessDetector("louder", f"{tmp_path / 'louder.py'}:Louder"), led_scenarios(at, "lines"))
+    report = evaluate(ProcessDetector("louder", f"{tmp_path / 'louder.py'}:Louder"), led_scenarios(read_measured(at), "lines"))
     answers = {result.expectation.name: (result.answer, result.expectation.onset) for result in report.results}
     assert answers["calm"] == ("healthy", 1.0)
     assert answers["struck"][1] == pytest.approx(1.0)
@@ -395,7 +440,7 @@ def test_the_last_verdict_is_the_answer_for_a_healthy_bearing_too(verdicts: str,
 
 def test_a_healthy_recording_that_precedes_several_others_counts_once_in_the_interval(tmp_path: Path) -> None:
     calm, struck = read_measured(folder(tmp_path))
-    after = [replace(struck, name=f"struck_{number}") for number in range(3)]
+    after = [another(struck, f"struck_{number}") for number in range(3)]
     signals = led_recordings([calm, *after], LONGEST)
     results = [score_scenario(signal.expectation(), [], measured_criteria()) for signal in signals]
     report = Report("made up", "nobody", measured_criteria(), "", tuple(results))
@@ -430,15 +475,15 @@ def test_python_and_an_entry_go_with_measured_recordings(tmp_path: Path) -> None
 
 def test_the_digest_of_measured_recordings_covers_their_table(tmp_path: Path) -> None:
     table = folder(tmp_path) / "recordings.csv"
-    first, text = led_scenarios(tmp_path, "lines").digest, table.read_text()
+    first, text = led_scenarios(read_measured(tmp_path), "lines").digest, table.read_text()
     for old, new in (("outer_ring", "inner_ring"), ("1500.0,1500.0", "1500.0,1501.0"), (",g,", ",m/s^2,")):
         assert old in text
         table.write_text(text.replace(old, new))
-        assert led_scenarios(tmp_path, "lines").digest != first
+        assert led_scenarios(read_measured(tmp_path), "lines").digest != first
     table.write_text(text)
-    assert led_scenarios(tmp_path, "lines").digest == first != led_scenarios(tmp_path, "lines", 1.0).digest
+    assert led_scenarios(read_measured(tmp_path), "lines").digest == first != led_scenarios(read_measured(tmp_path), "lines", 1.0).digest
     # The shipped detector without --python receives no healthy recording first, which is another task.
-    assert whole_scenarios(tmp_path, "lines").digest != first
+    assert whole_scenarios(read_measured(tmp_path), "lines").digest != first
 
 
 @pytest.mark.parametrize("longest", ["0.5", "61", "nan"])

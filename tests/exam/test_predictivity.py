@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from functools import partial
 from pathlib import Path
 
@@ -23,9 +24,9 @@ from dcrb_ros.exam.limits import Limits
 from dcrb_ros.exam.marking import VerdictMarking
 from dcrb_ros.exam.measured import led_scenarios, read_measured, whole_scenarios
 from dcrb_ros.exam.plugin import load_plugin
-from dcrb_ros.exam.predictivity import Compared, Marks, drawn_bearings, drawn_families, halves, predictivities, scopes
+from dcrb_ros.exam.predictivity import SPLITS, Compared, Marks, drawn_bearings, drawn_families, halves, predictivities, scopes
 from dcrb_ros.exam.predictivity_marks import answers_of, run_member
-from dcrb_ros.exam.predictivity_report import Comparison, as_json, compare_entries, markdown
+from dcrb_ros.exam.predictivity_report import Comparison, as_json, cell, compare_entries, markdown
 from dcrb_ros.exam.predictivity_task import measured_tasks
 from dcrb_ros.exam.statistics import class_mean
 from dcrb_ros.exam.verification import differences
@@ -99,6 +100,24 @@ def test_recordings_of_one_bearing_are_drawn_together() -> None:
     for k, first in enumerate(compared):
         same = [j for j, second in enumerate(compared) if first[1:4] == second[1:4]]
         assert (first_half[same] == first_half[k]).all()
+
+
+def test_a_class_that_one_half_lacks_counts_in_neither() -> None:
+    """A single healthy bearing is in one half only, which would have another task than the other half."""
+    names = [("calm", "healthy")] + [(f"{truth}_{k}", truth) for truth in CLASSES[1:] for k in range(8)]
+    compared = [Compared(name, "m", truth, name, led=True) for name, truth in names]
+    first, second = halves(compared)
+    assert first.shape == second.shape == (17, SPLITS)
+    assert not first[0].any()
+    assert not second[0].any()
+    assert (first[1:] + second[1:] == 1.0).all()
+    perfect = np.repeat(np.linspace(0.0, 1.0, 9)[:, None] > np.linspace(0.05, 0.95, 8), 2, axis=1).astype(float)
+    field = np.column_stack([np.arange(9) % 2, perfect])
+    made = Marks(tuple("abcdefghi"), tuple("abcdefghi"), (True,) * 9, tuple(compared), field, field)
+    by_scope = {one.scope: one.statistics["tau_b"].ceiling for one in predictivities(made)}
+    assert by_scope["all"].value > 0.7
+    assert math.isnan(by_scope["class healthy"].value)
+    assert cell(predictivities(made)[-3], "tau_b").endswith(", –")
 
 
 @pytest.mark.parametrize(("count", "bearing"), [(1, "one"), (2, "own"), (5, "own"), (5, "one")])
@@ -319,7 +338,7 @@ def test_answers_are_kept_and_a_detector_that_fails_is_left_out(tmp_path: Path) 
         assert [one.name for one in found.broken] == ["failing"]
         assert "no such filter" in found.broken[0].reason
     assert sorted(found.answers["other"].values()) == ["outer_ring", "outer_ring"]
-    np.savez(tmp_path / "measured" / "recordings" / "struck_1.npz", a=np.ones(2000, np.float32))
+    np.savez(tmp_path / "measured" / "recordings" / "struck_1.npz", a=np.arange(2000, dtype=np.float32))
     again = measured_tasks(read_measured(tmp_path / "measured"), 1.0)
     assert [one.digest == two.digest for one, two in zip(tasks, again, strict=True)] == [True, False]
     answers_of(members, again, tmp_path, Limits(), 1, no_progress("judged", 3))
@@ -445,7 +464,7 @@ def _compare_entries(folder: Path, measured: Path, replica: str, second: Entry, 
         return [second.model_copy(update={"detector": f"d{k}", "scenarios": rows}) for k, rows in enumerate(scenarios)]
 
     table, exam = measured / "recordings.csv", read_exam(replica)
-    digest = led_scenarios(measured, "lines", 1.0).digest
+    digest = led_scenarios(read_measured(measured), "lines", 1.0).digest
     field = [one.model_copy(update={"scenarios_sha256": digest}) for one in entries("{}")]
     about = as_json(compare_entries(table, exam, entries("{}/1"), field))
     assert [(one["exam"], one["field"]) for one in about["detectors"]] == [(1.0, 1.0), (0.5, 0.5), (0.5, 0.5)]
@@ -468,7 +487,7 @@ def _compare_entries(folder: Path, measured: Path, replica: str, second: Entry, 
     with pytest.raises(Refusal, match=r"the entry 'd0' was made with another exam than 'replica of measured'"):
         compare_entries(table, exam, other, field)
     assert exam.replica is not None
-    for task in (led_scenarios(measured, "lines", 5.0), whole_scenarios(measured, "lines", 1.0)):
+    for task in (led_scenarios(read_measured(measured), "lines", 5.0), whole_scenarios(read_measured(measured), "lines", 1.0)):
         elsewhere = [one.model_copy(update={"scenarios_sha256": task.digest}) for one in field]
         with pytest.raises(Refusal, match=r"was made with another task .* than the replica: .* --speed lines --longest 1 --python CLASS"):
             compare_entries(table, exam, entries("{}/1"), elsewhere)

@@ -15,13 +15,17 @@ from hypothesis import strategies as st
 from same_process import dcrb
 
 from dcrb_ros.bearing.frequencies import Orders, characteristic_orders
-from dcrb_ros.exam.exam_file import exam_of
+from dcrb_ros.exam.exam_file import LARGEST_EXAM, MOST_CASES, exam_of, read_exam
+from dcrb_ros.exam.kinds import read_any_exam
 from dcrb_ros.exam.replica import ReplicaPlan, replica_tree
 from dcrb_ros.exam.replica_geometry import bearing_settings, geometry_of, longest_step
 from dcrb_ros.exam.replica_priors import PRIORS, described, drawn, generator_of
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.settings import step_limits
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.settings.measured_rate import rates
+from dcrb_ros.text.files import LARGEST_TEXT
+from dcrb_ros.text.yaml import yaml_text
 
 ORDERS = {"FTF": "0.39828", "BPFO": "3.5848", "BPFI": "5.4152", "BSF": "2.35695"}
 """Of the 6205 of Case Western Reserve, as in its publication."""
@@ -185,6 +189,34 @@ def test_loads_and_widths_of_defects_grow_with_a_bearing_of_stated_size(tmp_path
             assert large["set"]["faults.outer_1.width"] == pytest.approx(5.0 * small["set"]["faults.outer_1.width"])
 
 
+@pytest.mark.parametrize("load", ["500", "5000", "12000", "26690"])
+def test_a_heavier_load_makes_the_step_shorter_where_it_must(load: str, tmp_path: Path) -> None:
+    """Of the accelerated life tests of XJTU-SY and IMS, with 12 and 27 kN on bearings of some 70 mm."""
+    scenarios = replica_tree(table(tmp_path, load=load, sampling_rate="25600"), PLAN)["scenarios"]
+    step = scenarios[0]["set"]["simulation.step"]
+    bench = load_configuration("ball_bearing_6205")
+    assert {scenario["set"]["operating.load"] for scenario in scenarios} == {float(load)}
+    assert step == bench.simulation.step if load == "500" else step < bench.simulation.step
+    loaded = load_configuration(bench, {key: value for key, value in scenarios[0]["set"].items() if key != "structure.healthy_level"})
+    assert step <= step_limits.longest_step(loaded) < 1.3 * step or load == "500"
+
+
+def test_too_many_counterparts_are_refused_before_a_machine_is_simulated(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("dcrb_ros.exam.replica.healthy_level", lambda *_, **__: pytest.fail("a machine was simulated"))
+    rows = [(f"calm_{k}", "healthy", 1800) for k in range(400)]
+    with pytest.raises(Refusal, match=r"400 recordings would have 2400 counterparts, but an exam has at most 2000: give fewer --machines"):
+        replica_tree(table(tmp_path, rows), ReplicaPlan())
+
+
+def test_a_replica_of_many_recordings_can_be_read(tmp_path: Path) -> None:
+    """A scenario takes some 2 kB: the 2000 of the largest exam are more than the largest file of settings."""
+    path, text = tmp_path / "replica.yaml", yaml_text(replica_tree(table(tmp_path), PLAN))
+    path.write_text(text + "# a line of a comment\n" * (LARGEST_TEXT // 20))
+    assert path.stat().st_size > LARGEST_TEXT
+    assert len(text) / 12 * MOST_CASES < LARGEST_EXAM
+    assert len(read_any_exam(path).cases) == len(read_exam(path).cases) == 12
+
+
 def test_a_bearing_of_the_bench_is_that_of_the_bench() -> None:
     bench = load_configuration("ball_bearing_6205")
     scaled = bearing_settings(geometry_of(Orders(0.39828, 3.5848, 5.4152, 2.35695)), bench)
@@ -217,7 +249,9 @@ def test_every_prior_is_described_and_draws_values_within_its_words() -> None:
         ({"sampling_rate": "12007"}, "has no divisor from 10 to 1000 Hz"),
         ({"sampling_rate": "400000"}, "calm_1: sampling_rate = 400000 Hz is outside 1000 .. 204800 Hz of the bench: resample"),
         ({"sampling_rate": "500"}, "calm_1: sampling_rate = 500 Hz is outside 1000 .. 204800 Hz of the bench: resample"),
-        ({"sampling_rate": "97656.25"}, "line 2: the row gives a sampling rate of 97656.25 Hz: it must be a whole number"),
+        ({"sampling_rate": "97656.25"}, "line 2: sampling_rate = 97656.25 is not a whole number: resample"),
+        ({"BPFO": "nan"}, "line 2: BPFO = nan is not a finite number: give one, or leave calm_1 out"),
+        ({"load": "1e7"}, "calm_1: its bearing: operating.load = 1e+07 N"),
         ({"truth": "cage"}, "calm_1 is cage, which has no replica"),
         ({"seconds": "-1"}, "seconds = -1 is not a number above 0"),
         ({"seconds": "0.4"}, "line 2: seconds = 0.4, but a verdict needs 0.5 s: leave calm_1 out"),

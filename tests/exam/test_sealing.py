@@ -97,6 +97,7 @@ def test_drawn_numbers_cover_their_range_evenly() -> None:
     found = [_value({"low": 1, "high": 4}, k / 100.0, "x") for k in range(100)]
     assert [found.count(value) for value in (1, 2, 3, 4)] == [25] * 4
     assert _value({"low": 0.01, "high": 1.0, "scale": "log"}, 0.5, "x") == 0.1
+    assert {_value({"low": 1, "high": 1000, "scale": "log"}, k / 100.0, "x") for k in (0, 40, 99)} == {1, 16, 933}
     assert [_value(["a", "b"], share, "x") for share in (0.0, 0.49, 0.5, 0.99)] == ["a", "a", "b", "b"]
 
 
