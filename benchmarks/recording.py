@@ -91,7 +91,7 @@ def print_view(folder: Path, simulation: Simulation, blocks: list[Block]) -> Non
     for name, work in (("conversion", converted), ("whole command", commanded)):
         taken = statistics.median(work(bag, file) for _ in range(7))
         print(f"| {name}, median of 7 | {DURATION / taken:.0f} | {taken:.2f} |", flush=True)
-    print(f"\n{file.stat().st_size / DURATION / 1e6:.2f} MB per recorded second")
+    print(f"\nThe Rerun file has {file.stat().st_size / DURATION / 1e6:.2f} MB per recorded second.")
 
 
 def main() -> None:
