@@ -159,8 +159,13 @@ class Plan:
                 yield list(zip(cases, values, strict=True))
 
     def _difference(self, changes: Point) -> Point:
-        """Return the parameters that differ from the base; equal bearings have equal differences."""
-        return {key: value for key, value in changes.items() if self.sweep.base.get(key) != value}
+        """Return the parameters that differ from the base; equal bearings have equal differences.
+
+        Another preset replaces the sensor of the base, so that all parameters of the sensor are kept with it.
+        """
+        base = self.sweep.base
+        replaced = changes.get("sensor.preset", base.get("sensor.preset")) != base.get("sensor.preset")
+        return {key: value for key, value in changes.items() if base.get(key) != value or (replaced and key.startswith("sensor."))}
 
     def _condition(self, point: Point) -> str:
         """Return the hash of the differences from the defaults, so that a parameter added later does not change splits and seeds."""

@@ -174,3 +174,15 @@ def test_every_seed_of_a_housing_is_another_machine() -> None:
         for housing in ("none", "axle_box")
     ]
     assert [len(found) for found in machines] == [1, 3]
+
+
+def test_a_value_of_the_base_counts_beside_another_preset() -> None:
+    """The preset replaces the base's values of the sensor, and the case gives one of them back."""
+    preset, base_range = {"sensor.preset": "mems"}, {"sensor.range": 5000.0}
+    tree = {"base": "dry", "duration": 0.1, "settle": 0.01, "branch_at": 0.01}
+    cases = {"preset": preset, "range": {**preset, **base_range}, "base": base_range}
+    runs = list(Plan(sweep_of({**tree, "branch_at": 0.0, "cases": cases}, "sweep.yaml")).runs())
+    assert [run.case for run in runs] == ["preset", "range", "base"]
+    varied = {key: [value] for key, value in {**preset, **base_range}.items()}
+    (run,) = Plan(sweep_of({**tree, "vary": varied}, "sweep.yaml")).runs()
+    assert {**preset, **base_range}.items() <= run.healthy.items()
