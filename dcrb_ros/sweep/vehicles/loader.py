@@ -24,6 +24,8 @@ ABSENT = ("base", "machine", "twins", "branch_at", "seeds")
 """Keys of other sweeps that one over vehicles does not have."""
 TRIED = 20
 """Values of a list that are tried on the vehicle before the first run, at most [-]; another one is refused with its runs."""
+SEEDS = (".simulation.seed", ".surfaces.seed", ".structure.seed")
+"""Ends of the keys of a box's seeds."""
 
 
 def vehicle_keys(tree: Mapping[str, Any], source: str) -> dict[str, Any]:
@@ -58,6 +60,7 @@ def vehicle_sweep_of(given: Any, file: SweepFile, source: str, folder: Path, tex
     names = [box.name for box in vehicle.boxes]
     if (total := file.duration * len(names)) > LONGEST_RUN:
         raise Refusal(f"{source}: duration = {file.duration:g} s makes {total:g} s of all boxes, above {LONGEST_RUN:g} s: shorten the runs")
+    _refuse_seeds(base, f"{source}: set")
     vary = axes_of(file.vary, file.design, f"{source}: vary", _field)
     refuse_fixed(vary, flatten(file.fixed), source)
     cases: dict[str, Axes] = {name: axes_of(case, file.design, f"{source}: cases.{name}", _field) for name, case in file.cases.items()}
@@ -72,6 +75,7 @@ def vehicle_sweep_of(given: Any, file: SweepFile, source: str, folder: Path, tex
         _check_boxes(axes, names, f"{source}: cases.{name}")
         _refuse_varied(axes, vary, f"{source}: cases.{name}")
     for where, axes in (("vary", vary), *((f"cases.{name}", axes) for name, axes in cases.items())):
+        _refuse_seeds(axes, f"{source}: {where}")
         for values in _tried(axes):
             try:
                 _refuse_unlabelled(vehicle_of({**base, **placed(values)}, f"{source}: {where}"), f"{source}: {where}")
@@ -136,6 +140,13 @@ def _refuse_unlabelled(vehicle: Vehicle, where: str) -> None:
         gaps = next((key for key in GAP_PARAMETERS if parameters[key]), None)
         if gaps is not None:
             raise Refusal(f"{where}: {gaps} = {parameters[gaps]:g} causes gaps, which waveform files cannot represent: set it to 0")
+
+
+def _refuse_seeds(keys: Iterable[str], where: str) -> None:
+    """Refuse a seed of a box: its bearing, housing or noise would be in several vehicles, or not that of its labels."""
+    seed = next((key for key in keys if key.endswith(SEEDS)), None)
+    if seed is not None:
+        raise Refusal(f"{where}: {seed} follows from {VEHICLE_SEED}: remove it")
 
 
 def _check_boxes(axes: Axes, names: list[str], source: str) -> None:

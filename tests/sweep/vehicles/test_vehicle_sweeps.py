@@ -181,6 +181,12 @@ def test_shipped_vehicles_and_their_cost() -> None:
             {"cases": {"swap": {"box": ["axle_1.left"], "box.sensor.swapped_with": "axle_2.left"}}},
             "cases.swap: axle_1.left.sensor.swapped_with = 'axle_2.left' gives the box the waveform of another one, which its label",
         ),
+        ({"set": {"axle_1.left": {"surfaces": {"seed": 5}}}}, "set: axle_1.left.surfaces.seed follows from vehicle.seed: remove it"),
+        ({"vary": {"axle_2.right.structure.seed": [1, 2]}}, "vary: axle_2.right.structure.seed follows from vehicle.seed: remove it"),
+        (
+            {"cases": {"a": {"box": [*BOXES], "box.simulation.seed": 3}}},
+            "cases.a: box.simulation.seed follows from vehicle.seed: remove it",
+        ),
         ({"vary": {"box": [*BOXES]}}, "'box' is for cases"),
         ({"cases": {"outer": {"box": ["axle_3.left"], "box.bench": "outer_ring_defect"}}}, "there is no box 'axle_3.left'"),
         ({"cases": {"outer": {"box.bench": "outer_ring_defect"}}}, "needs both the boxes and a parameter"),
