@@ -17,8 +17,10 @@ TOLERANCE = 0.25
 REMEDIES = {
     BEARING_ID: ("bearing", "vary surfaces.seed, with surfaces.law: profile"),
     MACHINE: ("machine", "vary structure.seed, with a structure.housing or structure.modes above 0"),
+    "track.seed": ("track", "vary track.seed"),
+    "paths.seed": ("cross-talk path", "vary paths.seed"),
 }
-"""Noun of each identity, and how to get more of them."""
+"""Noun of each identity and of each seed that vehicles may share, and how to get more of them."""
 
 
 class Unit(NamedTuple):
@@ -115,11 +117,11 @@ def in_several(pairs: Iterable[tuple[Any, str]]) -> int:
 def separation(shared: Mapping[str, int]) -> list[str]:
     """Return a sentence on bearings and one on machines: whether each is in one split only, as a list for the data card."""
     warned = warnings_of(shared)
-    return [f"* {warned.get(name) or f'Every {noun} is in one split (`{name}`).'}" for name, (noun, _) in REMEDIES.items()]
+    return [f"* {warned.get(name) or f'Every {REMEDIES[name][0]} is in one split (`{name}`).'}" for name in IDENTITIES]
 
 
 def warnings_of(shared: Mapping[str, int], *, remedy: bool = True) -> dict[str, str]:
-    """Return a sentence for each identity of which some are in more than one split, by its name."""
+    """Return a sentence for each name of `REMEDIES` of which some are in more than one split, by the name."""
     return {
         name: f"{count} {noun}{' is' if count == 1 else 's are'} in more than one split ({name}), so that a classifier can recognise "
         f"{'it' if count == 1 else 'them'} in the test split" + (f": {way} to keep {noun}s apart." if remedy else ".")

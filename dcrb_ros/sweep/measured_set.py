@@ -20,7 +20,7 @@ from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.arrays import Integers, Samples
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.schema.verdicts import FAULT_CLASSES
-from dcrb_ros.sweep.division import REMEDIES, in_several, warnings_of
+from dcrb_ros.sweep.division import in_several, warnings_of
 from dcrb_ros.sweep.identity import TRUTH
 from dcrb_ros.sweep.label import DONE
 from dcrb_ros.sweep.schema import CARD, DESCRIPTION, SPLITS, healthy_first, write_about
@@ -122,7 +122,7 @@ def _write(runs: Iterable[MeasuredRun], store: Store, title: str, licence: str, 
     counts = Counter((str(label["split"]), str(label["fault"])) for label in labels)
     store.write(LABELS, table_of(labels, TRUTH))
     cut = windows.model_copy(update={"kind": "parquet"})
-    shared = {name: in_several((label[name], label["split"]) for label in labels) for name in REMEDIES}
+    shared = {name: in_several((label[name], label["split"]) for label in labels) for name in TRUTH}
     card = _card(title, licence, counts, windows, list(sources), list(warnings_of(shared, remedy=False).values()))
     origins = list(sources.values())
     write_about(store, card, title, licence, counts, measured=True, waveform="npz", windows=cut, truth=TRUTH, sources=origins)

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.sweep.design import Point
-from dcrb_ros.sweep.division import splits
+from dcrb_ros.sweep.division import in_several, splits, warnings_of
 from dcrb_ros.sweep.identity import BEARING_ID, MACHINE
 from dcrb_ros.sweep.identity import TRUTH as IDENTITY
 from dcrb_ros.sweep.plan import Plan, PlannedRun, Task, digest
@@ -28,7 +28,6 @@ class VehiclePlan(Plan):
 
     unit, unit_column, remedy = "vehicle", MACHINE, "vary vehicle.seed"
     truth = TRUTH
-    split_text = "All boxes of a vehicle, on all its rides, are in one split."
 
     def __init__(self, sweep: VehicleSweep) -> None:
         super().__init__(sweep)
@@ -45,7 +44,16 @@ class VehiclePlan(Plan):
                 f"the sweep has too few vehicles ({len(self._splits)}) for the split '{empty[0]}': vary vehicle.seed, or set "
                 f"split.{empty[0]} to 0"
             )
-        self.conditions, self.shared = len(self._splits), {}
+        self.conditions = len(self._splits)
+        # Rails and wheels follow from one seed, cross-talk from the other; vehicles may share both.
+        seeds = {"track.seed": sweep.vehicle.track.seed, "paths.seed": sweep.vehicle.paths.seed}
+        self.shared = {key: count for key, seed in seeds.items() if (count := in_several(self._rides(key, seed)))}
+
+    @property
+    def split_text(self) -> str:
+        """How the vehicles are divided, for the data card."""
+        warned = [f"\n* {sentence}" for sentence in warnings_of(self.shared).values()]
+        return "\n".join(["All boxes of a vehicle, on all its rides, are in one split.", *warned])
 
     def groups(self) -> Iterator[Task]:
         """Yield the boxes of each vehicle with each case as a group."""
@@ -81,3 +89,9 @@ class VehiclePlan(Plan):
     def _vehicle(self, point: Point) -> str:
         """Return the hash of the seed of the vehicle: points with one seed share the individuals of their bearings."""
         return digest(point.get(VEHICLE_SEED, self._seed))
+
+    def _rides(self, key: str, default: int) -> Iterator[tuple[str, str]]:
+        """Yield the value of a seed of the vehicle and the split of every ride."""
+        for point, cases in zip(self._points(), self._cases(), strict=False):
+            for _, values in cases:
+                yield str({**point, **values}.get(key, default)), self._splits[self._vehicle(point)]

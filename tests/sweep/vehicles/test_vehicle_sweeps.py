@@ -52,6 +52,23 @@ def test_a_vehicle_is_in_one_split_on_all_its_rides(seed: int) -> None:
     assert {run.split for run in runs} == {"train", "validation", "test"}
 
 
+@pytest.mark.parametrize(
+    ("seeds", "case", "shared"),
+    [
+        ({}, {}, {"track.seed": 1, "paths.seed": 1}),
+        ({"track.seed": {"low": 1, "high": 2000}, "paths.seed": {"low": 1, "high": 2000}}, {}, {}),
+        ({"track.seed": [4, 5], "paths.seed": {"low": 1, "high": 2000}}, {}, {"track.seed": 2}),
+        ({"track.seed": {"low": 1, "high": 2000}}, {"paths.seed": {"low": 1, "high": 2000}}, {}),
+        ({"paths.seed": {"low": 1, "high": 2000}}, {"track.seed": [4]}, {"track.seed": 1}),
+    ],
+)
+def test_rails_wheels_and_cross_talk_in_two_splits_warn(seeds: dict[str, Any], case: dict[str, Any], shared: dict[str, int]) -> None:
+    plan = plan_of(sweep_of(tree(points=20, vary={**TREE["vary"], **seeds}, cases={"base": case}), "sweep.yaml"))
+    assert plan.shared == shared
+    warned = [line for line in plan.split_text.splitlines() if line.startswith("* ")]
+    assert all(f"in more than one split ({name}), so that" in line for name, line in zip(shared, warned, strict=True))
+
+
 def test_runs_have_names_of_their_own_and_the_boxes_of_a_vehicle_one_task() -> None:
     plan = plan_of(sweep_of(tree(), "sweep.yaml"))
     groups = list(plan.groups())
@@ -151,6 +168,7 @@ def test_shipped_vehicles_and_their_cost() -> None:
     runs = list(plan.runs())
     assert len(runs) == 12 * 6 * 4
     assert len({run.truth["machine"] for run in runs}) == 12
+    assert plan.shared == {}
     cost = estimate(plan_of(sweep_of(tree(points=3, cases={"healthy": {}}), "sweep.yaml")))
     assert (cost.runs, cost.refused) == (12, 0)
 
