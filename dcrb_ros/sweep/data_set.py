@@ -63,7 +63,7 @@ class DataSetWriter:
         self.extended = False
         """Whether the data set had fewer points, lives or values before."""
         if known:
-            _check_same(known, about, store, extended=self.plan is not plan)
+            check_same(known, self.plan, store, extended=self.plan is not plan)
             self.extended = known.get("name") != about["name"]
         elif any(True for _ in store.names("")):
             raise Refusal(f"{store.address} contains files that are not a data set: give an empty or a new folder")
@@ -156,14 +156,15 @@ def _about(plan: Plan) -> dict[str, Any]:
     }
 
 
-def _check_same(known: dict[str, Any], about: dict[str, Any], store: Store, *, extended: bool) -> None:
-    """Refuse to continue a data set with other inputs; an extended one may have more points, lives or values."""
+def check_same(known: dict[str, Any], plan: Plan, store: Store, *, extended: bool = False) -> None:
+    """Refuse a data set with other inputs than those of a plan; an extended one may have more points, lives or values."""
+    about = _about(plan)
     if known.get("name") == about["name"]:
         return
     if known.get("model") != about["model"] or known.get("dcrb_ros") != about["dcrb_ros"]:
         raise Refusal(
             f"{store.address} was made with dcrb_ros {known.get('dcrb_ros')} and model {known.get('model')}, but this is "
-            f"{about['dcrb_ros']} with model {about['model']}: give another folder"
+            f"{about['dcrb_ros']} with model {about['model']}: install that version, or give another folder"
         )
     before, after = ({part: inputs.get(part, {}) for part in PARTS} for inputs in (known, about))
     if extended:

@@ -23,6 +23,7 @@ from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.parameter_field import first_problem
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.sweep.data_set import check_same, known_inputs
 from dcrb_ros.sweep.execution import common_settings, run_task
 from dcrb_ros.sweep.kinds import plan_of
 from dcrb_ros.sweep.label import DONE
@@ -95,7 +96,8 @@ def write_shards(data_set: Path, folder: Path, runs: int) -> list[str]:
     If that fails, no shard is left.
 
     Raises:
-        Refusal: the data set is not whole, was changed, or has bags; or the folder is not empty or cannot be written.
+        Refusal: the data set is not whole, was changed, is of another version or model, or has bags; or the folder is not empty or cannot
+            be written.
     """
     store = Store(str(data_set))
     sums, kept = read_sums(store), [name for name in RECIPE if (data_set / name).is_file()]
@@ -105,6 +107,7 @@ def write_shards(data_set: Path, folder: Path, runs: int) -> list[str]:
             f"{data_set / changed} has been changed: its SHA-256 is not the one in {SUMS}; restore it, or make the data set again"
         )
     plan, entries = _plan(data_set), dict[str, dict[str, object]]()
+    check_same(known_inputs(store), plan, store)
     check_empty(folder)
     with whole_folder(folder, INDEX) as written:
         for shard in shards(plan, runs):

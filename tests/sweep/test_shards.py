@@ -22,8 +22,10 @@ from dcrb_ros.sweep.execution import run_task
 from dcrb_ros.sweep.kinds import plan_of
 from dcrb_ros.sweep.loader import read_sweep, sweep_of
 from dcrb_ros.sweep.plan import Plan
-from dcrb_ros.sweep.shards import INDEX, Shard, pack, remake_shard, shards, write_shards
+from dcrb_ros.sweep.shards import INDEX, RECIPE, Shard, pack, remake_shard, shards, write_shards
 from dcrb_ros.sweep.store import Store
+from dcrb_ros.sweep.sums import write_sums
+from dcrb_ros.sweep.sweep_file import ABOUT
 
 TREE: dict[str, Any] = {
     "base": "dry",
@@ -222,6 +224,17 @@ def test_an_edited_recipe_of_a_data_set_is_not_packed(file: str, old: str, new: 
     assert changed != text
     (copied / file).write_text(changed)
     with pytest.raises(Refusal, match=rf"{file} has been changed: its SHA-256 is not the one in SHA256SUMS"):
+        write_shards(copied, tmp_path / "shards", 3)
+    assert not (tmp_path / "shards").exists()
+
+
+@pytest.mark.parametrize("key", ["dcrb_ros", "model"])
+def test_a_data_set_of_another_version_is_not_packed(key: str, data_set: Path, tmp_path: Path) -> None:
+    copied = Path(shutil.copytree(data_set, tmp_path / "copied"))
+    about = json.loads((copied / ABOUT).read_text())
+    (copied / ABOUT).write_text(json.dumps(about | {key: "another", "name": "another"}))
+    write_sums(Store(str(copied)), RECIPE)
+    with pytest.raises(Refusal, match=r"was made with dcrb_ros .*another.*: install that version, or give another folder"):
         write_shards(copied, tmp_path / "shards", 3)
     assert not (tmp_path / "shards").exists()
 
