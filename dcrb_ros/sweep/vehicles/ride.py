@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,7 +29,9 @@ class Ride:
     @property
     def damaged(self) -> str:
         """The boxes with a damaged bearing at the end, and their faults."""
-        truths = {name: [*self.before[name], *_truths(blocks)] for name, blocks in self.blocks.items()}
+        truths = {
+            name: [*self.before[name], *(truth for block in blocks for truth in block.truths)] for name, blocks in self.blocks.items()
+        }
         faults = {name: class_of(of_box[-1].faults) for name, of_box in truths.items()}
         return ", ".join(f"{name} {fault}" for name, fault in faults.items() if fault in BEARING_FAULTS)
 
@@ -43,21 +45,18 @@ def ride(parameters: Mapping[str, Any], settle: float, duration: float) -> Ride:
     """
     vehicle = vehicle_of(parameters, "run")
     simulation = VehicleSimulation(vehicle, threads=1)
-    before = {name: _truths(blocks) for name, blocks in _blocks(simulation, settle).items()}
-    recorded = _blocks(simulation, duration)
+    before: dict[str, list[Truth]] = {name: [] for name in simulation.simulations}
+    for name, block in _boxes(simulation, settle):  # the samples before the recorded time are not kept
+        before[name] += block.truths
+    recorded: dict[str, list[Block]] = {name: [] for name in simulation.simulations}
+    for name, block in _boxes(simulation, duration):
+        recorded[name].append(block)
     if simulation.silent:
         raise ModelFailure("; ".join(simulation.silent.values()))
     return Ride(before, recorded, {name: box.configuration for name, box in simulation.simulations.items()})
 
 
-def _blocks(simulation: VehicleSimulation, duration: float) -> dict[str, list[Block]]:
-    """Return the blocks of each box over a time [s]."""
-    blocks: dict[str, list[Block]] = {name: [] for name in simulation.simulations}
+def _boxes(simulation: VehicleSimulation, duration: float) -> Iterator[tuple[str, Block]]:
+    """Yield the blocks over a time [s], each with the name of its box."""
     for block in simulation.blocks(duration):
-        for name, own in block.boxes.items():
-            blocks[name].append(own)
-    return blocks
-
-
-def _truths(blocks: Iterable[Block]) -> list[Truth]:
-    return [truth for block in blocks for truth in block.truths]
+        yield from block.boxes.items()

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import tracemalloc
+from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -19,6 +22,7 @@ from dcrb_ros.sweep.execution import common_settings, run_task
 from dcrb_ros.sweep.kinds import plan_of
 from dcrb_ros.sweep.loader import read_sweep, sweep_of
 from dcrb_ros.sweep.store import Store
+from dcrb_ros.sweep.vehicles.ride import ride
 from dcrb_ros.vehicle.file import read_parameters, vehicle_of
 from dcrb_ros.vehicle.simulation import VehicleSimulation
 
@@ -101,6 +105,24 @@ def test_the_samples_are_those_of_the_vehicle(tmp_path: Path) -> None:
     blocks = [block.boxes[row["box"]] for block in simulation.blocks(0.06)]
     expected = np.concatenate([block.acceleration for block in blocks])[round(0.01 * row["sampling_rate"]) :]
     np.testing.assert_array_equal(dcrb_ros.DataSet(tmp_path).waveform(row["run"]).acceleration, expected)
+
+
+def test_the_samples_before_the_recorded_time_are_not_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    megabyte = 1 << 20
+
+    def blocks(duration: float) -> Iterator[SimpleNamespace]:
+        for number in range(round(duration)):
+            yield SimpleNamespace(boxes={"axle_1.left": SimpleNamespace(acceleration=bytes(megabyte), truths=(number,))})
+
+    simulation = SimpleNamespace(simulations={"axle_1.left": SimpleNamespace(configuration=None)}, blocks=blocks, silent={})
+    monkeypatch.setattr("dcrb_ros.sweep.vehicles.ride.VehicleSimulation", lambda vehicle, threads: simulation)
+    tracemalloc.start()
+    ridden = ride(read_parameters("healthy_bogie"), 32.0, 2.0)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert ridden.before["axle_1.left"] == list(range(32))
+    assert len(ridden.blocks["axle_1.left"]) == 2
+    assert peak < 8 * megabyte
 
 
 def test_the_type_of_a_value_is_that_of_its_parameter_however_it_is_written() -> None:
