@@ -33,6 +33,10 @@ def windows(folder: Path) -> tuple[pd.DataFrame, pd.Series]:
 def main(twins: Path, recordings: Path) -> float:
     """Print how often each fault is called what, and return the mean area under the ROC curves of the faults [-]."""
     (x, fault), (tested, truth) = windows(twins), windows(recordings)
+    if missing := sorted(set(truth) - set(fault)):
+        raise dcrb_ros.Refusal(f"{twins} has no runs with {', '.join(missing)}, which {recordings} has: give twins of all its faults")
+    if truth.nunique() < 2:
+        raise dcrb_ros.Refusal(f"{recordings} has fewer than two classes: give recordings of two or more, such as healthy and outer_ring")
     forest = RandomForestClassifier(300, min_samples_leaf=2, class_weight="balanced", random_state=1).fit(x, fault)
     print(pd.crosstab(truth, forest.predict(tested), rownames=["truth"], colnames=["predicted"]))
     probability = pd.DataFrame(forest.predict_proba(tested), columns=forest.classes_)

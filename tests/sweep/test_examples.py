@@ -68,6 +68,24 @@ def test_the_classifier_of_the_twins_tells_noise_from_a_defect(tmp_path: Path) -
 
 
 @pytest.mark.filterwarnings("ignore:.*has no SHA256SUMS")
+@pytest.mark.parametrize(
+    ("faults", "sentence"),
+    [
+        (("cage", "roller"), "twins has no runs with cage, roller, which .* has"),
+        (("healthy",), "recordings has fewer than two classes: give"),
+    ],
+)
+def test_the_classifier_of_the_twins_refuses_recordings_that_give_no_score(faults: tuple[str, ...], sentence: str, tmp_path: Path) -> None:
+    pytest.importorskip("sklearn")
+    folders = [tmp_path / "twins", tmp_path / "recordings"]
+    for folder, named in zip(folders, (("healthy", "outer_ring"), faults), strict=True):
+        rows = [row_of(folder, fault, *synthetic(outer=0.0, seconds=1.0, rate=12800, seed=1), fault) for fault in named]
+        pd.DataFrame(rows).to_parquet(folder / "labels.parquet")
+    with pytest.raises(Refusal, match=sentence):
+        loaded("twin_classifier").main(*folders)
+
+
+@pytest.mark.filterwarnings("ignore:.*has no SHA256SUMS")
 def test_the_features_of_the_baseline_do_not_depend_on_the_direction_of_rotation(tmp_path: Path) -> None:
     pytest.importorskip("sklearn")
     acceleration, angle = synthetic(outer=80.0, seconds=2.0, rate=12800, seed=1)
