@@ -105,6 +105,9 @@ def plot_severity(table: pd.DataFrame, at_failure: float, file: str) -> None:
 def plot_estimates(table: pd.DataFrame, file: str) -> None:
     """Plot true and estimated remaining life of each bearing with three estimates or more."""
     names = [name for name, rows in table.groupby("bearing") if len(rows) >= 3]
+    if not names:
+        print(f"{file} is not drawn: no bearing has three estimates")
+        return
     figure, axes = plt.subplots(1, len(names), figsize=(4.0 * len(names), 3.8), layout="constrained", squeeze=False, sharey=True)
     top = 1.6 * float(table["true"].max())
     for panel, name in zip(axes[0], names, strict=True):

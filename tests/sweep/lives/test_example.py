@@ -64,6 +64,15 @@ def test_a_trend_begins_at_the_first_of_two_high_inspections(example: ModuleType
     assert example.begin(np.ones(9)) == 9
 
 
+def test_without_three_estimates_of_a_bearing_no_figure_is_drawn(
+    example: ModuleType, train: pd.DataFrame, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table = example.estimates(bearing(4700.0, 12, "a"), train).head(2)
+    example.plot_estimates(table, str(tmp_path / "lives.png"))
+    assert capsys.readouterr().out.endswith("lives.png is not drawn: no bearing has three estimates\n")
+    assert not (tmp_path / "lives.png").exists()
+
+
 def written_set(folder: Path) -> None:
     """Write a data set of five bearings; a refused inspection has no file."""
     (folder / "runs").mkdir(parents=True)
