@@ -65,13 +65,13 @@ def estimates(bearing: pd.DataFrame, train: pd.DataFrame) -> pd.DataFrame:
     """Return estimates for every inspection of a bearing at which a trend is known; nothing later than it is used."""
     hours, severity = bearing["hours"].to_numpy(), bearing["severity"].to_numpy()
     failed, (at_failure, deviation) = histories(train), limit(train)
-    constant = float(train.loc[train["damage"] > 0.0, "remaining_life"].median())
+    constant = float(train.loc[(train["damage"] > 0.0) & ~train["censored"], "remaining_life"].median())
     rows = []
     for now, true in enumerate(bearing["remaining_life"]):
         first = begin(severity[: now + 1])
         if now + 1 - first >= FEWEST and true > 0.0:
             seen, last = slice(first, now + 1), slice(max(first, now + 1 - WINDOW), now + 1)
-            update = dcrb_ros.update_remaining_life(hours[seen], severity[seen] / np.median(severity[:HEALTHY]), failed)
+            update = dcrb_ros.update_remaining_life(hours[seen], severity[seen] / np.median(severity[: min(HEALTHY, now + 1)]), failed)
             trend = dcrb_ros.estimate_remaining_life(hours[last], severity[last], at_failure, growth=GROWTH, limit_deviation=deviation)
             rows.append((hours[now], true, update.median, update.low, update.high, trend.median, trend.low, trend.high, constant))
     columns = ["hours", "true", "update", "update_low", "update_high", "trend", "trend_low", "trend_high", "constant"]

@@ -41,7 +41,7 @@ def bearing(failure: float, seed: int, name: str) -> pd.DataFrame:
 def train() -> pd.DataFrame:
     """Return three training bearings: all take 2000 h from their first rise, whatever their age."""
     rows = pd.concat([bearing(failure, seed, str(seed)) for seed, failure in enumerate((3900.0, 4300.0, 5100.0))])
-    return rows.assign(damage=np.where(rows["remaining_life"] < 2000.0, 0.001, 0.0))
+    return rows.assign(damage=np.where(rows["remaining_life"] < 2000.0, 0.001, 0.0), censored=False)
 
 
 def test_no_estimate_uses_later_inspections(example: ModuleType, train: pd.DataFrame) -> None:
@@ -51,6 +51,21 @@ def test_no_estimate_uses_later_inspections(example: ModuleType, train: pd.DataF
     early = before["hours"] < 3500.0
     assert early.sum() >= 2
     assert before[early].equals(after[after["hours"] < 3500.0])
+
+
+def test_an_early_estimate_does_not_use_the_inspection_after_it(example: ModuleType, train: pd.DataFrame) -> None:
+    """Two high inspections at the start are a trend before there are five inspections, which tell what is normal."""
+    whole = bearing(4300.0, 11, "a").assign(severity=lambda rows: [2.0, 2.0, 1.0, 1.0, *rows["severity"][4:]])
+    changed = whole.assign(severity=whole["severity"].where(whole.index != 4, 3.0))
+    before, after = (example.estimates(rows, train).iloc[0] for rows in (whole, changed))
+    assert before["hours"] == whole["hours"][3]
+    assert before.equals(after)
+
+
+def test_the_constant_estimate_uses_no_life_of_a_censored_bearing(example: ModuleType, train: pd.DataFrame) -> None:
+    censored = bearing(90000.0, 3, "censored").head(20).assign(damage=0.001, censored=True)
+    tables = [example.estimates(bearing(4700.0, 12, "a"), lives) for lives in (train, pd.concat([train, censored]))]
+    assert tables[0].equals(tables[1])
 
 
 def test_both_methods_estimate_a_trend_of_their_form(example: ModuleType, train: pd.DataFrame) -> None:
