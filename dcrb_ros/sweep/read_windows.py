@@ -57,6 +57,9 @@ class ReadWindows(Sequence[tuple[Samples, int]]):
         self.classes = data_set.classes
         """Names of the classes, by their numbers."""
         self._stored = length is None and hop is None and all(row.get("windows") is not None for row in rows)
+        kept = next((row for row in rows if row.get("windows")), None)
+        if length is None and hop is not None and kept is not None:
+            length = self._stored_windows(kept)[0].shape[2]
         self._shape = _shape(length, hop)
         if not self._stored and any(row.get("scenario") for row in rows):
             raise Refusal(

@@ -173,9 +173,10 @@ class DataSet:
         split
             ``train``, ``validation`` or ``test``.
         length
-            Samples in a window. By default the windows are those of the data set, or have 4096 samples if it has none.
+            Samples in a window. By default as in the windows of the data set, or 4096 if it has none.
         hop
-            Samples from the start of a window to the start of the next, half the length by default.
+            Samples from the start of a window to the start of the next, half the length by default. Without length and hop, the windows
+            are those of the data set, if it has some.
 
         Raises
         ------

@@ -124,6 +124,14 @@ def test_windows_of_another_length_are_those_of_the_waveform(folder: Path) -> No
     assert waveform.orders.bpfo == pytest.approx(6.78, abs=0.3)
 
 
+def test_with_a_hop_alone_windows_keep_the_length_of_those_of_the_set(folder: Path, copied: Path) -> None:
+    assert read(folder).windows("test", hop=64).arrays()[0].shape == (2 * 13, 2, 256)
+    edited_table(copied, "windows", None)
+    (copied / SUMS).unlink()
+    with quiet():
+        assert len(DataSet(copied).windows("test", hop=64)) == 0  # 4096 samples, longer than a run
+
+
 @pytest.mark.parametrize("kind", ["npz", "parquet"])
 def test_a_measured_set_and_parquet_load_alike(kind: str, folder: Path, tmp_path: Path) -> None:
     made({**TREE, "output": kind, "windows": {"length": 256, "overlap": 0.5, "kind": kind}}, tmp_path / "set")
