@@ -102,10 +102,18 @@ def run_task(common: CommonSettings, task: Task) -> list[tuple[str, str]]:
         # A lost worker may have written a valid label before it reported its task.
         label = None if flaw(common.store, run.name) else read_label(common.store, run.name)
         if label is None:
-            label = _label(common, run, simulated)
-            write_label(common.store, label)
+            label = _labelled(common, run, simulated)
+            if label["status"] == DONE and common.file.output == "bag" and flaw(common.store, run.name):
+                label = _labelled(common, run, simulated)  # a worker that was taken for lost has put its bag, which has other dates
         statuses.append((run.name, str(label["status"])))
     return statuses
+
+
+def _labelled(common: CommonSettings, run: PlannedRun, simulated: _Vehicles | _Bearings) -> dict[str, Any]:
+    """Simulate a run and write its files and its label; return the label."""
+    label = _label(common, run, simulated)
+    write_label(common.store, label)
+    return label
 
 
 def write_label(store: Store, label: Mapping[str, Any]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import functools
 import hashlib
 import os
@@ -128,11 +129,15 @@ class Store:
                 shutil.rmtree(source)
                 return
             target = self.folder / name
-            shutil.rmtree(target, ignore_errors=True)
             target.parent.mkdir(parents=True, exist_ok=True)
             for path in (*sorted(source.iterdir()), source):
                 sync(path)
-            os.replace(source, target)
+            try:
+                _replace_folder(source, target)
+            except OSError as error:
+                if error.errno != errno.ENOTEMPTY:
+                    raise
+                _replace_folder(source, target)  # another worker has put its folder meanwhile
             sync(target.parent)
         except OSError as error:
             raise self._failed(error) from None
@@ -209,6 +214,11 @@ class Store:
     def _failed(self, error: OSError) -> StoreFailed:
         reason = error.strerror or str(error)
         return StoreFailed(f"{self.address} cannot be written: {reason}; {remedy_of(error)} and run the same command again to continue")
+
+
+def _replace_folder(source: Path, target: Path) -> None:
+    shutil.rmtree(target, ignore_errors=True)
+    os.replace(source, target)
 
 
 def local_folder(address: str | Path) -> Path:

@@ -20,6 +20,7 @@ from dcrb_ros.runtime.exit_status import exit_status
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.sweep.data_set import open_data_set
 from dcrb_ros.sweep.execution import common_settings, run_task
+from dcrb_ros.sweep.label import base_label
 from dcrb_ros.sweep.loader import sweep_of
 from dcrb_ros.sweep.plan import Plan
 from dcrb_ros.sweep.store import Store, StoreFailed
@@ -172,6 +173,39 @@ def test_every_file_of_a_bag_is_verified(tmp_path: Path) -> None:
         file.write_bytes(kept[:-1])
         assert f"{file} has {len(kept) - 1} bytes instead of {len(kept)}" in str(flaw(store, runs[0]))
         file.write_bytes(kept)
+
+
+def test_a_bag_of_a_worker_that_was_taken_for_lost_is_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    plan, store = Plan(sweep_of({**TREE, "windows": None, "output": "bag"}, "sweep.yaml")), Store(str(tmp_path))
+    run, done = next(plan.runs()), {"status": "done", "reason": "", "fault": "healthy", "samples": 1, "sampling_rate": 1, "first_index": 0}
+    made, folder = [], f"runs/{run.name}"
+
+    def label(common: Any, run: Any, simulated: Any) -> dict[str, Any]:
+        made.append(store.write(f"{folder}/bag", b"mine"))
+        if len(made) == 1:
+            store.write(f"{folder}/bag", b"of the other worker")
+        return base_label(run, common.base) | done | {"file": folder, "sha256": "", "files": {f"{folder}/bag": made[-1]}}
+
+    monkeypatch.setattr("dcrb_ros.sweep.execution._label", label)
+    run_task(common_settings(plan.sweep, store), (run,))
+    assert len(made) == 2
+    assert flaw(store, run.name) is None
+
+
+def test_a_folder_replaces_one_that_another_worker_puts_meanwhile(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    store, target, replace = Store(str(tmp_path / "set")), tmp_path / "set" / "runs" / "run", os.replace
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "bag").write_bytes(b"mine")
+
+    def clash(source: Path, folder: Path) -> None:
+        monkeypatch.setattr(os, "replace", replace)
+        target.mkdir(parents=True)
+        (target / "other").touch()
+        os.replace(source, folder)
+
+    monkeypatch.setattr(os, "replace", clash)
+    store.put(tmp_path / "mine", "runs/run")
+    assert [path.name for path in target.iterdir()] == ["bag"]
 
 
 def test_files_at_a_remote_address_are_verified_by_their_size() -> None:
