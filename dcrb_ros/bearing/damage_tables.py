@@ -64,7 +64,9 @@ def add_to_raceway(table: Floats, row: int, path: ContactPath, azimuth: float, r
     """Add the path of a contact over a defect to the table of a raceway; ``row`` -1 means all rows."""
     for at in range(len(table)) if row < 0 else (row,):
         if share < 1.0:
+            before = table[at, :, PART_HEIGHT].copy()
             add_window(table[at], (PART_HEIGHT, PART_SLOPE), path, azimuth, raceway)
-            table[at, np.abs(table[at, :, PART_HEIGHT]) > LEAST_HEIGHT, SHARE] = share
+            here = np.abs(table[at, :, PART_HEIGHT] - before) > LEAST_HEIGHT
+            table[at, here, SHARE] = np.maximum(table[at, here, SHARE], share)
         else:
             add_window(table[at], (HEIGHT, SLOPE), path, azimuth, raceway)

@@ -218,6 +218,13 @@ def test_each_kind_of_damage_is_read_at(kind: str, width: float, depth: float, l
     assert not found.raceways[0].any()
 
 
+def test_two_defects_over_parts_of_the_length_keep_their_shares() -> None:
+    spalls = {"kind": "spall", "width": 2e-3, "depth": 6e-5}
+    found = surfaces(faults={"outer_1": spalls | {"share": 0.6}, "outer_2": spalls | {"azimuth": 0.3}}).parts[1, :, :, 2]
+    assert set(np.unique(found)) == {0.0, np.float32(0.3), np.float32(0.6)}
+    assert found[0, [0, round(0.3 / (2.0 * math.pi) * RACEWAY_NODES)]] == pytest.approx((0.6, 0.3))
+
+
 def test_a_scratch_vanishes_with_its_width() -> None:
     """A burr that is no higher than a thousandth of its width is rolled down; at 0.1 mm it raises no roller by a nanometre."""
     heights = []
