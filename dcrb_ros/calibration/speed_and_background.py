@@ -147,6 +147,8 @@ def _modulation(depth: float) -> float:
 
 def _heard_band(frequency: Floats, share: Floats) -> tuple[float, float] | None:
     """Return the widest band in which the bearing has most of the power, at least an octave [Hz]; none if there is none."""
+    if len(share) < 9:  # less than an octave
+        return None
     heard = np.concatenate([[False], np.convolve(share, np.ones(9) / 9.0, "same") > 0.5, [False]])
     edges = np.flatnonzero(np.diff(heard.astype(int))).reshape(-1, 2)
     bands = [(float(frequency[begin]), float(frequency[end - 1])) for begin, end in edges]

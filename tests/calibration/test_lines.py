@@ -10,7 +10,7 @@ import pytest
 from dcrb_ros.calibration.estimate import QUANTILE, by_difference, by_factor
 from dcrb_ros.calibration.identified_path import IdentifiedPath, Part
 from dcrb_ros.calibration.lines import mains_hum, order_line, shaft_modulation, speed_fluctuation, without_lines
-from dcrb_ros.calibration.speed_and_background import Excess, _add_background, _pink_noise
+from dcrb_ros.calibration.speed_and_background import Excess, _add_background, _heard_band, _pink_noise
 from dcrb_ros.measurement.parameters import MICRO_G
 from dcrb_ros.schema.arrays import Floats
 
@@ -84,6 +84,11 @@ def test_the_noise_of_an_envelope_is_no_modulation() -> None:
 
 def excess(axis: str, density: Floats, frequency: Floats) -> Excess:
     return Excess(axis, frequency, density, np.ones(len(frequency), bool))
+
+
+@pytest.mark.parametrize("bins", [0, 3, 8])
+def test_less_than_an_octave_has_no_band_of_the_bearing(bins: int) -> None:
+    assert _heard_band(np.linspace(400.0, 420.0, bins), np.ones(bins)) is None
 
 
 def test_pink_noise_is_named_by_its_density_at_1_hz() -> None:
