@@ -17,6 +17,7 @@ from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.parameters import rpm
 
 LEAST_SECONDS, LEAST_TURNS = 2.0, 20.0
 """Shortest stretch without a gap from which spectra and lines are estimated [s], and its turns of the shaft [-]."""
@@ -99,7 +100,7 @@ def checked_recording(signal: Signal, name: str, *, trust: bool = False) -> Heal
             f"{LEAST_SECONDS:g} s and {LEAST_TURNS:g} turns"
         )
     _check_speed(turns, waveform.sampling_rate, name)
-    _check_clipping(acceleration, waveform.sensor_range, name)
+    _check_clipping(acceleration, waveform.sensor_range, unit_of(signal), name)
     single = np.array_equal(acceleration[0], acceleration[1])
     if not trust:
         _check_health(waveform, signal, name)
@@ -117,7 +118,10 @@ def checked_recording(signal: Signal, name: str, *, trust: bool = False) -> Heal
 
 
 def check_one_machine(recordings: Sequence[HealthyRecording]) -> None:
-    """Refuse an empty list, and recordings that cannot be of one machine: rates, units, axes or bearings differ, or one is given twice."""
+    """Refuse an empty list, a recording that is given twice, and recordings that do not fit together.
+
+    These are of different machines, or their rates, units, axes or directions of rotation differ.
+    """
     if not recordings:
         raise Refusal("no recording is given: give at least one of the healthy machine")
     first = recordings[0]
@@ -129,6 +133,9 @@ def check_one_machine(recordings: Sequence[HealthyRecording]) -> None:
             raise Refusal(f"{pair} have the units {first.unit} and {other.unit}: import both with the same unit")
         if other.axes != first.axes:
             raise Refusal(f"{pair} have {len(first.axes)} and {len(other.axes)} axes: import both with the same channels")
+        if other.speed * first.speed < 0.0:
+            speeds = f"{rpm(first.speed):.4g} and {rpm(other.speed):.4g} rpm"
+            raise Refusal(f"{pair} have opposite directions of rotation, {speeds}: calibrate to each alone")
         for name in ("bpfo", "bpfi"):
             before, after = getattr(first.orders, name), getattr(other.orders, name)
             if abs(after / before - 1.0) > SAME_ORDERS:
@@ -156,14 +163,17 @@ def _check_speed(turns: Floats, rate: int, name: str) -> None:
         )
 
 
-def _check_clipping(acceleration: Floats, sensor_range: float, name: str) -> None:
+def _check_clipping(acceleration: Floats, sensor_range: float, unit: str, name: str) -> None:
     samples = acceleration.shape[1]
     for axis in acceleration:
+        middle = float(np.median(axis))
+        far = 4.0 * float(np.median(np.abs(axis - middle)))
         for extreme in (float(axis.max()), float(axis.min())):
             at = int(np.count_nonzero(axis == extreme))
             limited = at >= max(FEWEST_CLIPPED, CLIPPED_SHARE * samples)
-            if limited and (abs(extreme) >= 4.0 * float(np.median(np.abs(axis))) or 0.0 < sensor_range <= abs(extreme)):
-                raise Refusal(f"{name} is clipped: {at} samples are at {extreme:.4g} m/s^2; record with a larger range")
+            if limited and (abs(extreme - middle) >= far or 0.0 < sensor_range <= abs(extreme)):
+                shown = "(relative)" if unit == "relative" else unit
+                raise Refusal(f"{name} is clipped: {at} samples are at {extreme:.4g} {shown}; record with a larger range")
 
 
 def _check_health(waveform: Waveform, signal: Signal, name: str) -> None:

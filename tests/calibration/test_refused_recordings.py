@@ -108,10 +108,14 @@ def test_a_recording_at_a_varying_speed() -> None:
         checked_recording(rising, "rising")
 
 
-def test_a_clipped_recording() -> None:
+@pytest.mark.parametrize(
+    ("offset", "unit", "shown"), [(0.0, "m/s^2", r"-?6 m/s\^2"), (0.0, "relative", r"-?6 \(relative\)"), (10.0, "m/s^2", r"(16|4) m/s\^2")]
+)
+def test_a_clipped_recording(offset: float, unit: str, shown: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("dcrb_ros.calibration.healthy_recording.unit_of", lambda signal: unit)
     impulsive = np.random.default_rng(1).standard_normal((3 * RATE, 2)) ** 3
-    clipped = Waveform.from_arrays(np.clip(impulsive, -6.0, 6.0), RATE, bearing=ORDERS, shaft_angle=recorded().shaft_angle)
-    with pytest.raises(Refusal, match=r"is clipped: \d+ samples are at -?6 m/s\^2; record with a larger range"):
+    clipped = Waveform.from_arrays(offset + np.clip(impulsive, -6.0, 6.0), RATE, bearing=ORDERS, shaft_angle=recorded().shaft_angle)
+    with pytest.raises(Refusal, match=rf"is clipped: \d+ samples are at {shown}; record with a larger range"):
         checked_recording(clipped, "clipped")
 
 
@@ -133,6 +137,13 @@ def test_recordings_of_different_machines() -> None:
     other = Orders(ORDERS.ftf, ORDERS.bpfo * 1.1, ORDERS.bpfi, ORDERS.bsf)
     two = [checked_recording(recorded(), "one"), checked_recording(recorded(orders=other), "two")]
     with pytest.raises(Refusal, match="one and two are of different machines: BPFO is"):
+        check_one_machine(two)
+
+
+def test_recordings_with_opposite_directions_of_rotation() -> None:
+    back = recorded(seed=2)
+    two = [checked_recording(recorded(), "one"), checked_recording(replace(back, shaft_angle=-back.shaft_angle), "two")]
+    with pytest.raises(Refusal, match=r"^one and two have opposite directions of rotation, 1200 and -1200 rpm: calibrate to each alone$"):
         check_one_machine(two)
 
 
