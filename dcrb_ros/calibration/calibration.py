@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +27,7 @@ from dcrb_ros.schema.arguments import checked_arguments, texts
 from dcrb_ros.schema.numbers import duration_within
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.settings.files import fields_by_key, load_configuration
 from dcrb_ros.text.counts import counted
 
 LONGEST_SOURCE = 60.0
@@ -223,13 +223,13 @@ def calibrate(
     except Refusal as refusal:
         reason = str(refusal).removeprefix("settings: ")
         raise Refusal(f"no bench is like {called[0]}: {reason}; check the unit and the sensitivity of the recording") from None
-    kept = [estimate for estimate in estimates if _fits(estimate, configuration)]
+    kept, left_out = accepted(estimates, configuration)
     return Calibration(
         configuration,
         tuple(kept),
         path.gains,
         tuple(path.levels),
-        (*unidentified, *NOT_IDENTIFIED),
+        (*unidentified, *left_out, *NOT_IDENTIFIED),
         tuple(called),
         machines[0].waveform,
         tuple(path.residuals),
@@ -256,14 +256,20 @@ def _range(machines: Sequence[HealthyRecording]) -> dict[str, float]:
     return {"sensor.range": known if known > peak else min(1e6, max(1.0, RANGE_OVER_PEAK * peak))}
 
 
-def _fits(estimate: EstimatedParameter, configuration: Configuration) -> bool:
-    """Return whether both ends of an interval are accepted by the bench."""
-    try:
-        for value in (estimate.low, estimate.high):
-            load_configuration(configuration, {estimate.key: value})
-    except Refusal:
-        return False
-    return True
+def accepted(estimates: Sequence[EstimatedParameter], configuration: Configuration) -> tuple[list[EstimatedParameter], list[str]]:
+    """Return the estimates within the ranges of their parameters, and a sentence for each whose interval the bench does not accept."""
+    kept, left_out = list[EstimatedParameter](), list[str]()
+    for estimate in estimates:
+        field = fields_by_key()[estimate.key]
+        low, high = np.clip((estimate.low, estimate.high), field.low, field.high).tolist()
+        try:
+            for value in (low, high):
+                load_configuration(configuration, {estimate.key: value})
+        except Refusal as refusal:
+            left_out.append(f"{estimate.key} has no interval, {low:.4g} to {high:.4g}: {str(refusal).removeprefix('settings: ')}")
+        else:
+            kept.append(replace(estimate, low=low, high=high))
+    return kept, left_out
 
 
 def _name(signal: Signal, number: int) -> str:

@@ -10,7 +10,7 @@ import pytest
 
 from dcrb_ros import Refusal, load_configuration
 from dcrb_ros.bearing.waveform import Waveform
-from dcrb_ros.calibration.calibration import Calibration
+from dcrb_ros.calibration.calibration import Calibration, accepted
 from dcrb_ros.calibration.estimate import EstimatedParameter, PathLevel
 from dcrb_ros.calibration.files import vary
 
@@ -39,6 +39,18 @@ def test_an_interval_that_vanishes_by_rounding_is_no_axis(other: float, varied: 
     axes = vary(replace(calibration("none"), estimates=(speed,)))
     assert ("operating.speed" in axes) is varied
     assert all(axis["low"] < axis["high"] for axis in axes.values())
+
+
+def test_an_interval_ends_at_the_range_of_its_parameter() -> None:
+    wide = EstimatedParameter("background.hum_level", 900.0, 700.0, 1100.0, "m/s^2")
+    assert accepted([wide], load_configuration("healthy")) == ([replace(wide, high=1000.0)], [])
+
+
+def test_an_interval_that_the_bench_does_not_accept_is_stated() -> None:
+    low = EstimatedParameter("friction.static_coefficient", 0.1, 1e-3, 0.2, "-")
+    kept, (sentence,) = accepted([low], load_configuration("healthy"))
+    assert kept == []
+    assert sentence.startswith("friction.static_coefficient has no interval, 0.001 to 0.2: friction.static_coefficient = 0.001 is below")
 
 
 @pytest.mark.parametrize("seed", [-1, 1.0, True, "3", None])
