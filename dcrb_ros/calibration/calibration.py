@@ -22,7 +22,6 @@ from dcrb_ros.calibration.healthy_recording import LEAST_SECONDS, HealthyRecordi
 from dcrb_ros.calibration.identified_path import identified_path
 from dcrb_ros.calibration.simulated_bearing import RingAcceleration, bench_of, individuals_of, ring_acceleration
 from dcrb_ros.calibration.speed_and_background import background_of, hum_of, modulation_of, speed_of, tones_of, unbalance_of
-from dcrb_ros.measurement.stages.structure import StructureParameters
 from dcrb_ros.schema.arguments import checked_arguments, texts
 from dcrb_ros.schema.numbers import duration_within
 from dcrb_ros.schema.refusal import Refusal
@@ -88,8 +87,7 @@ class Calibration:
     def draw(self, seed: int) -> dict[str, float | int]:
         """Return parameters of a machine drawn within the intervals, as changes of `configuration`; equal seeds give equal machines.
 
-        `load_configuration(calibration.configuration, calibration.draw(3))` is the third machine. In a housing, machines differ by its seed
-        alone, without ``structure.path_spread``.
+        `load_configuration(calibration.configuration, calibration.draw(3))` is the third machine.
 
         Raises
         ------
@@ -107,13 +105,7 @@ class Calibration:
                 if estimate.log and estimate.low > 0.0
                 else estimate.low + share * (estimate.high - estimate.low)
             )
-        seed_of_path = int(random.integers(1, 2**31 - 1))
-        return drawn | {"structure.seed": seed_of_path, "structure.path_spread": 0.0 if self.in_housing else self.path_spread}
-
-    @property
-    def in_housing(self) -> bool:
-        """Whether the fine structure of the path is that of a ``structure.housing``."""
-        return self.configuration.measurement.parameters[StructureParameters].housing != "none"
+        return drawn | {"structure.seed": int(random.integers(1, 2**31 - 1)), "structure.path_spread": self.path_spread}
 
     @property
     def path_spread(self) -> float:
@@ -216,8 +208,6 @@ def calibrate(
         estimates += part.estimates
         unidentified += part.remarks
         parameters |= part.parameters
-    if not all(parameters.get(f"structure.path_{axis}") for axis in "xy"):
-        parameters["structure.housing"] = "none"  # the gain alone would not contain its magnitude
     try:
         configuration = load_configuration(benches[0], parameters | _range(machines))
     except Refusal as refusal:

@@ -94,13 +94,10 @@ def _tree(calibration: Calibration, name: str) -> dict[str, Any]:
 
 
 def vary(calibration: Calibration) -> dict[str, dict[str, float | int | str]]:
-    """Return the intervals as the section ``vary`` of a sweep, with a seed that draws deviations of the path.
-
-    The seed has an effect with a ``structure.housing`` or with ``structure.path_spread``, which has a range of its own from 0 on.
-    """
+    """Return the intervals as the section ``vary`` of a sweep, with a seed that draws deviations of the path."""
     # Two recordings at nearly one speed have an interval that vanishes when it is rounded, which is no range.
     axes = {estimate.key: _axis(estimate) for estimate in calibration.estimates if _short(estimate.high) > _short(estimate.low)}
-    if calibration.path_spread > 0.0 and not calibration.in_housing:
+    if calibration.path_spread > 0.0:
         axes["structure.path_spread"] = {"low": 0.0, "high": calibration.path_spread}
     return axes | {"structure.seed": {"low": 1, "high": 2**31 - 1}}
 

@@ -187,3 +187,4 @@ def test_other_settings_are_kept() -> None:
     bench = bench_of(checked_recording(recorded(), "sound"), None, {"operating": {"load": 5000.0}, "simulation.step": 1.0 / (4 * 51200)})
     assert bench.operating.load == 5000.0
     assert bench.simulation.step <= 1.0 / (4 * 51200)
+    assert bench.structure.housing == "none"  # that of the default bench, `healthy`, is part of the identified path
