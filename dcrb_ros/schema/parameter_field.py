@@ -157,6 +157,8 @@ def _refused(field: ParameterField, value: Any) -> str:
     span = f"{' .. '.join(field.limits)} {field.unit}".removesuffix(" -")
     if isinstance(value, float) and not math.isfinite(value):
         return f"{said} is not a finite number within {span}"
+    if field.kind is int and isinstance(value, float) and value.is_integer() and field.low <= value <= field.high:
+        return f"{said} is written with a decimal point: write {value:.0f}"
     if isinstance(value, (bool, str)) or not isinstance(value, (int, float)) or (field.kind is int and isinstance(value, float)):
         return f"{said} is not {kind} within {span}"
     remedy = f": {field.remedy}" if field.remedy else f" ({_aside(field.description)})"

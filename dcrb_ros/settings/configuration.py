@@ -12,9 +12,11 @@ from dcrb_ros.faults.raceway_defect import NOTCH
 from dcrb_ros.measurement.stage import Parameters, Setup
 from dcrb_ros.schema.fields import LENGTH_REMEDY
 from dcrb_ros.schema.parameter_field import Contradictions
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.groups import ParameterGroups
 from dcrb_ros.settings.impact_limits import impact_limits
 from dcrb_ros.settings.loaded_contacts import contact_stiffness, heaviest, load_and_weight, material_of
+from dcrb_ros.settings.measured_rate import preview_at
 from dcrb_ros.settings.oil_limits import oil_limits
 from dcrb_ros.settings.parameters import rpm
 from dcrb_ros.settings.sensor_limits import block_limits, burst_limits, measurement_limits, tacho_limits
@@ -140,11 +142,15 @@ def _geometry(c: ParameterGroups) -> Iterator[str]:
 
 def _preview(c: ParameterGroups) -> Iterator[str]:
     rate = c.sensor.sampling_rate
-    if rate % c.publishing.preview_rate:
+    if rate % c.publishing.preview_rate == 0:
+        return
+    try:
         yield (
             f"publishing.preview_rate = {c.publishing.preview_rate} Hz does not divide sensor.sampling_rate = {rate} Hz; "
-            "take a divisor, such as 100 or 200"
+            f"take a divisor, such as {preview_at(rate)}"
         )
+    except Refusal as refusal:
+        yield f"sensor.{refusal}"
 
 
 SMALLEST_FILE = 1_000_000

@@ -25,8 +25,8 @@ def preview_at(rate: int) -> int:
     divisors = preview_rates(rate)
     if not divisors:
         raise Refusal(
-            f"sampling_rate = {rate} Hz has no divisor from 10 to 1000 Hz, which the preview needs: resample the recording, for example "
-            "to a multiple of 100 Hz"
+            f"sampling_rate = {rate} Hz has no divisor from 10 to 1000 Hz, which the preview needs: take a multiple of 100 Hz, and "
+            "resample a recording to it"
         )
     return min(divisors, key=lambda d: abs(math.log(d / USUAL_PREVIEW)))
 

@@ -16,5 +16,17 @@ def test_a_value_of_another_kind_is_refused_in_a_sentence(value: Any) -> None:
     assert "is not a number within" in flaw_of(field, value)
 
 
+@pytest.mark.parametrize(
+    ("value", "flaw"),
+    [
+        (25600.0, "25600.0 Hz is written with a decimal point: write 25600"),
+        (25600.5, "25600.5 Hz is not a whole number within 1000 .. 204800 Hz"),
+        (1e300, "1e+300 Hz is not a whole number within 1000 .. 204800 Hz"),
+    ],
+)
+def test_a_whole_number_with_a_decimal_point_is_refused_with_the_number_to_write(value: float, flaw: str) -> None:
+    assert flaw_of(fields_by_key()["sensor.sampling_rate"], value) == f"sensor.sampling_rate = {flaw}"
+
+
 def test_a_value_within_the_range_has_no_flaw() -> None:
     assert flaw_of(fields_by_key()["operating.speed"], 100.0) == ""
