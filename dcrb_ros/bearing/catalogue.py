@@ -56,8 +56,8 @@ TOLERANCES = ("surfaces.roller_spread", "surfaces.single_pocket_spread", "surfac
 """Tolerances that shrink with the cube root of the diameter, as the grades of ISO 286 do."""
 TOLERANCE_DIAMETER = 30.0
 """Diameter of the rollers for which the tolerances of `healthy` hold [mm]."""
-LARGEST_ANGLE = 57.0
-"""Largest contact angle [degrees]."""
+SMALLEST_ANGLE, LARGEST_ANGLE = 1.0, 57.0
+"""Range of contact angles other than zero [degrees]; the same angles in radians are below it."""
 LENGTHS = (0.5, 1e4)
 """Range of all lengths [mm]; those of a catalogue in metres are below it."""
 CLEARANCE_RANGE = (1.0, 1000.0)
@@ -111,11 +111,12 @@ class CatalogueBearing:
             if not LENGTHS[0] <= value <= LENGTHS[1]:
                 span = f"{LENGTHS[0]:g} .. {LENGTHS[1]:g} mm"
                 raise Refusal(f"{name} = {value:g} mm is outside {span}: give the length from the catalogue in millimetres")
-        if not 0.0 <= self.contact_angle <= LARGEST_ANGLE:
-            raise Refusal(
-                f"the contact angle of {self.contact_angle:g} degrees is outside 0 .. {LARGEST_ANGLE:g}: give degrees from the catalogue; "
-                "tapered bearings have 10 to 30, spherical ones 6 to 15"
-            )
+        angle = self.contact_angle
+        if angle != 0.0 and not SMALLEST_ANGLE <= angle <= LARGEST_ANGLE:
+            span, usual = f"{SMALLEST_ANGLE:g} .. {LARGEST_ANGLE:g}", "tapered bearings have 10 to 30, spherical ones 6 to 15"
+            if 0.0 < angle < SMALLEST_ANGLE:
+                usual = f"{angle:g} rad are {math.degrees(angle):.4g}"
+            raise Refusal(f"the contact angle of {angle:g} degrees is neither 0 nor within {span}: give degrees; {usual}")
         if not math.isfinite(self.rpm):
             raise Refusal(f"the speed of {self.rpm:g} rpm is not a finite number: give the speed of the inner ring")
         if self.clearance is not None and not CLEARANCE_RANGE[0] <= self.clearance <= CLEARANCE_RANGE[1]:

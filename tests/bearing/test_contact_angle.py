@@ -102,9 +102,11 @@ def test_catalogue_data_of_a_tapered_bearing_give_a_valid_configuration() -> Non
     assert (made.roller_mass, made.roller_inertia) == pytest.approx((shipped.roller_mass, shipped.roller_inertia), rel=1e-3)
 
 
-@pytest.mark.parametrize("angle", [-1.0, 58.0, math.nan])
-def test_an_impossible_angle_is_refused(angle: float) -> None:
-    with pytest.raises(Refusal, match=r"outside 0 \.\. 57"):
+@pytest.mark.parametrize(
+    ("angle", "remedy"), [(-1.0, "tapered"), (58.0, "tapered"), (math.nan, "tapered"), (0.2637, r"0\.2637 rad are 15\.11$")]
+)
+def test_an_impossible_angle_is_refused(angle: float, remedy: str) -> None:
+    with pytest.raises(Refusal, match=rf"is neither 0 nor within 1 \.\. 57: give degrees; {remedy}"):
         CatalogueBearing(inner_raceway=80.6, rollers=20, roller_diameter=12.3, roller_length=20.0, rpm=1000.0, contact_angle=angle)
 
 
