@@ -140,7 +140,7 @@ def _groups(model: type[Group]) -> set[str]:
 
 
 def _without_empty_groups(flat: Mapping[str, Any], model: type[Group]) -> dict[str, Any]:
-    """Return parameters without the groups that a file names with nothing below them."""
+    """Return parameters without the groups that a file gives as ``{}``."""
     groups = _groups(model) if any(map(_is_empty, flat.values())) else ()
     return {key: value for key, value in flat.items() if not (_is_empty(value) and key in groups)}
 
@@ -211,6 +211,8 @@ def _settings(settings: Sequence[str], fields: Mapping[str, ParameterField]) -> 
             value = parsed(text)
         except yaml.YAMLError:
             raise Refusal(f"setting '{setting}': the value is not a plain number or text") from None
+        if _is_empty(value) and not known:
+            raise Refusal(f"setting '{setting}': {unknown_parameter(key)}")
         if known and known.kind is str and type(value) is not str:
             value = text
         flat[key] = float(value) if known and known.kind is float and type(value) is int else value
