@@ -134,7 +134,7 @@ def calibrate(
     ----------
     recordings
         A `Recording`, `SimulationResult` or `Waveform`, or several of one machine, with a speed or an angle of the shaft; accelerations in
-        m/s^2 or in relative units, at any rate that has a divisor between 10 and 1000 Hz.
+        m/s^2 or in relative units, at a rate of 1000 to 204800 Hz that has a divisor between 10 and 1000 Hz.
     base
         The bench whose bearing is the source: a configuration or its name. By default the one that made the recording; for imported data
         ``healthy`` with the number and size of rollers that give the recording's orders.

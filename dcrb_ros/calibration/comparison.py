@@ -23,6 +23,8 @@ from dcrb_ros.schema.refusal import Refusal
 
 LEAST = 0.5
 """Shortest signal that is compared [s]."""
+LEAST_RATE = 71
+"""Lowest sampling rate at which a third octave is below half of it [Hz]."""
 HIGHEST_ORDER = 24.0
 """Orders up to which envelope spectra are compared [-]."""
 ORDER_STEP = 0.05
@@ -148,7 +150,7 @@ def compare(
     Raises
     ------
     Refusal
-        A recording that is empty, constant or shorter than half a second; other than two names.
+        A recording that is empty, constant, shorter than half a second or sampled below 71 Hz; other than two names.
 
     Examples
     --------
@@ -187,6 +189,9 @@ def _checked(signal: Signal, name: str) -> Waveform:
     waveform = longest_stretch(signal.waveform())
     if waveform.duration < LEAST:
         raise Refusal(f"{name} is too short to be compared: {waveform.duration:.3g} s without a gap, and {LEAST:g} s are needed")
+    if waveform.sampling_rate < LEAST_RATE:
+        rate = waveform.sampling_rate
+        raise Refusal(f"{name} has a sampling rate of {rate} Hz, and third octaves need {LEAST_RATE} Hz: give one with a higher rate")
     if not np.isfinite(waveform.acceleration).all() or np.ptp(waveform.acceleration, axis=0).min() == 0.0:
         raise Refusal(f"{name} is empty: an axis is constant or has samples that are not numbers")
     return waveform

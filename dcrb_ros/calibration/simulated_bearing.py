@@ -15,9 +15,10 @@ from dcrb_ros.calibration.healthy_recording import SAME_ORDERS, HealthyRecording
 from dcrb_ros.diagnosis.order_tracking import unwrapped_turns
 from dcrb_ros.faults import Faults
 from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.parameter_field import flaw_of
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import flatten, load_configuration, settings_by_key
+from dcrb_ros.settings.files import fields_by_key, flatten, load_configuration, settings_by_key
 from dcrb_ros.settings.measured_rate import rates
 from dcrb_ros.settings.parameters import Publishing, Recording
 from dcrb_ros.settings.sensor import Background, SensorParameters, Structure
@@ -57,6 +58,8 @@ def bench_of(
     Raises:
         Refusal: the base has a bearing with other orders, or it cannot run at this speed or rate, or a setting would be replaced.
     """
+    if flaw := flaw_of(fields_by_key()["sensor.sampling_rate"], measured.rate):
+        raise Refusal(f"the bench cannot run like {measured.name}: {flaw}; resample the recording")
     given = base if base is not None else measured.configuration
     bench = load_configuration(given if given is not None else "healthy", settings)
     empty = {"faults": Faults(), "structure": Structure(), "background": Background(), "publishing": Publishing()}

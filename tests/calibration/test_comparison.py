@@ -100,6 +100,14 @@ def test_of_three_axes_the_first_two_are_compared() -> None:
     assert compare(three, other).as_dict() == compare(two, other).as_dict()
 
 
+@pytest.mark.filterwarnings("error")
+def test_rates_without_a_third_octave_are_refused() -> None:
+    low, lowest = (Waveform.from_arrays(np.random.default_rng(1).standard_normal((400, 2)), rate) for rate in (70, 71))
+    with pytest.raises(Refusal, match=r"^B has a sampling rate of 70 Hz, and third octaves need 71 Hz: give one with a higher rate$"):
+        compare(lowest, low)
+    assert compare(lowest, lowest).axes[0].level_distance == 0.0
+
+
 def test_recordings_that_cannot_be_compared_are_refused() -> None:
     noise = np.random.default_rng(1).standard_normal(5000)
     with pytest.raises(Refusal, match=r"A is too short to be compared: 0.195 s"):

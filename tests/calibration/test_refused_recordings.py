@@ -70,6 +70,13 @@ def test_a_rate_too_low_for_the_detector_names_the_option() -> None:
     assert checked_recording(recorded(rate=1280), "slow", trust=True).rate == 1280
 
 
+def test_a_rate_that_the_bench_does_not_have() -> None:
+    with pytest.raises(
+        Refusal, match=r"^the bench cannot run like slow: sensor\.sampling_rate = 900 Hz is outside .*; resample the recording$"
+    ):
+        bench_of(checked_recording(recorded(rate=900), "slow", trust=True), None, ())
+
+
 @pytest.mark.slow
 def test_a_level_beyond_every_bench_names_the_unit() -> None:
     loud = replace(recorded(), acceleration=recorded().acceleration * np.float32(1e9))
