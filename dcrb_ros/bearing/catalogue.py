@@ -14,10 +14,8 @@ from dcrb_ros.prognosis.rating_life import dynamic_load_rating
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import checked, flatten, load_configuration, nest
-from dcrb_ros.settings.parameters import Bearing
+from dcrb_ros.settings.parameters import STEEL_DENSITY, Bearing
 
-STEEL = 7850.0
-"""Density of steel [kg/m^3]."""
 CLEARANCES = (
     (30.0, 20.0, 45.0),
     (40.0, 25.0, 50.0),
@@ -198,7 +196,7 @@ def configuration_of(bearing: CatalogueBearing) -> tuple[dict[str, Any], list[Fi
     width = bearing.width or bearing.rows * WIDTH_OVER_LENGTH * length
     clearance = normal_clearance(bore) if bearing.clearance is None else bearing.clearance
     roller_mass = _cylinder(diameter, length)
-    cage_mass = STEEL * 1e-9 * math.pi * pitch * diameter * length - bearing.rollers * roller_mass
+    cage_mass = STEEL_DENSITY * 1e-9 * math.pi * pitch * diameter * length - bearing.rollers * roller_mass
     if cage_mass <= 0.0:
         raise Refusal(
             f"{bearing.rollers} rollers of {diameter:g} mm do not fit on a pitch circle of {pitch:g} mm: give the rollers of one row, and "
@@ -216,7 +214,7 @@ def configuration_of(bearing: CatalogueBearing) -> tuple[dict[str, Any], list[Fi
         known["bearing.contact_angle"] = angle
     group = "middle of the normal group" + (" of cylindrical roller bearings" if angle else "")
     radial_gap = 0.5e-6 * clearance
-    solid = "solid steel of 7850 kg/m^3"
+    solid = f"solid steel of {STEEL_DENSITY:g} kg/m^3"
     rings = "" if bearing.bore and bearing.outside and bearing.width else f", {bore:.4g} x {outside:.4g} x {width:.4g} mm estimated"
     filled = [
         FilledIn(
@@ -283,7 +281,7 @@ def _longest_step(parameters: Mapping[str, Any]) -> float:
 
 def _cylinder(diameter: float, length: float) -> float:
     """Return the mass of a steel cylinder with dimensions in mm [kg]."""
-    return STEEL * 1e-9 * 0.25 * math.pi * diameter**2 * length
+    return STEEL_DENSITY * 1e-9 * 0.25 * math.pi * diameter**2 * length
 
 
 def _tube(inside: float, outside: float, length: float) -> float:

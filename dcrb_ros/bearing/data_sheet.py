@@ -13,10 +13,8 @@ from dcrb_ros.schema.numbers import finite_number
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.settings.loaded_contacts import heaviest
-from dcrb_ros.settings.parameters import Bearing, rpm
+from dcrb_ros.settings.parameters import STEEL_DENSITY, Bearing, rpm
 
-STEEL = 7850.0
-"""Density of steel [kg/m^3]."""
 ALIKE = 0.01
 """Largest relative difference of dimensions that leaves masses as they are [-]."""
 LEAST_SHARE = 0.001
@@ -100,12 +98,12 @@ def implausible_loads(configuration: Configuration) -> Iterator[str]:
 def _remedy(key: str, bearing: Bearing) -> str:
     """Return how to find a mass or a moment of inertia."""
     radius = bearing.own_roller_radius
-    solid = STEEL * math.pi * radius**2 * bearing.roller_length
+    solid = STEEL_DENSITY * math.pi * radius**2 * bearing.roller_length
     return {
         "roller_mass": f"a roller of solid steel has {solid:.3g} kg",
         "roller_inertia": f"a roller of solid steel has {0.5 * solid * radius**2:.3g} kg m^2",
         "cage_inertia": f"a thin cage has mass * pitch_radius^2, here {bearing.cage_mass * bearing.pitch_radius**2:.3g} kg m^2",
-    }.get(key, "take it from a drawing or a catalogue, or estimate it as solid steel of 7850 kg/m^3")
+    }.get(key, f"take it from a drawing or a catalogue, or estimate it as solid steel of {STEEL_DENSITY:g} kg/m^3")
 
 
 def characteristic_frequencies(bearing: BearingLike | str, speed: float) -> dict[str, float]:

@@ -15,11 +15,9 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from dcrb_ros.settings.parameters import Bearing
+from dcrb_ros.settings.parameters import STEEL_DENSITY, Bearing
 from dcrb_ros.settings.thermal import Thermal
 
-STEEL_DENSITY = 7850.0
-"""[kg/m^3]"""
 STEEL_HEAT, CAST_HEAT = 465.0, 480.0
 """Specific heat of rings, rollers and journal, and of the axle box [J/(kg K)]."""
 CONDUCTIVITY, DIFFUSIVITY = 45.0, 1.25e-5

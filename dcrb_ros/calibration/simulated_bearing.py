@@ -20,7 +20,7 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import fields_by_key, flatten, load_configuration, settings_by_key
 from dcrb_ros.settings.measured_rate import rates
-from dcrb_ros.settings.parameters import Publishing, Recording
+from dcrb_ros.settings.parameters import STEEL_DENSITY, Publishing, Recording
 from dcrb_ros.settings.sensor import Background, SensorParameters, Structure
 from dcrb_ros.simulation.loop import Simulation
 
@@ -32,8 +32,6 @@ INDIVIDUALS = 4
 """Individuals of the bench's bearing that are compared, the source among them [-]."""
 INDIVIDUAL_SECONDS = 2.0
 """Simulated time of each of the others [s]."""
-STEEL = 7850.0
-"""Density of rollers [kg/m^3]."""
 SPEED_KEYS = ("operating.speed_kmh", "operating.speed_fluctuation", "operating.speed_ripple")
 """Parameters outside of path, background and sensor that a calibration determines, too."""
 
@@ -103,7 +101,7 @@ def rollers_of(orders: Orders, bench: Configuration, name: str) -> dict[str, Any
     share = 2.0 * radius / b.pitch_radius * orders.bsf / (1.0 - (radius / b.pitch_radius) ** 2)
     angle = math.acos(share) if SMALLEST_COSINE <= share < 1.0 - SAME_ORDERS else 0.0
     own = radius / math.cos(angle)
-    mass = STEEL * math.pi * own**2 * b.roller_length
+    mass = STEEL_DENSITY * math.pi * own**2 * b.roller_length
     return {
         "rollers_per_row": number,
         "roller_radius": radius,

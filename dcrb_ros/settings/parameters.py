@@ -17,6 +17,8 @@ from dcrb_ros.settings.vehicle_speed import FASTEST_KMH, with_shaft_speed
 
 COMMANDED = {"operating.speed": "command/speed", "operating.load": "command/load", "operating.lateral_load": "command/load"}
 """Parameters that are changed by commands while a node runs, and the topics of these commands."""
+STEEL_DENSITY = 7850.0
+"""Of rings and rolling elements [kg/m^3]."""
 
 
 class Bearing(Group):
