@@ -37,7 +37,7 @@ class Dimensions(Protocol):
 
 
 class Footprint(NamedTuple):
-    """The stretch of a surface that a fault occupies; no other fault may overlap it."""
+    """A stretch of a surface that a fault occupies; no other fault may overlap it."""
 
     body: Component
     row: int
@@ -91,9 +91,9 @@ class Fault(Group):
         """Yield a sentence for each value that is impossible in this bearing: the value, the range and the remedy."""
         return iter(())
 
-    def footprint(self, bearing: Dimensions) -> Footprint | None:
-        """Return the surface that the fault occupies, or None if it may overlap others."""
-        return None
+    def footprints(self, bearing: Dimensions) -> Iterator[Footprint]:
+        """Yield the stretches of surface that the fault occupies; nothing if it may overlap others."""
+        return iter(())
 
     def condition(self) -> Condition:
         """Return what the fault changes of lubricant, seals and clearance."""

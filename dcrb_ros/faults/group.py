@@ -42,19 +42,18 @@ class FaultGroup(Group):
 
     def problems(self, bearing: Dimensions) -> Iterator[str]:
         """Yield a sentence for each fault that is impossible in a bearing, and for each that overlaps one before it."""
-        before: list[tuple[str, Footprint]] = []
+        before: list[tuple[str, list[Footprint]]] = []
         for key, fault in self.present():
             yield from fault.problems(key, bearing)
-            area = fault.footprint(bearing)
-            if area is None:
-                continue
-            for other_key, other in before:
-                if area.overlaps(other):
+            areas = list(fault.footprints(bearing))
+            for other_key, others in before:
+                gaps = [area.gap(other) for area in areas for other in others if area.overlaps(other)]
+                if gaps:
                     yield (
-                        f"faults.{key} overlaps faults.{other_key}: their middles are {area.gap(other):.4g} m apart; "
+                        f"faults.{key} overlaps faults.{other_key}: their middles are {min(gaps):.4g} m apart; "
                         "move an azimuth or join them into one defect"
                     )
-            before.append((key, area))
+            before.append((key, areas))
 
     def damage(self, bearing: Dimensions, edge_radius: float = 0.0) -> list[Damage]:
         """Return the geometry of all faults for the kernels; see `Fault.damage`."""

@@ -12,6 +12,7 @@ from dcrb_ros.faults.fault import Dimensions, Footprint
 from dcrb_ros.faults.geometry import RacewayNotch, Ring, SurfaceHeights
 from dcrb_ros.faults.notch import Notch, floor
 from dcrb_ros.faults.shapes import SHAPES
+from dcrb_ros.faults.shapes.shape import one_place
 from dcrb_ros.schema.fields import choice, length, quantity
 
 NOTCH = "notch"
@@ -63,9 +64,12 @@ class RacewayDefect(Notch):
         if self.row > bearing.rows:
             yield f"faults.{key}.row = {self.row} is outside 0 .. {bearing.rows}: the bearing has {bearing.rows} row(s), 0 means all"
 
-    def footprint(self, bearing: Dimensions) -> Footprint:
-        """Return the width of the notch on its raceway."""
-        return Footprint(self.component, self.row, 0, self.azimuth, self.width, self._raceway(bearing))
+    def footprints(self, bearing: Dimensions) -> Iterator[Footprint]:
+        """Yield the width of the notch on its raceway, or the reach of other damage at each of its places."""
+        shape = SHAPES.get(self.kind)
+        width = 2.0 * shape.reach(self) if shape else self.width
+        for copy in (shape.places if shape else one_place)(self.azimuth, 2.0 * math.pi / bearing.rollers_per_row):
+            yield Footprint(self.component, self.row, 0, self.azimuth + copy.angle, width, self._raceway(bearing))
 
     def described(self, key: str) -> dict[str, dict[str, float]]:
         """Return the numbers that the ground truth states: of a notch its size and place."""

@@ -37,9 +37,9 @@ class RollerDefect(Notch):
                 f"{bearing.rollers_per_row} rollers"
             )
 
-    def footprint(self, bearing: Dimensions) -> Footprint:
-        """Return the width of the notch on its roller."""
-        return Footprint(self.component, self.row, self.roller, self.azimuth, self.width, bearing.roller_radius)
+    def footprints(self, bearing: Dimensions) -> Iterator[Footprint]:
+        """Yield the width of the notch on its roller."""
+        yield Footprint(self.component, self.row, self.roller, self.azimuth, self.width, bearing.roller_radius)
 
     def damage(self, bearing: Dimensions, edge_radius: float) -> Iterator[RollerNotch]:
         """Yield the notch."""

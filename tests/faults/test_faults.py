@@ -132,10 +132,30 @@ def test_footprints_overlap_in_both_directions_or_in_none(one: Footprint, other:
 
 def test_defects_may_not_overlap_across_the_seam_of_the_angle() -> None:
     near = OuterRacewayDefect(width=1e-3, azimuth=3.14), OuterRacewayDefect(width=1e-3, azimuth=-3.14)
-    one, other = (defect.footprint(BEARING) for defect in near)
+    (one,), (other,) = (defect.footprints(BEARING) for defect in near)
     assert one.gap(other) == pytest.approx((2.0 * math.pi - 6.28) * BEARING.outer_raceway_radius)
     assert one.overlaps(other)
-    assert not one.overlaps(InnerRacewayDefect(width=1e-3, azimuth=3.14).footprint(BEARING))
+    assert not one.overlaps(*InnerRacewayDefect(width=1e-3, azimuth=3.14).footprints(BEARING))
+
+
+@pytest.mark.parametrize(
+    ("kind", "azimuth", "overlaps"),
+    [
+        ("notch", 2.1e-3, False),
+        ("spall", 2.1e-3, False),
+        ("dent", 3.9e-3, True),
+        ("dent", 4.1e-3, False),
+        ("scratch", 5.9e-3, True),
+        ("scratch", 6.1e-3, False),
+        ("brinelling", 2.0 * math.pi / 16 * BEARING.outer_raceway_radius, True),
+        ("brinelling", math.pi / 16 * BEARING.outer_raceway_radius, False),
+    ],
+)
+def test_damage_reaches_as_far_as_its_shape_and_to_all_its_places(kind: str, azimuth: float, overlaps: bool) -> None:
+    """Two defects of 2 mm, a notch at an azimuth [m] from the other: a dent reaches 3 mm to each side, a scratch 5 mm."""
+    notch = {"width": 2e-3, "azimuth": azimuth / BEARING.outer_raceway_radius}
+    faults = Faults.model_validate({"outer_1": {"kind": kind, "width": 2e-3, "depth": 1e-5}, "outer_2": notch})
+    assert any("faults.outer_2 overlaps faults.outer_1" in problem for problem in faults.problems(BEARING)) is overlaps
 
 
 def test_a_broken_bar_does_not_heal() -> None:
