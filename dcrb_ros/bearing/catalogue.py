@@ -297,7 +297,13 @@ def _rounded(value: float) -> float:
 def described_yaml(parameters: Mapping[str, Any], filled: list[FilledIn], title: str) -> str:
     """Return a ROS parameter file whose comments say which values were filled in, and from what."""
     sources = {entry.key: entry.source for entry in filled}
-    lines = [f"# {title}", "# Grease, surfaces, damping and drive are those of the bench healthy.", "/**:", "  ros__parameters:"]
+    lines = [
+        f"# {title}",
+        "# Grease, surfaces, damping and drive are those of the bench healthy.",
+        "# Spreads of rollers and pockets are smaller by the cube root of the roller diameter over 30 mm, if it is below that.",
+        "/**:",
+        "  ros__parameters:",
+    ]
     for group, values in nest(parameters).items():
         lines.append(f"    {group}:")
         for name, value in values.items():

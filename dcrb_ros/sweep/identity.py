@@ -15,6 +15,8 @@ SURFACES, PROFILE, SURFACES_SEED = "surfaces.law", "profile", "surfaces.seed"
 STRUCTURE_SEED, DRAWN_PATH = "structure.seed", ("structure.modes", "structure.frequencies", "structure.path_spread")
 """The seed of the path, and the parameters of which one is set if anything is drawn from it, unless a housing is."""
 HOUSING, NO_HOUSING = "structure.housing", "none"
+MOUNTING = "structure.mounting"
+"""The seed of a mounting: a bearing that is mounted again is on the same machine."""
 TRUTH: Mapping[str, tuple[type, str]] = {
     BEARING_ID: (str, "shared by the runs of one individual bearing, at any speed and load"),
     MACHINE: (str, "shared by the runs of one machine: housing, path, background and sensor"),
@@ -27,7 +29,7 @@ def identities(
 ) -> dict[str, dict[str, Any]]:
     """Return the parameters that define a bearing and a machine and differ from the defaults, by the name of the identity.
 
-    ``values`` are parameters by dotted key, on top of those of ``base``, an earlier result. A seed from which nothing is drawn is left out.
+    ``values`` are parameters by dotted key, on top of those of ``base``, an earlier result. Left out are a seed from which nothing is drawn, and the mounting.
     """
     merged = {
         name: {**(base or {}).get(name, {}), **{key: value for key, value in values.items() if key.split(".")[0] in groups}}
@@ -40,7 +42,9 @@ def identities(
 
 
 def _has_effect(key: str, values: Mapping[str, Any]) -> bool:
-    """Return whether a parameter, if it is a seed, determines any of the others."""
+    """Return whether a parameter makes another bearing or machine."""
+    if key == MOUNTING:
+        return False
     if key == SURFACES_SEED:
         return bool(values[SURFACES] == PROFILE)
     return key != STRUCTURE_SEED or values[HOUSING] != NO_HOUSING or any(values[name] for name in DRAWN_PATH)

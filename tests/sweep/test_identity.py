@@ -55,6 +55,14 @@ def test_without_it_bearings_and_machines_do_leak() -> None:
     assert any(len(splits) > 1 for name in BOTH for splits in splits_by(plan, name))
 
 
+def test_a_bearing_that_is_mounted_again_is_on_the_same_machine() -> None:
+    vary = {"operating.speed": SHARED["operating.speed"], "structure.mounting": {"low": 1, "high": 2_000_000_000}}
+    tree = {"base": "healthy", "duration": 0.1, "design": "random", "points": 12, "cases": CASES, "vary": vary}
+    assert len({run.truth["machine"] for run in Plan(sweep_of(tree, "sweep.yaml")).runs()}) == 1
+    with pytest.raises(Refusal, match="machine"):
+        Plan(sweep_of({**tree, "split": {"apart": ["machine"]}}, "sweep.yaml"))
+
+
 def test_bearing_and_machine_follow_from_their_own_parameters() -> None:
     grid = {"surfaces.seed": [1, 2], "structure.seed": [1, 2, 3], "operating.load": [5e4, 1e5]}
     tree = {key: value for key, value in TREE.items() if key not in ("design", "points")}
