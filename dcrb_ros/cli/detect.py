@@ -115,7 +115,7 @@ def _check_vehicles(
 
 def _as_object(recording: Recording, result: DetectionResult) -> dict[str, Any]:
     """Return the last diagnosis and the history for JSON."""
-    from dcrb_ros.recordings.verification import unsigned
+    from dcrb_ros.recordings.verification import recovered, unsigned
 
     last = result.last
     return {
@@ -137,6 +137,7 @@ def _as_object(recording: Recording, result: DetectionResult) -> dict[str, Any]:
         "remarks": last.remarks,
         "complete": recording.complete,
         "unverified": unsigned(recording) or None,
+        "recovered": recovered(recording.stored) or None,
         "history": [{"time": d.time, "verdict": d.verdict, "confidence": d.confidence} for d in result.history],
     }
 

@@ -36,6 +36,8 @@ def diagnosed_vehicle(bag: Path, parameters: DetectorParameters) -> tuple[Vehicl
 
 def vehicle_as_object(recording: VehicleRecording, result: VehicleDetectionResult) -> dict[str, Any]:
     """Return the diagnosis of a vehicle for JSON."""
+    from dcrb_ros.recordings.verification import recovered
+
     last = result.last
     return {
         "time": last.time,
@@ -44,6 +46,7 @@ def vehicle_as_object(recording: VehicleRecording, result: VehicleDetectionResul
         "indicators": dict(last.indicators),
         "alone": {name: {"verdict": d.verdict, "confidence": d.confidence, "reason": d.reason} for name, d in last.boxes.items()},
         "complete": not recording.damage,
+        "recovered": recovered(recording.stored) or None,
         "history": [{"time": d.time, "verdicts": {name: s.verdict for name, s in d.statuses.items()}} for d in result.history],
     }
 

@@ -35,7 +35,7 @@ def info(
     """
     from dcrb_ros.recordings.reader import Recording
     from dcrb_ros.recordings.vehicle_folder import vehicle_boxes
-    from dcrb_ros.recordings.verification import metadata_flaw, unsigned
+    from dcrb_ros.recordings.verification import metadata_flaw, recovered, unsigned
     from dcrb_ros.stream.event_text import encode_command
 
     if vehicle_boxes(bag):
@@ -59,6 +59,7 @@ def info(
             "messages": counts,
             "commands": commands,
             "unverified": unsigned(recording) or None,
+            "recovered": recovered(recording.stored) or None,
             "damage": damage,
         }
         print(json.dumps(about, indent=2))
@@ -71,13 +72,13 @@ def info(
         tables.append(_table("configuration, where it differs from the default", ("parameter", "value"), _changed(recording)))
     agreed = {True: "as stated", False: "NOT as stated", None: "no digest of the same samples is stated"}
     read = f"read: {digests.read.count} samples, sha256 {digests.read.sha256}, {agreed[digests.match]}" if digests else ""
-    _print([*_lines(recording), read, unsigned(recording)], tables, damage)
+    _print([*_lines(recording), read, unsigned(recording), recovered(recording.stored)], tables, damage)
 
 
 def vehicle_info(bag: Path, *, as_json: bool) -> None:
     """Print the parameters, the boxes with their digests, the commands, the topics and the damage of a vehicle's recording."""
     from dcrb_ros.recordings.vehicle import VehicleRecording
-    from dcrb_ros.recordings.verification import metadata_flaw
+    from dcrb_ros.recordings.verification import metadata_flaw, recovered
 
     recording, flaw = VehicleRecording(bag), metadata_flaw(bag)
     counts = next(iter(recording.boxes.values())).counts()
@@ -101,6 +102,7 @@ def vehicle_info(bag: Path, *, as_json: bool) -> None:
             "boxes": boxes,
             "commands": commands,
             "messages": counts,
+            "recovered": recovered(recording.stored) or None,
             "damage": damage,
         }
         print(json.dumps(about, indent=2))
@@ -109,6 +111,7 @@ def vehicle_info(bag: Path, *, as_json: bool) -> None:
         f"the recording of a vehicle with {counted(len(boxes), 'box', 'boxes')}, sampling rate: {recording.sampling_rate} Hz",
         f"a box by itself: dcrb info {shlex.quote(str(bag / next(iter(boxes))))}",
         "" if recording.scenario is None else f"scenario: {json.dumps(recording.scenario)}",
+        recovered(recording.stored),
     ]
     agreed = {True: "as stated", False: "NOT as stated", None: "none stated"}
     rows = [

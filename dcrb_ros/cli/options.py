@@ -152,26 +152,40 @@ def refuse_node_settings(settings: Sequence[str] | None) -> None:
 
 
 def warn_of_digest(recording: Recording, name: str, *, samples: bool = True) -> None:
-    """Warn if the samples of a recording do not match the digest that it states, and note if it states none of its manifest.
+    """Warn if the samples of a recording do not match the digest that it states, and note if it states none, or was recovered.
 
     The samples are read unless the waveform was; without ``samples``, they are not compared. A mismatch that was found while it was read is
     not printed a second time.
     """
-    from dcrb_ros.recordings.verification import digest_mismatch, unsigned
+    from dcrb_ros.recordings.verification import recovered
 
-    if samples and (sentence := digest_mismatch(recording)):
-        warnings.warn(f"{name}: {sentence}", AlteredSamples, stacklevel=2)
-    if sentence := unsigned(recording):
-        typer.echo(f"note: {name}: {sentence}", err=True)
+    _warn_of_digest(recording, name, samples=samples)
+    _note(name, recovered(recording.stored))
 
 
 def warn_of_digests(bag: Path, *, samples: bool = True) -> None:
     """Do the same as `warn_of_digest` for a recording, or for each box in that of a vehicle."""
     from dcrb_ros.recordings.reader import Recording
     from dcrb_ros.recordings.vehicle_folder import vehicle_boxes
+    from dcrb_ros.recordings.verification import recovered
 
-    for path in [bag / name for name in vehicle_boxes(bag)] or [bag]:
-        warn_of_digest(Recording(path), str(path), samples=samples)
+    recordings = [Recording(path) for path in [bag / name for name in vehicle_boxes(bag)] or [bag]]
+    for recording in recordings:
+        _warn_of_digest(recording, str(recording.path), samples=samples)
+    _note(str(bag), recovered(recordings[0].stored))
+
+
+def _warn_of_digest(recording: Recording, name: str, *, samples: bool) -> None:
+    from dcrb_ros.recordings.verification import digest_mismatch, unsigned
+
+    if samples and (sentence := digest_mismatch(recording)):
+        warnings.warn(f"{name}: {sentence}", AlteredSamples, stacklevel=3)
+    _note(name, unsigned(recording))
+
+
+def _note(name: str, sentence: str) -> None:
+    if sentence:
+        typer.echo(f"note: {name}: {sentence}", err=True)
 
 
 def size_text(size: float) -> str:

@@ -24,7 +24,7 @@ from dcrb_ros.plots.style import FAULT_LINES, labelled, legend_above
 from dcrb_ros.plots.waveform import plot_waveform
 from dcrb_ros.recordings.arrays import joined_waveform
 from dcrb_ros.recordings.reader import Recording
-from dcrb_ros.recordings.verification import unsigned
+from dcrb_ros.recordings.verification import recovered, unsigned
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.printable import decimal, printable
 from dcrb_ros.schema.refusal import Refusal
@@ -291,6 +291,8 @@ def _conditions(entry: DiagnosedRecording, content: Content) -> list[tuple[str, 
     conditions.append(("sha256 of the samples", read.sha256))
     if reason := digests.mismatch or unsigned(recording):
         conditions.append(("digest", printable(reason)))
+    if reason := recovered(recording.stored):
+        conditions.append(("recovered", reason))
     if not recording.complete:
         conditions += [("damage", printable(description)) for description in recording.damage]
     return conditions

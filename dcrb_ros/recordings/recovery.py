@@ -14,7 +14,7 @@ from mcap.records import Message as McapMessage
 
 from dcrb_ros.messages.points import decode_vibration
 from dcrb_ros.messages.statuses import decode_truth
-from dcrb_ros.messages.topics import GROUND_TRUTH, MANIFEST, VIBRATION, Message
+from dcrb_ros.messages.topics import GROUND_TRUTH, VIBRATION, Message
 from dcrb_ros.recordings.foreign_files import refuse_foreign, sound
 from dcrb_ros.recordings.manifest import OUTCOME, Outcome, now
 from dcrb_ros.recordings.mcap_writer import Channel, McapFile, described_channel
@@ -22,6 +22,7 @@ from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.splitting import SECOND, Bag
 from dcrb_ros.recordings.storage import StoredFile, StoredMessage, valid_files
 from dcrb_ros.recordings.vehicle_folder import VEHICLE_OUTCOME, box_of, record_name, vehicle_boxes
+from dcrb_ros.recordings.verification import RECOVERY, stated_losses
 from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.parameters import Recording as RecordingSettings
@@ -29,8 +30,6 @@ from dcrb_ros.text.files import checked_path
 
 ENCODING = ("cdr", "ros2msg")
 """Encodings of messages and their definitions in recordings of ROS 2."""
-RECOVERY = f"{MANIFEST}_recovery"
-"""Name of the metadata record that lists the losses."""
 MAX_DAMAGE = 100
 """Sentences about damaged messages that are kept."""
 
@@ -66,6 +65,8 @@ class Recovery:
         self._recordings = _recordings(source)
         if self._recordings:
             self._files = self._recordings[0].stored  # unpacked already
+        _, self._lost_before = stated_losses(self._files) or ("", [])
+        """Losses of an earlier recovery, whose result the source is."""
         self._source = source
         self._recovered = Recovered()
         self._outcomes = [Outcome(recording.sampling_rate) for recording in self._recordings]
@@ -165,7 +166,8 @@ class Recovery:
         return records
 
     def _closing(self) -> Mapping[str, Mapping[str, str]]:
-        about: dict[str, Any] = {"source": self._source.name, "lost": self._damage, "recovered": now()}
+        lost = list(dict.fromkeys([*self._lost_before, *self._damage]))[:MAX_DAMAGE]
+        about: dict[str, Any] = {"source": self._source.name, "lost": lost, "recovered": now()}
         ending = {RECOVERY: {"recovery": json.dumps(about)}}
         for recording, outcome in zip(self._recordings, self._outcomes, strict=True):
             if not recording.described:  # its samples are put in order as they are read, and have another digest then

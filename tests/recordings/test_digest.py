@@ -16,13 +16,15 @@ from separate_process import dcrb
 
 import dcrb_ros
 from dcrb_ros.messages.points import decode_vibration
-from dcrb_ros.messages.topics import MANIFEST
+from dcrb_ros.messages.topics import MANIFEST, NAMESPACE, VIBRATION
 from dcrb_ros.recordings.manifest import DIGEST, OUTCOME
 from dcrb_ros.recordings.reader import Recording
-from dcrb_ros.recordings.recovery import described_channel
+from dcrb_ros.recordings.recorder import channel_of
+from dcrb_ros.recordings.recovery import described_channel, recover
 from dcrb_ros.recordings.reproduction import NotReproduced, Reproduction
 from dcrb_ros.recordings.splitting import Bag
-from dcrb_ros.recordings.verification import digest_mismatch, unsigned
+from dcrb_ros.recordings.storage import valid_files
+from dcrb_ros.recordings.verification import RECOVERY, digest_mismatch, recovered, unsigned
 from dcrb_ros.schema.refusal import AlteredSamples
 
 SENTENCE = "the recording's samples do not match its own digest"
@@ -178,3 +180,34 @@ def test_a_report_says_what_is_wrong_with_a_digest(intact: Path, flipped: Path, 
         found = [words for words in (SENTENCE, "unverified: ") if words in unescape(page.read_text(encoding="utf-8"))]
         assert bool(sentence) == bool(found)
         assert sentence in unescape(page.read_text(encoding="utf-8"))
+
+
+def test_a_recording_recovered_from_altered_samples_is_not_taken_for_verified(intact: Path, flipped: Path, tmp_path: Path) -> None:
+    new = tmp_path / "new"
+    recover(flipped, new)
+    assert Recording(new).digests().match is True
+    sentence = recovered(Recording(new).stored)
+    assert sentence.startswith(f"recovered from flipped; lost: {SENTENCE}")
+    assert json.loads(dcrb("info", str(new), "--json").stdout)["recovered"] == sentence
+    assert sentence in dcrb("info", str(new)).stdout
+    done = dcrb("detect", str(new), "--json", "--report", str(tmp_path / "page.html"))
+    assert json.loads(done.stdout)["recovered"] == sentence
+    assert done.stderr.count(f"note: {new}: {sentence}") == 1
+    assert sentence in unescape((tmp_path / "page.html").read_text(encoding="utf-8"))
+    assert recovered(Recording(intact).stored) == ""
+
+
+def test_many_losses_are_counted_and_a_damaged_record_of_them_is_named(tmp_path: Path) -> None:
+    for text, sentence in (
+        (
+            json.dumps({"source": "bag", "lost": [f"part {number}" for number in range(7)]}),
+            "bag; lost: part 0; part 1; part 2; part 3; part 4; 2 more",
+        ),
+        (json.dumps({"source": "bag", "lost": []}), "bag; lost: nothing"),
+        ("{", "an unknown recording; lost: the record dcrb_ros_recovery is damaged"),
+    ):
+        path = tmp_path / f"{len(text)}"
+        bag = Bag(path, opening={}, closing=lambda text=text: {RECOVERY: {"recovery": text}})
+        bag.write([(channel_of(VIBRATION, NAMESPACE), 0, b"")])
+        bag.close()
+        assert recovered(valid_files(path)[0]) == f"recovered from {sentence}"
