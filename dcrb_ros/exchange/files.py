@@ -266,12 +266,20 @@ def _read_parquet(path: Path) -> ExternalFile:
     from pyarrow import parquet
 
     about, schema = parquet.read_metadata(path), parquet.read_schema(path)
+    stamps = {field.name for field in schema if pyarrow.types.is_timestamp(field.type)}
     # A list or a text can be any times as large as the file, and is no channel.
-    names = [field.name for field in schema if pyarrow.types.is_integer(field.type) or pyarrow.types.is_floating(field.type)]
-    if not names:
+    numeric = pyarrow.types.is_integer, pyarrow.types.is_floating, pyarrow.types.is_timestamp
+    names = [field.name for field in schema if any(kind(field.type) for kind in numeric)]
+    if stamps.issuperset(names):
         raise Refusal(f"{path} has no column of numbers, but {', '.join(map(str, schema.types[:5]))}: write one number in each row")
     _check_loaded(path, 8 * about.num_rows * len(names))
-    return _read_on_demand(path, names, lambda name: np.asarray(parquet.read_table(path, columns=[name]).column(name).to_numpy()))
+
+    def read(name: str) -> Array:
+        values = np.asarray(parquet.read_table(path, columns=[name]).column(name).to_numpy())
+        # From the first row on, since a date in seconds has less than a microsecond of precision.
+        return (values - values[:1]) / np.timedelta64(1, "s") if name in stamps else values
+
+    return _read_on_demand(path, names, read)
 
 
 READERS: dict[str, Callable[[Path], ExternalFile]] = {

@@ -94,7 +94,8 @@ class WaveformImport:
         rate = float(given or stated or 0.0)
         if not LOWEST_RATE <= rate <= HIGHEST_RATE:
             raise Refusal(f"{self._files} states a sampling rate of {rate:g} Hz, outside {LOWEST_RATE} .. {HIGHEST_RATE} Hz: correct it")
-        if contradiction := self._files.contradiction(rate, self.description.channels.ax):
+        channels = self.description.channels
+        if contradiction := self._files.contradiction(rate, channels.ax, gapless=channels.index is None):
             raise Refusal(f"{self._about} gives sampling_rate = {rate:g} Hz, but {contradiction}: correct one of them")
         return rate
 

@@ -47,10 +47,11 @@ class JoinedFiles:
             raise Refusal(f"{file} and {other} have different {quantity}, {first} and {second}: import them separately")
         return next(iter(stated))
 
-    def contradiction(self, rate: float, beside: str | int) -> str:
+    def contradiction(self, rate: float, beside: str | int, *, gapless: bool) -> str:
         """Return a sentence on a number or a time in the files that belongs to another sampling ``rate`` [Hz], or the empty string.
 
-        In a structure, only the fields ``beside`` the channel are compared. A time may be in s, ms or us.
+        In a structure, only the fields ``beside`` the channel are compared. A time may be in s, ms or us, and must increase. One that is
+        rounded so far that most samples have that of the one before is compared if the samples are ``gapless``.
         """
         for file, name, values in self._beside(beside, RATES):
             if values.size == 1 and not np.isclose(values[0], rate, rtol=1e-3):
@@ -59,8 +60,17 @@ class JoinedFiles:
             if values.size < 3:
                 continue
             # The median bridges gaps in the time, the mean its rounding to a few digits.
-            steps = float(np.median(np.diff(values))), float((values[-1] - values[0]) / (values.size - 1))
-            if steps[0] > 0.0 and not any(np.isclose(np.multiply(steps, rate), scale, rtol=1e-2).any() for scale in (1.0, 1e3, 1e6)):
+            differences = np.diff(values)
+            median, mean = float(np.median(differences)), float((values[-1] - values[0]) / (values.size - 1))
+            if mean <= 0.0:
+                return f"'{name}' does not increase in {file}"
+            if median > 0.0:
+                steps, uncertain = [median, mean], 0.0
+            elif gapless and median <= 0.0:  # neither is true of NaN
+                steps, uncertain = [mean], float(differences[differences > 0.0].min()) / (values.size - 1)
+            else:
+                continue
+            if not any(np.isclose(np.multiply(steps, rate), scale, rtol=1e-2, atol=uncertain * rate).any() for scale in (1.0, 1e3, 1e6)):
                 return f"'{name}' advances by {steps[0]:g} for each sample in {file}"
         return ""
 

@@ -6,8 +6,10 @@ import struct
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
 import pytest
 import yaml
+from pyarrow import parquet
 from scipy.io import savemat, wavfile
 from separate_process import dcrb
 
@@ -177,6 +179,9 @@ def test_config_check_warns_of_negative_and_very_small_loads(load: str, words: s
     [
         ({"fs": 25600}, "'fs' is 25600"),
         ({"time": np.arange(2400) / 25600}, "'time' advances by 3.90625e-05"),
+        ({"time": np.round(np.arange(2400) / 25600, 3)}, "'time' advances by 3.91"),
+        ({"time": np.round((np.arange(2400) + 600.5) / 12000, 1)}, ""),  # from 0.1 to 0.2 s
+        ({"time": -np.arange(2400) / 12000}, "'time' does not increase in"),
         ({"time": np.round(np.arange(2400) / 12000, 5)}, ""),
         ({"time": np.arange(2400) / 12000 + (np.arange(2400) > 1200)}, ""),
         ({"fs": 12000.0, "time": np.arange(2400) / 12.0}, ""),
@@ -206,6 +211,23 @@ def test_a_time_that_jumps_is_a_warning_unless_an_index_has_the_gaps(time: np.nd
     warnings = implausible(WaveformImport(tmp_path / "x.npz", about(tmp_path)))
     assert [words in sentence for sentence in warnings] == [True] * bool(words)
     assert not implausible(WaveformImport(tmp_path / "x.npz", about(tmp_path, channels={"ax": "a", "index": "i"})))
+
+
+def test_the_mean_step_of_a_rounded_time_is_not_compared_if_an_index_has_the_gaps(tmp_path: Path) -> None:
+    time = np.round(np.arange(2400) / 12000, 3) + (np.arange(2400) > 1200)
+    np.savez(tmp_path / "x.npz", a=np.sin(np.arange(2400)), time=time, i=np.arange(2400) + 12000 * (np.arange(2400) > 1200))
+    with pytest.raises(Refusal, match=r"'time' advances by 0\.0005"):
+        WaveformImport(tmp_path / "x.npz", about(tmp_path))
+    assert WaveformImport(tmp_path / "x.npz", about(tmp_path, channels={"ax": "a", "index": "i"})).rate == 12000
+
+
+def test_a_time_stamp_of_parquet_is_compared_in_seconds(tmp_path: Path) -> None:
+    for rate in (12000, 25600):
+        stamps = (1_795_337_999_000_000_000 + np.arange(2400) * 1_000_000_000 // rate).astype("datetime64[ns]")
+        parquet.write_table(pa.table({"a": np.sin(np.arange(2400)), "time": stamps}), tmp_path / f"{rate}.parquet")
+    assert WaveformImport(tmp_path / "12000.parquet", about(tmp_path)).rate == 12000
+    with pytest.raises(Refusal, match=r"'time' advances by 3\.9062"):
+        WaveformImport(tmp_path / "25600.parquet", about(tmp_path))
 
 
 @pytest.mark.parametrize("rate", ["fs", "sr"])
