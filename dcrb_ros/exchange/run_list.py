@@ -64,14 +64,23 @@ def listed_runs(entries: Iterable[Entry], rate: int = 0) -> Iterator[ListedRun]:
         rate: sampling rate to which all are decimated [Hz]; 0 leaves them.
 
     Raises:
-        Refusal: a file cannot be imported or has another hash than stated, or a rate is not a whole multiple of ``rate``.
+        Refusal: a file cannot be imported, has another hash than stated, or the content of one with another fault or split, or a rate is
+            not a whole multiple of ``rate``.
     """
+    known = dict[tuple[Any, ...], Entry]()
     for entry in entries:
         line, file = entry.line, entry.file
         read = _imported(file, entry.description, entry.settings, line)
         sha256 = read.sha256()
         if (entry.sha256 or sha256).lower() != sha256:
             raise Refusal(f"{line}: {file} has the SHA-256 {sha256} instead of {entry.sha256}: get the file again, or correct the list")
+        # The channels of one file may be sensors at several bearings.
+        other = known.setdefault((sha256, *read.description.channels.axes.values()), entry)
+        if (labels := entry.fault_and_split) != other.fault_and_split:
+            raise Refusal(
+                f"{line}: {file} has the same content as {other.file} in line {other.line.rpartition(' ')[2]}, which is "
+                f"{' in '.join(other.fault_and_split)}, not {' in '.join(labels)}: give the right file, or the same fault and split"
+            )
         waveform = Waveform(
             acceleration=read.acceleration, shaft_angle=read.angle, sampling_rate=read.rate, index=read.index, orders=read.orders
         )
@@ -91,6 +100,11 @@ class Entry(NamedTuple):
     sha256: str
     fields: dict[str, Any]
     """The other columns, as in `ListedRun`."""
+
+    @property
+    def fault_and_split(self) -> tuple[str, str]:
+        """The fault and the split, test if none is given."""
+        return self.fields["fault"], self.fields.get("split", "test")
 
 
 def _entry(line: str, row: dict[str, str], folder: Path, about: str) -> Entry:

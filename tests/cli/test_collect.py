@@ -284,6 +284,30 @@ def test_an_edited_measured_set_is_named(measured: Path, tmp_path: Path) -> None
         DataSet(copied)
 
 
+@pytest.mark.parametrize(
+    ("second", "reason"),
+    [
+        ("inner_ring,test,", "is healthy in test, not inner_ring in test: give the right file, or the same fault and split"),
+        ("healthy,train,", "is healthy in test, not healthy in train"),
+        ("healthy,test,", ""),
+        ("inner_ring,train,channels.ax=b", ""),
+    ],
+)
+def test_one_content_has_one_fault_and_split(second: str, reason: str, tmp_path: Path) -> None:
+    signals = np.random.default_rng(1).standard_normal((2, 6000))
+    for name in "xy":
+        np.savez(tmp_path / f"{name}.npz", a=signals[0], b=signals[1])
+    (tmp_path / "about.yaml").write_text(yaml.safe_dump(ABOUT), encoding="utf-8")
+    table = tmp_path / "list.csv"
+    table.write_text(f"file,fault,split,set\nx.npz,healthy,,\ny.npz,{second}\n", encoding="utf-8")
+    done = CliRunner().invoke(app, ["collect", str(table), "--about", str(tmp_path / "about.yaml"), "-o", str(tmp_path / "set")])
+    assert (done.exit_code == 0) is not bool(reason)
+    if reason:
+        assert f"{table}, line 3: {tmp_path / 'y.npz'} has the same content as {tmp_path / 'x.npz'} in line 2, which {reason}" in str(
+            done.exception
+        )
+
+
 def test_a_file_with_another_hash_than_listed_is_refused(files: Path, tmp_path: Path) -> None:
     actual = hashlib.sha256((files / "105.npz").read_bytes()).hexdigest()
     shutil.copytree(files, tmp_path / "files")
