@@ -95,7 +95,8 @@ class WaveformImport:
         if not LOWEST_RATE <= rate <= HIGHEST_RATE:
             raise Refusal(f"{self._files} states a sampling rate of {rate:g} Hz, outside {LOWEST_RATE} .. {HIGHEST_RATE} Hz: correct it")
         channels = self.description.channels
-        if contradiction := self._files.contradiction(rate, channels.ax, gapless=channels.index is None):
+        others = channels.model_dump(exclude={"temperature_time"}).values()
+        if contradiction := self._files.contradiction(rate, channels.ax, others=others, gapless=channels.index is None):
             raise Refusal(f"{self._about} gives sampling_rate = {rate:g} Hz, but {contradiction}: correct one of them")
         return rate
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -47,17 +47,17 @@ class JoinedFiles:
             raise Refusal(f"{file} and {other} have different {quantity}, {first} and {second}: import them separately")
         return next(iter(stated))
 
-    def contradiction(self, rate: float, beside: str | int, *, gapless: bool) -> str:
+    def contradiction(self, rate: float, beside: str | int, *, others: Collection[str | int], gapless: bool) -> str:
         """Return a sentence on a number or a time in the files that belongs to another sampling ``rate`` [Hz], or the empty string.
 
-        In a structure, only the fields ``beside`` the channel are compared. A time may be in s, ms or us, and must increase. One that is
-        rounded so far that most samples have that of the one before is compared if the samples are ``gapless``.
+        In a structure, only the fields ``beside`` the channel are compared. A time may be in s, ms or us, and must increase, unless it is
+        one of the ``others`` that are described. One of few digits, whose median step is 0, is compared if the samples are ``gapless``.
         """
         for file, name, values in self._beside(beside, RATES):
             if values.size == 1 and not np.isclose(values[0], rate, rtol=1e-3):
                 return f"'{name}' is {values[0]:g} in {file}"
         for file, name, values in self._beside(beside, TIMES):
-            if values.size < 3:
+            if values.size < 3 or name in others:
                 continue
             # The median bridges gaps in the time, the mean its rounding to a few digits.
             differences = np.diff(values)
