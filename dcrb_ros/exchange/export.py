@@ -124,7 +124,7 @@ def _collect(
             f"{left_out} of {counted(len(readings), 'reading')} of temperature are at no sample, but before or after the waveform or in a "
             "gap, and are left out: export npz or mat to keep them"
         )
-    extra: dict[str, Array] = {**(own_arrays(readings) if whole else {}), **_truth_arrays(truths)}
+    extra: dict[str, Array] = {**(own_arrays(readings, rate / measured_rate) if whole else {}), **_truth_arrays(truths)}
     return columns, extra, _labels(recording, truths), block_size
 
 

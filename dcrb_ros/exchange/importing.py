@@ -209,10 +209,12 @@ class WaveformImport:
         channels = self.description.channels
         given = checked_channels(channels.model_dump(), self.description.temperature_deviation, self._about)
         times = None if channels.temperature_time is None else np.concatenate(self._files.numbers(channels.temperature_time))
+        # All stamps of a recording count at its integer rate.
+        times = None if times is None else times * (self.measured_rate / self.rate)
         indices = self._by_file() if given else []
         return {
             channel: readings_of(
-                self._files.numbers(getattr(channels, channel), nan=True), indices, times, self.measured_rate, f"{self._files}: '{channel}'"
+                self._files.numbers(getattr(channels, channel), nan=True), indices, times, self.rate, f"{self._files}: '{channel}'"
             )
             for channel in given
         }

@@ -55,7 +55,7 @@ def implausible(waveform: WaveformImport) -> list[str]:
         sentences.append(f"an acceleration of {level:.3g} m/s^2 rms is outside {span}: check unit and sensitivity")
     if jump := waveform.jump_in_time():
         sentences.append(f"{jump}: if samples are missing there, name a channel index, or import the parts as files with a gap")
-    end = (waveform.index[-1] + 1) / waveform.measured_rate
+    end = (waveform.index[-1] + 1) / waveform.rate
     for channel, (time_ns, _) in waveform.readings.items():
         late = time_ns[time_ns > end * 1e9]
         if not len(time_ns):

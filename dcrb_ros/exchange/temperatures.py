@@ -26,9 +26,11 @@ COLDEST, HOTTEST = -273.15, 2000.0
 """Absolute zero, and a temperature above the melting point of steel [deg C]."""
 
 
-def own_arrays(readings: TemperatureReadings) -> dict[str, Floats]:
-    """Return the readings as arrays of their own length, with their times."""
-    return {TIME: readings.time, **{channel: getattr(readings, sensor) for channel, sensor in CHANNELS.items()}} if len(readings) else {}
+def own_arrays(readings: TemperatureReadings, stretch: float) -> dict[str, Floats]:
+    """Return the readings as arrays of their own length, with their times, multiplied by ``stretch``."""
+    if not len(readings):
+        return {}
+    return {TIME: readings.time * stretch, **{channel: getattr(readings, sensor) for channel, sensor in CHANNELS.items()}}
 
 
 def columns(readings: TemperatureReadings, index: Integers, rate: int) -> dict[str, Floats]:
@@ -55,7 +57,7 @@ def readings_of(
         parts: the channel in each file, shape (files,) of (readings,).
         indices: the samples of each file, shape (files,) of (samples,). Fewer readings than samples are spread evenly over the file.
         times: times of the readings of all files [s], shape (readings,); None if they follow from the samples.
-        rate: sampling rate [Hz].
+        rate: sampling rate of the recording [Hz].
         source: name of the channel in error messages.
 
     Raises:

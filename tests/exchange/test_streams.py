@@ -13,6 +13,7 @@ from scipy.io import loadmat
 
 import dcrb_ros
 from dcrb_ros.exchange.export import array_name, export
+from dcrb_ros.exchange.files import channel, read_external
 from dcrb_ros.exchange.importing import WaveformImport
 from dcrb_ros.exchange.plausibility import implausible
 from dcrb_ros.messages.topics import AMBIENT_TEMPERATURE, BOX_TEMPERATURE, FEATURES, OUTER_RING_TEMPERATURE, SENSOR, TACHO, VIBRATION
@@ -181,6 +182,33 @@ def test_readings_outside_the_waveform_and_their_loss_in_a_table_are_named(tmp_p
         notes = list[str]()
         export(recording, tmp_path / f"wave{suffix}", notes=notes)
         assert [words in note for note in notes] == [True] * bool(words)
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".csv"])
+@pytest.mark.parametrize("timed", [True, False])
+def test_a_reading_keeps_its_sample_at_a_fractional_rate(timed: bool, suffix: str, tmp_path: Path) -> None:
+    rate, place, signal = 5000.4, 30_000, np.sin(np.arange(40_000) * 0.1)
+    channels = {"ax": "a", "box_temperature": "t"} | ({"temperature_time": "u"} if timed else {})
+    beside = np.full(len(signal), np.nan)
+    beside[place] = 40.0
+    arrays = {"t": np.array([40.0]), "u": np.array([place / rate])} if timed else {"t": beside}
+    np.savez(tmp_path / "x.npz", a=signal, **arrays)
+    about = {"channels": channels, "sampling_rate": rate, "unit": "m/s^2", "orders": ORDERS}
+    (tmp_path / "about.yaml").write_text(yaml.safe_dump(about))
+    file, described = tmp_path / "x.npz", tmp_path / "about.yaml"
+    for folder in ("first", "again"):
+        waveform = WaveformImport(file, described)
+        assert not any("later than" in sentence for sentence in implausible(waveform))
+        waveform.write(tmp_path / folder)
+        recording = Recording(tmp_path / folder)
+        assert recording.temperatures().time == pytest.approx([place / 5000])
+        file = tmp_path / f"{folder}{suffix}"
+        described = export(recording, file)
+    written = read_external(file)
+    if suffix == ".npz":
+        assert channel(written, file, "temperature_time") == pytest.approx([place / rate])
+    else:
+        assert np.flatnonzero(np.isfinite(channel(written, file, "box_temperature"))).tolist() == [place]
 
 
 def test_a_channel_of_temperatures_without_a_reading_is_a_warning(tmp_path: Path) -> None:
