@@ -167,7 +167,7 @@ class RecordingSwitch:
     def _retire(self) -> RecorderThread | None:
         """Pass nothing more to the recorder, with the lock held; what is queued is still written."""
         recorder, self._recorder = self._recorder, None
-        self._closing = [earlier for earlier in self._closing if earlier.writing]
+        self._closing = [earlier for earlier in self._closing if not earlier.settled]
         if recorder is not None:
             self._closing.append(recorder)
         return recorder

@@ -25,7 +25,7 @@ WAKE_PERIOD = 0.25
 class RecorderThread:
     """Passes messages to a recorder through a bounded queue; any thread may write.
 
-    A failure ends the recording and is raised once, by the next call; later calls do nothing.
+    A failure ends the recording and is raised once, by the next call; later calls write nothing, and raise a failure since then.
     """
 
     def __init__(self, recorder: RunRecorder[Any], capacity: int) -> None:
@@ -37,7 +37,8 @@ class RecorderThread:
         self._closing = threading.Event()
         self._wake = threading.Event()
         self._lock = threading.Lock()
-        self._failure: RecordingFailed | None = None
+        self._failures: list[str] = []
+        """Failures that were not raised yet."""
         self._ended = False
         self._thread = NamedThread("recorder", self._run)
         self._thread.start()
@@ -51,6 +52,11 @@ class RecorderThread:
     def writing(self) -> bool:
         """Whether the thread may still be writing."""
         return self._thread.is_alive()
+
+    @property
+    def settled(self) -> bool:
+        """Whether the thread has ended, and all of its failures were raised."""
+        return not self.writing and not self._failures
 
     def write_messages(self, messages: Iterable[Message]) -> None:
         """Queue messages.
@@ -81,7 +87,7 @@ class RecorderThread:
         """Write queued messages and finish the recording within ``timeout`` of wall time [s]; a second call waits again.
 
         Raises:
-            RecordingFailed: it could not be finished.
+            RecordingFailed: it could not be finished, or what was queued could not be written.
         """
         self._finish()
         self._thread.join(timeout)
@@ -113,11 +119,11 @@ class RecorderThread:
 
     def _fail(self, reason: str) -> None:
         with self._lock:
-            if not self._ended:
-                self._failure, self._ended = RecordingFailed(reason), True
+            self._failures.append(reason)
+            self._ended = True
 
     def _raise_failure(self) -> None:
         with self._lock:
-            failure, self._failure = self._failure, None
-        if failure is not None:
-            raise failure
+            failures, self._failures = self._failures, []
+        if failures:
+            raise RecordingFailed("; ".join(failures))

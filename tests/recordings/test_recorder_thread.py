@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -33,6 +34,18 @@ class Log:
 
     def close(self) -> None:
         self.closed += 1
+
+
+class Waiting(Log):
+    """A recorder that fails once it is allowed to."""
+
+    def __init__(self, failure: Exception) -> None:
+        super().__init__(failure)
+        self.allowed = threading.Event()
+
+    def write_messages(self, messages: Iterable[Message]) -> None:
+        self.allowed.wait(PATIENCE)
+        super().write_messages(messages)
 
 
 class Idle(NamedThread):
@@ -97,6 +110,24 @@ def test_a_full_queue_ends_the_recording_and_says_so_once() -> None:
     queued.close()
 
 
+def test_a_failure_after_a_full_queue_is_raised_at_the_end() -> None:
+    log = Waiting(RecordingFailed("the disk is full"))
+    queued = RecorderThread(log, 1)  # type: ignore[arg-type]
+    queued.write_messages(at(100))
+    wait_for(lambda: not queued._queue)
+    queued.write_messages(at(200))
+    with pytest.raises(RecordingFailed, match="the disk is slower than the bench"):
+        queued.write_messages(at(300))
+    assert not queued.settled
+    log.allowed.set()
+    wait_for(lambda: not queued.writing)
+    assert not queued.settled
+    with pytest.raises(RecordingFailed, match=r"^the disk is full$"):
+        queued.close(PATIENCE)
+    assert queued.settled
+    queued.close(PATIENCE)
+
+
 def test_messages_are_written_in_their_order_and_the_recorder_is_closed_once() -> None:
     log = Log()
     queued = RecorderThread(log, 1000)  # type: ignore[arg-type]
@@ -149,6 +180,8 @@ def test_a_disk_that_does_not_finish_in_time_is_reported(tmp_path: Path) -> None
     queued = RecorderThread(slow, 1000)
     queued.write_messages(at(100))
     with pytest.raises(RecordingFailed, match="could not be finished in time: the disk takes more than 3 s"):
+        queued.close(0.0)
+    with pytest.raises(RecordingFailed, match="could not be finished in time"):
         queued.close(0.0)
     slow.allowed.set()
     queued.close(PATIENCE)
