@@ -16,7 +16,7 @@ from dcrb_ros.exchange.pulse_train import LEVELS, sampled_pulses
 from dcrb_ros.exchange.temperatures import CHANNELS, TIME, own_arrays
 from dcrb_ros.exchange.temperatures import columns as beside_samples
 from dcrb_ros.exchange.text_table import Array
-from dcrb_ros.messages.points import decode_vibration
+from dcrb_ros.messages.points import check_axes, decode_vibration
 from dcrb_ros.messages.topics import GROUND_TRUTH, VIBRATION
 from dcrb_ros.recordings.arrays import truths_of
 from dcrb_ros.recordings.reader import Recording
@@ -103,6 +103,7 @@ def _collect(
         show("reading", samples, total if isinstance(total, int) else 0)
     if not received:
         raise Refusal(f"{recording.path} has no messages on {VIBRATION.resolved(recording.namespace)}: give a recording of the bench")
+    check_axes(accelerations)
     truths, block_size = truths_of(truth_messages), max(map(len, received))
     index, order = _in_order(received, notes)
     acceleration = _joined(accelerations, order)

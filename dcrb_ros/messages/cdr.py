@@ -87,8 +87,19 @@ def decoded(data: bytes, type_name: str) -> Any:
         raise Refusal(f"a message of {len(data)} bytes is not a valid {type_name}: {type(error).__name__}") from None
 
 
+def check_header(data: bytes, mistake: str = "is not valid") -> None:
+    """Refuse a message that is too short for a header; the sentence says with ``mistake`` what it is not."""
+    if len(data) < STAMP_END:
+        raise Refusal(f"a message of {len(data)} bytes {mistake}: it has no header")
+
+
 def stamps(messages: Sequence[bytes]) -> npt.NDArray[np.int64]:
-    """Return the stamps of messages that begin with a header, in either byte order, shape (messages,) [ns]."""
+    """Return the stamps of messages that begin with a header, in either byte order, shape (messages,) [ns].
+
+    Raises:
+        Refusal: one of them is too short.
+    """
+    check_header(min(messages, key=len, default=bytes(STAMP_END)))
     heads = np.frombuffer(b"".join(data[4:12] for data in messages), "<i4").reshape(-1, 2)
     little = np.array([data[1] & 1 for data in messages], bool)
     seconds, nanoseconds = np.where(little[:, None], heads, heads.byteswap()).T

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -148,10 +148,15 @@ def decode_waveform(messages: Sequence[bytes]) -> tuple[npt.NDArray[np.int64], S
         Refusal: as `decode_vibration`, or blocks differ in their axes.
     """
     blocks = [decode_vibration(data) for data in messages]
-    if len({block.acceleration.shape[1] for block in blocks}) > 1:
-        raise Refusal("blocks of a waveform have two and three axes: publish the same fields in all of them")
+    check_axes(block.acceleration for block in blocks)
     times = np.concatenate([block.stamp_ns + block.offsets_ns.astype(np.int64) for block in blocks])
     return times, np.concatenate([block.acceleration for block in blocks]), np.concatenate([block.shaft_angle for block in blocks])
+
+
+def check_axes(accelerations: Iterable[Samples]) -> None:
+    """Refuse the accelerations of blocks, each of shape (samples, axes), that differ in their axes."""
+    if len({acceleration.shape[1] for acceleration in accelerations}) > 1:
+        raise Refusal("blocks of a waveform have two and three axes: publish the same fields in all of them")
 
 
 def encode_spectrum(time_ns: int, orders: Floats, amplitude: Floats, shaft_frequency: float, frame: str = FRAME) -> bytes:

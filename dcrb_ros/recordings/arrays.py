@@ -16,6 +16,7 @@ from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.bearing.waveform import Piece, Waveform, described_stretch, stretch
 from dcrb_ros.messages.cdr import STAMP_END, stamps
 from dcrb_ros.messages.joints import Joints, decode_alike, decode_joints
+from dcrb_ros.messages.points import check_axes
 from dcrb_ros.messages.pulses import decode_pulses
 from dcrb_ros.messages.statuses import decode_diagnostics, decode_truth
 from dcrb_ros.messages.topics import (
@@ -63,7 +64,7 @@ def joined_waveform(blocks: Iterable[Piece], rate: int, orders: Orders, path: Pa
     """Return the samples of some blocks, in the order of the recording, with ``start <= time < stop`` [s], all without these.
 
     Raises:
-        Refusal: there is no sample in that time; the sentence names the ``path``.
+        Refusal: there is no sample in that time, where the sentence names the ``path``; or blocks differ in their axes.
     """
     first, last = stretch(rate, start, stop)
     pieces, spans = [], []
@@ -75,6 +76,7 @@ def joined_waveform(blocks: Iterable[Piece], rate: int, orders: Orders, path: Pa
     if not pieces:
         begin, end = min(begin for begin, _ in spans), max(end for _, end in spans)
         raise Refusal(f"{path} has no sample {described_stretch(start, stop)}: it has samples from {begin / rate:g} to {end / rate:g} s")
+    check_axes(piece.acceleration for piece in pieces)
     # A block that came twice or too late is kept once, in its place.
     index = np.concatenate([piece.first_index + np.arange(len(piece.shaft_angle), dtype=np.int64) for piece in pieces])
     index, order = np.unique(index, return_index=True)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from dcrb_ros.bearing.frequencies import Orders
-from dcrb_ros.messages.cdr import STAMP_END
+from dcrb_ros.messages.cdr import check_header
 from dcrb_ros.messages.description import decode_sensor
 from dcrb_ros.messages.plain import decode_text
 from dcrb_ros.messages.topics import SENSOR, VIBRATION, Message
@@ -151,9 +151,6 @@ def header_time(message: Message) -> int:
     Raises:
         Refusal: it is too short.
     """
-    if len(message.data) < STAMP_END:
-        raise Refusal(
-            f"a message of {len(message.data)} bytes on {message.topic.name} is not a valid {message.topic.type}: it has no header"
-        )
+    check_header(message.data, f"on {message.topic.name} is not a valid {message.topic.type}")
     seconds, nanoseconds = struct.unpack_from("<iI" if message.data[1] & 1 else ">iI", message.data, 4)
     return int(seconds) * 1_000_000_000 + int(nanoseconds)

@@ -109,6 +109,9 @@ class McapRecords(FileRecords):
             if summary.changed:
                 self._report("the summary does not match its checksum, so it is not used")
             self._summarized = {(type(record), record.id): record for record in summary.known}
+            if any(self._summarized[type(record), record.id] != record for record in summary.known):
+                self._report("the summary gives one number to two schemas or channels, so it is not used")
+                summary, self._summarized = Summary(changed=True), {}
             for record in summary.known:
                 self._register(record)
                 yield record
@@ -271,7 +274,7 @@ class Summary(NamedTuple):
     chunks: Sequence[int] = ()
     """Positions of the chunks in increasing order [bytes]."""
     changed: bool = False
-    """Whether it does not match its checksum."""
+    """Whether it does not match its checksum, or contradicts itself."""
 
 
 def _summary(stream: BinaryIO, size: int) -> Summary:

@@ -5,11 +5,13 @@ from __future__ import annotations
 import struct
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from dcrb_ros.messages.cdr import stamps
 from dcrb_ros.messages.joints import decode_alike, decode_joints, encode_joints
+from dcrb_ros.schema.refusal import Refusal
 
 TIMES = st.integers(0, 2**31 * 1_000_000_000 - 1)
 
@@ -32,6 +34,12 @@ def test_similar_messages_are_decoded_together(times: list[int], names: list[str
 def test_stamps_are_read_in_both_byte_orders() -> None:
     little, big = b"\0\1\0\0" + struct.pack("<iI", 3, 5), b"\0\0\0\0" + struct.pack(">iI", 3, 5)
     assert stamps([little, big, little]).tolist() == [3_000_000_005] * 3
+
+
+def test_a_message_too_short_for_a_stamp_is_refused() -> None:
+    assert stamps([]).shape == (0,)
+    with pytest.raises(Refusal, match="a message of 5 bytes is not valid: it has no header"):
+        stamps([encode_joints(3, ["a"], [0.0]), b"\0\1\0\0\0"])
 
 
 def test_messages_that_differ_are_not_decoded_together() -> None:

@@ -11,10 +11,12 @@ import numpy as np
 import pytest
 from made_up_blocks import BODIES, FREQUENCIES, blocks
 
+from dcrb_ros.exchange.export import export
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.joints import encode_joints
+from dcrb_ros.messages.points import encode_vibration
 from dcrb_ros.messages.statuses import Status, encode_diagnostics, encode_truth
-from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH, ROLLER_CONTACTS, ROLLER_STATES, Message, Topic
+from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH, ROLLER_CONTACTS, ROLLER_STATES, VIBRATION, Message, Topic
 from dcrb_ros.recordings.arrays import RecordedVerdict
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
@@ -43,6 +45,19 @@ def waveform_in(path: Path, order: Sequence[int]) -> Recording:
 def joints(topic: Topic, time_ns: int, values: Sequence[float], names: Sequence[str] = NAMES) -> Message:
     position = np.array(values)
     return Message(topic, time_ns, encode_joints(time_ns, names, position, position + 10.0, position + 20.0))
+
+
+def test_blocks_of_two_and_three_axes_are_refused(tmp_path: Path) -> None:
+    messages = [
+        Message(VIBRATION, block.stamp_ns, encode_vibration(block, np.zeros((len(block.shaft_angle), axes), np.float32)))
+        for axes, block in zip((2, 3), blocks(2), strict=True)
+    ]
+    recording = recording_of(tmp_path / "bag", messages)
+    with pytest.raises(Refusal, match="have two and three axes: publish the same fields in all of them"):
+        recording.waveform()
+    with pytest.raises(Refusal, match="have two and three axes: publish the same fields in all of them"):
+        export(recording, tmp_path / "x.npz")
+    assert recording.waveform(0.0, 0.02).acceleration.shape[1] == 2
 
 
 @pytest.mark.parametrize(

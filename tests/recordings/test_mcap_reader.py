@@ -294,6 +294,19 @@ def test_a_channel_that_was_changed_in_the_summary_is_read_from_its_chunk(byte: 
     assert records.damage == ["four.mcap: the summary does not match its checksum, so it is not used"]
 
 
+def test_a_summary_with_two_channels_of_one_number_is_not_used(four: tuple[Path, list[int]]) -> None:
+    path, _ = four
+    whole = path.read_bytes()
+    first, second = [record for record in McapRecords(path, chunks=False) if isinstance(record, Channel)][:2]
+    place = whole.rindex(second.topic.encode()) - struct.calcsize("<HHI")
+    assert struct.unpack_from("<H", whole, place) == (second.id,)
+    whole = whole[:place] + struct.pack("<H", first.id) + whole[place + 2 : -len(MAGIC) - 4] + bytes(4) + MAGIC  # without a checksum
+    path.write_bytes(whole)
+    records = McapRecords(path)
+    assert len(data_of(list(records))) == 8
+    assert records.damage == ["four.mcap: the summary gives one number to two schemas or channels, so it is not used"]
+
+
 @pytest.mark.parametrize("begin", [0, 7, 1 << 40], ids=["none", "in the magic", "beyond the end"])
 def test_an_impossible_place_of_the_summary_counts_as_none(begin: int, four: tuple[Path, list[int]]) -> None:
     path, _ = four
