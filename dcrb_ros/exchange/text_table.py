@@ -53,6 +53,11 @@ def _read(path: Path) -> tuple[tuple[str, ...], Callable[[str | int], Array]]:
             f"{path} begins with {first.strip()[:LONGEST_SHOWN]!r}, which may be samples or numbers of the columns: write the names of the "
             "columns in the first line"
         )
+    if any(name and not _is_number(name) for name in names) and any(map(_is_number, names)):
+        raise Refusal(
+            f"{path} begins with {first.strip()[:LONGEST_SHOWN]!r}, which has both numbers and words: write the names of the columns in "
+            "the first line, none of them a number, nan for an unknown value, and a # before other lines above them"
+        )
     number = 0
 
     def filled(stream: Iterator[str]) -> Iterator[str]:

@@ -40,6 +40,8 @@ def about(folder: Path, **changes: object) -> Path:
         ("+0,5\n-0,25\n", "decimal commas"),
         ("0,1,2\n0.5,1,3\n", "begins with '0,1,2', which may be samples or numbers of the columns: write the names"),
         ("1\t2\n0.5\t1\n", "which may be samples or numbers of the columns"),
+        ("NA,1.5\n0.5,1\n", "begins with 'NA,1.5', which has both numbers and words: write the names"),
+        ("a,0,1\n0.5,1,2\n", "which has both numbers and words"),
         ("0.5,,1\n0.25,1,2\n", "line 1, column 2: the field is empty"),
         ("a\n0.5\n#0.25\n0.125\n", "cannot be read as CSV"),
         ("a\n0.5\n0.25 # loose\n", "cannot be read as CSV"),
