@@ -6,6 +6,7 @@ import dataclasses
 import hashlib
 import itertools
 import json
+import math
 from collections import deque
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -57,12 +58,14 @@ class WaveformImport:
         """Read ``files`` as the YAML file ``about`` describes them, changed by ``settings``; see `read_description`."""
         self._about = about
         self.description: Description = read_description(about, settings)
-        self._source = self.description.shaft_source(about)
+        self.shaft_source = self.description.shaft_source(about)
+        """Origin of the angle of the shaft, as in `Description.shaft_source`."""
         self._files = JoinedFiles([files] if isinstance(files, Path) else files)
         self.measured_rate = self._rate(self._files.rate)
         """Sampling rate as it is given [Hz]."""
         self.rate = self._whole_rate()
         """Sampling rate of the recording, an integer [Hz]."""
+        self._check_speed()
         self.orders: Orders = self.description.fault_orders(about)
         channels, factor = self.description.channels, self._factor()
         parts = {name: self._files.parts(channel) for name, channel in channels.axes.items()}
@@ -99,6 +102,12 @@ class WaveformImport:
         if contradiction := self._files.contradiction(rate, channels.ax, others=others, gapless=channels.index is None):
             raise Refusal(f"{self._about} gives sampling_rate = {rate:g} Hz, but {contradiction}: correct one of them")
         return rate
+
+    def _check_speed(self) -> None:
+        """Refuse a stated speed of half a turn or more per sample, whose direction and size an angle cannot represent."""
+        if abs(self.description.shaft_speed) / self.measured_rate >= math.pi:
+            given = f"{self.shaft_source} = {getattr(self.description, self.shaft_source):g}"
+            raise Refusal(f"{self._about}: {given} is half a turn or more per sample at {self.measured_rate:g} Hz: correct one of them")
 
     def _whole_rate(self) -> int:
         """Return the integer next to the sampling rate, on which the index and the stamps of a recording are based [Hz]."""
@@ -171,7 +180,7 @@ class WaveformImport:
 
     def _angle(self) -> npt.NDArray[np.float32]:
         """Return the angle of the shaft within [0, 2 pi), NaN where it is unknown, shape (samples,) [rad]."""
-        d, source = self.description, self._source
+        d, source = self.description, self.shaft_source
         if source == "rpm" and d.channels.rpm is not None:
             return wrapped(self._turns_at_speed(d.channels.rpm))
         if source == "shaft_angle" and d.channels.shaft_angle is not None:
@@ -191,7 +200,7 @@ class WaveformImport:
             return None
         pulses = np.concatenate(self._files.numbers(d.channels.tacho))
         self._check_lengths({"ax": len(self.index), "tacho": len(pulses)})
-        if self._source != "tacho":
+        if self.shaft_source != "tacho":
             return counted_pulses(pulses, self.index, self.pulses_per_turn, d.tacho_levels)
         return pulse_train(pulses, self.index, self.pulses_per_turn, d.tacho_levels, f"{self._files}: '{d.channels.tacho}'")
 
@@ -296,10 +305,10 @@ class WaveformImport:
         """Return how the angle of the shaft was found."""
         if not np.isfinite(self.angle).any():
             return "unknown"
-        if self._source == "tacho":
+        if self.shaft_source == "tacho":
             irregular = f", irregular in {self.irregular_pulses} intervals" if self.irregular_pulses else ""
             return f"from pulses of a tacho, {self.description.pulses_per_turn or 1} per turn{irregular}"
-        return {"shaft_angle": "measured", "rpm": "from the measured speed"}.get(self._source, "from the stated speed")
+        return {"shaft_angle": "measured", "rpm": "from the measured speed"}.get(self.shaft_source, "from the stated speed")
 
     def jump_in_time(self) -> str:
         """Return a sentence on a jump of the time of the samples, or the empty string; a channel ``index`` contains the gaps."""

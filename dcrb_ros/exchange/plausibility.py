@@ -50,6 +50,8 @@ def implausible(waveform: WaveformImport) -> list[str]:
     sentences, speed, level = [], waveform.description.speed, acceleration_rms(waveform)
     if speed is not None and abs(speed) > FASTEST:
         sentences.append(f"speed = {speed:g} rad/s is {rpm(speed):.5g} rpm, which is implausible: if rpm were meant, give speed_rpm")
+    elif (speed := 2.0 * math.pi * abs(shaft_frequency(waveform))) > FASTEST:
+        sentences.append(f"{waveform.shaft_source} gives {speed:.4g} rad/s, {rpm(speed):.4g} rpm, which is implausible: check its unit")
     span = f"{QUIETEST:g} .. {LOUDEST:g} m/s^2"
     if waveform.description.unit != "relative" and not QUIETEST <= level <= LOUDEST:
         sentences.append(f"an acceleration of {level:.3g} m/s^2 rms is outside {span}: check unit and sensitivity")

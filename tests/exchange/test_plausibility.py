@@ -169,6 +169,22 @@ def test_an_import_prints_its_speed_and_lines_and_warns_of_implausible_ones(tmp_
     assert "check unit and sensitivity" in done.stderr
 
 
+@pytest.mark.parametrize(("source", "step"), [("shaft_angle", 360.0 * 20.0 / 12000.0), ("rpm", 0.0)])
+def test_a_speed_that_follows_from_another_unit_is_a_warning(source: str, step: float, tmp_path: Path) -> None:
+    np.savez(tmp_path / "x.npz", a=np.sin(np.arange(2400)), s=20_000.0 + step * np.arange(2400))  # degrees, or mHz
+    (sentence,) = implausible(WaveformImport(tmp_path / "x.npz", about(tmp_path, channels={"ax": "a", source: "s"})))
+    assert sentence.startswith(f"{source} gives {7200 if step else 2094} rad/s, ")
+    assert sentence.endswith("which is implausible: check its unit")
+
+
+@pytest.mark.parametrize("stated", [{"speed_rpm": -1e6}, {"speed": 37700.0}])
+def test_a_speed_of_half_a_turn_per_sample_is_refused(stated: dict[str, float], tmp_path: Path) -> None:
+    np.savez(tmp_path / "x.npz", a=np.sin(np.arange(2400)))
+    with pytest.raises(Refusal, match=r"speed.* = .* is half a turn or more per sample at 12000 Hz: correct one of them"):
+        WaveformImport(tmp_path / "x.npz", about(tmp_path, **stated))
+    assert WaveformImport(tmp_path / "x.npz", about(tmp_path, speed=37690.0)).shaft_source == "speed"
+
+
 @pytest.mark.parametrize(("load", "words"), [("-5000.0", "is negative"), ("900.0", "below 0.001 of the load rating"), ("60000.0", "")])
 def test_config_check_warns_of_negative_and_very_small_loads(load: str, words: str) -> None:
     done = dcrb("config", "check", "healthy", "--set", f"operating.load={load}")
