@@ -115,7 +115,7 @@ def _check_vehicles(
 
 def _as_object(recording: Recording, result: DetectionResult) -> dict[str, Any]:
     """Return the last diagnosis and the history for JSON."""
-    from dcrb_ros.recordings.verification import recovered, unsigned
+    from dcrb_ros.recordings.verification import digest_mismatch, recovered, unsigned
 
     last = result.last
     return {
@@ -136,6 +136,7 @@ def _as_object(recording: Recording, result: DetectionResult) -> dict[str, Any]:
         "baseline": last.baseline or None,
         "remarks": last.remarks,
         "complete": recording.complete,
+        "mismatch": digest_mismatch(recording) or None,
         "unverified": unsigned(recording) or None,
         "recovered": recovered(recording.stored) or None,
         "history": [{"time": d.time, "verdict": d.verdict, "confidence": d.confidence} for d in result.history],

@@ -30,15 +30,16 @@ def diagnosed_vehicle(bag: Path, parameters: DetectorParameters) -> tuple[Vehicl
     from dcrb_ros.recordings.vehicle import VehicleRecording
 
     recording = VehicleRecording(bag)
-    warn_of_digests(bag)
-    return recording, detect_vehicle(recording, box_parameters=parameters)
+    result = detect_vehicle(recording, box_parameters=parameters)
+    warn_of_digests(bag, list(recording.boxes.values()))
+    return recording, result
 
 
 def vehicle_as_object(recording: VehicleRecording, result: VehicleDetectionResult) -> dict[str, Any]:
     """Return the diagnosis of a vehicle for JSON."""
-    from dcrb_ros.recordings.verification import recovered
+    from dcrb_ros.recordings.verification import digest_mismatch, recovered, unsigned
 
-    last = result.last
+    last, boxes = result.last, recording.boxes.items()
     return {
         "time": last.time,
         "damaged": result.damaged,
@@ -46,6 +47,8 @@ def vehicle_as_object(recording: VehicleRecording, result: VehicleDetectionResul
         "indicators": dict(last.indicators),
         "alone": {name: {"verdict": d.verdict, "confidence": d.confidence, "reason": d.reason} for name, d in last.boxes.items()},
         "complete": not recording.damage,
+        "mismatch": {name: sentence for name, box in boxes if (sentence := digest_mismatch(box))} or None,
+        "unverified": {name: sentence for name, box in boxes if (sentence := unsigned(box))} or None,
         "recovered": recovered(recording.stored) or None,
         "history": [{"time": d.time, "verdicts": {name: s.verdict for name, s in d.statuses.items()}} for d in result.history],
     }

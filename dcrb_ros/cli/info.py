@@ -78,7 +78,7 @@ def info(
 def vehicle_info(bag: Path, *, as_json: bool) -> None:
     """Print the parameters, the boxes with their digests, the commands, the topics and the damage of a vehicle's recording."""
     from dcrb_ros.recordings.vehicle import VehicleRecording
-    from dcrb_ros.recordings.verification import metadata_flaw, recovered
+    from dcrb_ros.recordings.verification import metadata_flaw, recovered, unsigned
 
     recording, flaw = VehicleRecording(bag), metadata_flaw(bag)
     counts = next(iter(recording.boxes.values())).counts()
@@ -90,6 +90,7 @@ def vehicle_info(bag: Path, *, as_json: bool) -> None:
             "samples": digests.read.count if digests else None,
             "sha256": digests.read.sha256 if digests else None,
             "match": digests.match if digests else None,
+            "unverified": unsigned(box) or None,
             "faults": list(box.manifest.get("faults") or ()),
         }
         mismatches += [f"{name}: {mismatch}"] if mismatch else []
@@ -111,6 +112,7 @@ def vehicle_info(bag: Path, *, as_json: bool) -> None:
         f"the recording of a vehicle with {counted(len(boxes), 'box', 'boxes')}, sampling rate: {recording.sampling_rate} Hz",
         f"a box by itself: dcrb info {shlex.quote(str(bag / next(iter(boxes))))}",
         "" if recording.scenario is None else f"scenario: {json.dumps(recording.scenario)}",
+        *(f"{name}: {box['unverified']}" for name, box in boxes.items() if box["unverified"]),
         recovered(recording.stored),
     ]
     agreed = {True: "as stated", False: "NOT as stated", None: "none stated"}

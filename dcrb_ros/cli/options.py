@@ -163,13 +163,13 @@ def warn_of_digest(recording: Recording, name: str, *, samples: bool = True) -> 
     _note(name, recovered(recording.stored))
 
 
-def warn_of_digests(bag: Path, *, samples: bool = True) -> None:
-    """Do the same as `warn_of_digest` for a recording, or for each box in that of a vehicle."""
+def warn_of_digests(bag: Path, boxes: Sequence[Recording] = (), *, samples: bool = True) -> None:
+    """Do the same as `warn_of_digest` for a recording, or for each box in that of a vehicle, which is opened unless ``boxes`` are given."""
     from dcrb_ros.recordings.reader import Recording
     from dcrb_ros.recordings.vehicle_folder import vehicle_boxes
     from dcrb_ros.recordings.verification import recovered
 
-    recordings = [Recording(path) for path in [bag / name for name in vehicle_boxes(bag)] or [bag]]
+    recordings = boxes or [Recording(path) for path in [bag / name for name in vehicle_boxes(bag)] or [bag]]
     for recording in recordings:
         _warn_of_digest(recording, str(recording.path), samples=samples)
     _note(str(bag), recovered(recordings[0].stored))

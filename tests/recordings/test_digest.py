@@ -74,7 +74,7 @@ def test_a_recording_without_the_waveform_is_not_compared(tmp_path: Path) -> Non
     assert (digests.match, digests.mismatch) == (None, "")
 
 
-def test_info_shows_the_stated_and_the_actual_digest(intact: Path, flipped: Path) -> None:
+def test_info_shows_the_stated_and_the_actual_digest_and_detect_a_mismatch(intact: Path, flipped: Path) -> None:
     stated = (Recording(intact).outcome or {})["sha256"]
     for bag, match in ((intact, True), (flipped, False)):
         about = json.loads(dcrb("info", str(bag), "--json").stdout)
@@ -82,6 +82,8 @@ def test_info_shows_the_stated_and_the_actual_digest(intact: Path, flipped: Path
         assert (about["samples"]["actual_sha256"] == stated) is match
         assert about["samples"]["match"] is match
         assert (SENTENCE in " ".join(about["damage"])) is not match
+        mismatch = json.loads(dcrb("detect", str(bag), "--json").stdout)["mismatch"]
+        assert mismatch is None if match else mismatch.startswith(SENTENCE)
         words = dcrb("info", str(bag)).stdout
         assert f"stated sha256 {stated}" in words
         assert ("NOT as stated" in words) is not match

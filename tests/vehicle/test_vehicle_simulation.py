@@ -17,6 +17,7 @@ from mcap.records import Metadata
 from same_process import dcrb
 
 from dcrb_ros.bearing.frequencies import characteristic_orders
+from dcrb_ros.cli.detect_vehicle import vehicle_as_object
 from dcrb_ros.messages.plain import decode_text
 from dcrb_ros.messages.topics import VIBRATION
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DIAGNOSIS, VEHICLE_TRUTH
@@ -572,6 +573,23 @@ def test_changed_samples_of_a_box_are_compared_with_the_simulation(run: Path, tm
     said = capsys.readouterr().err
     assert f"{flipped / 'axle_1.left'}: the recording's samples do not match its own digest" in said
     assert "the simulation agrees with the stated digest" in said
+
+
+def test_boxes_without_digests_and_with_altered_samples_are_named(run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    old = shutil.copytree(run, tmp_path / "old")
+    (file,) = old.glob("*.mcap")
+    file.write_bytes(file.read_bytes().replace(b"record_sha256", b"record_sha25_"))
+    flipped = altered(run / "axle_1.left", tmp_path / "flipped")
+    judged = SimpleNamespace(last=SimpleNamespace(time=0.0, indicators={}, boxes={}), damaged=(), statuses={}, history=())
+    for bag, mismatch, unverified in ((run, False, False), (old, False, True), (flipped, True, False)):
+        about = vehicle_as_object(VehicleRecording(bag), judged)  # type: ignore[arg-type]
+        assert list(about["mismatch"] or ()) == list(BOXES) * mismatch
+        assert list(about["unverified"] or ()) == list(BOXES) * unverified
+        assert dcrb("info", str(bag), "--json") == 0
+        boxes = json.loads(capsys.readouterr().out)["boxes"]
+        assert [bool(box["unverified"]) for box in boxes.values()] == [unverified] * len(BOXES)
+        assert dcrb("info", str(bag)) == 0
+        assert ("axle_1.left: unverified: no digest in manifest and outcome record" in capsys.readouterr().out) is unverified
 
 
 @pytest.mark.parametrize("command", ["plot", "export"])
