@@ -103,8 +103,12 @@ class Recovery:
     def _messages(self) -> Iterator[tuple[Channel, int, bytes]]:
         for file in self._files:
             damage: list[str] = []
+            described: dict[int, tuple[StoredMessage, Channel | None]] = {}
             for stored in file.messages(damage):
-                channel = self._channel(stored)
+                first, channel = described.get(stored.channel.id, (None, None))
+                if first is None or first.channel is not stored.channel or first.schema is not stored.schema:
+                    channel = self._channel(stored)
+                    described[stored.channel.id] = stored, channel
                 if channel is not None and self._valid(channel, stored.message):
                     yield channel, stored.message.log_time, stored.message.data
                     self._count(channel, stored.message)

@@ -18,8 +18,10 @@ from separate_process import fresh_dcrb
 
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.topics import FEATURES, GROUND_TRUTH, MANIFEST, NAMESPACE, VIBRATION, Message
+from dcrb_ros.recordings import recovery
 from dcrb_ros.recordings.manifest import OUTCOME, opening, record_text
 from dcrb_ros.recordings.mcap_reader import McapRecords
+from dcrb_ros.recordings.mcap_writer import Channel, described_channel
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import channel_of
 from dcrb_ros.recordings.recovery import Recovered, recover
@@ -81,6 +83,13 @@ def test_messages_after_a_damaged_chunk_are_recovered(bag: Path, tmp_path: Path)
     found = waveform(tmp_path / "new")
     assert 130 < len(found) < 150
     assert found[-1] == 149 * 1024
+
+
+def test_a_channel_is_described_once_for_all_of_its_messages(bag: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    channels = list[Channel]()
+    monkeypatch.setattr(recovery, "described_channel", lambda *records: channels.append(described_channel(*records)) or channels[-1])
+    recover(bag, tmp_path / "new")
+    assert len(channels) == len({channel.name for channel in channels}) > 1
 
 
 def test_a_damaged_length_loses_one_chunk(bag: Path, tmp_path: Path) -> None:
