@@ -235,11 +235,11 @@ def time_text(time_ns: int) -> str:
 
 
 def _recordings(source: Path) -> list[Recording]:
-    """Return the source as a recording of the bench, or those of the boxes of a vehicle; none if it is another bag."""
-    try:
-        recordings = [Recording(source / name) for name in vehicle_boxes(source)] or [Recording(source)]
-        for recording in recordings:
+    """Return the source as a recording of the bench, or those of the boxes of a vehicle that can be read; none if it is another bag."""
+    recordings = []
+    for path in [source / name for name in vehicle_boxes(source)] or [source]:
+        with suppress(Refusal):
+            recording = Recording(path)
             _ = recording.sampling_rate  # without it no sample can be counted
-    except Refusal:
-        return []
+            recordings.append(recording)
     return recordings

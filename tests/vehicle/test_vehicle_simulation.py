@@ -713,6 +713,17 @@ def test_a_recording_that_was_cut_off_is_recovered_with_all_boxes(run: Path, tmp
         assert np.array_equal(box.acceleration, Recording(run / name).acceleration[:count])
 
 
+def test_a_box_whose_manifest_is_damaged_is_recovered_without_an_outcome(run: Path, tmp_path: Path) -> None:
+    broken, whole = shutil.copytree(run, tmp_path / "broken"), tmp_path / "whole"
+    (file,) = broken.glob("*.mcap")
+    data = file.read_bytes()
+    place = data.index(b'"format": 2', data.index(b"dcrb_ros/axle_1.left"))
+    file.write_bytes(data[:place] + b'"format": 3' + data[place + 11 :])
+    assert dcrb("recover", str(broken), "-o", str(whole)) == 0
+    records = {record.name for record in McapRecords(next(whole.glob("*.mcap")), chunks=False) if isinstance(record, Metadata)}
+    assert [f"dcrb_ros_outcome/{name}" in records for name in BOXES] == [False, True, True, True]
+
+
 def test_boxes_that_were_cut_off_between_two_blocks_are_simulated_again(
     run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
