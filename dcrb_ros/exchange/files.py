@@ -39,6 +39,8 @@ WAVE_FORMS = (b"RIFF", b"RIFX", b"RF64")
 """Beginnings of WAV files: little and big endian, and that with sizes of 64 bits."""
 MAT_HEADER, MAT_COMPRESSED, MAT_PIECE = 128, 15, 1 << 20
 """Size of the header of a MAT file [bytes], type of a compressed variable, and size of a part that is unpacked at a time [bytes]."""
+LARGEST_MAT_ARRAY = 2**32 - 1024
+"""Largest array in a MAT file of version 5 [bytes]: with its name, it has a size of 32 bits."""
 LARGEST_ELEMENT = 8
 """Size in memory of a number that a MAT file stores in one byte [bytes]."""
 
@@ -314,7 +316,11 @@ def _write_csv(path: Path, columns: Columns, extra: Columns, rate: float, about:
 def _write_mat(path: Path, columns: Columns, extra: Columns, rate: float, about: Mapping[str, Any], show: Show) -> None:
     from scipy.io import savemat
 
-    savemat(path, {**columns, **extra, "sampling_rate": rate, "about": json.dumps(about)}, do_compression=True, oned_as="column")
+    arrays = {**columns, **extra}
+    name = max(arrays, key=lambda name: arrays[name].nbytes)
+    if arrays[name].nbytes > LARGEST_MAT_ARRAY:
+        raise Refusal(f"a MAT file cannot represent 4 GiB of '{name}', {len(arrays[name])} numbers: export it as npz or parquet")
+    savemat(path, {**arrays, "sampling_rate": rate, "about": json.dumps(about)}, do_compression=True, oned_as="column")
 
 
 def _write_wav(path: Path, columns: Columns, extra: Columns, rate: float, about: Mapping[str, Any], show: Show) -> None:

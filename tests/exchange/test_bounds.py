@@ -12,7 +12,8 @@ import pytest
 from pyarrow import parquet
 from scipy.io import savemat
 
-from dcrb_ros.exchange.files import channel, read_external
+from dcrb_ros.exchange.files import WRITERS, channel, read_external
+from dcrb_ros.exchange.pieces import unseen
 from dcrb_ros.schema.refusal import Refusal
 
 MOST = 300 * 1024
@@ -56,6 +57,13 @@ def test_channels_beside_nested_values_are_read(tmp_path: Path) -> None:
     for packed in (True, False):
         savemat(tmp_path / "x.mat", {"s": {"x": np.arange(100_000.0)}}, do_compression=packed)
         assert len(channel(read_external(tmp_path / "x.mat"), tmp_path / "x.mat", "s.x")) == 100_000
+
+
+def test_an_array_that_a_mat_file_cannot_represent_is_refused_before_it_is_written(tmp_path: Path) -> None:
+    time = np.broadcast_to(np.float64(0.0), 2**29)  # 2.9 hours at 51.2 kHz, which take no memory
+    with pytest.raises(Refusal, match="cannot represent 4 GiB of 'time', 536870912 numbers: export it as npz or parquet"):
+        WRITERS[".mat"](tmp_path / "x.mat", {"time": time}, {}, 51200.0, {}, unseen)
+    assert not (tmp_path / "x.mat").exists()
 
 
 @pytest.mark.slow
