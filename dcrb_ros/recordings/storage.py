@@ -50,7 +50,7 @@ class StoredMessage:
 
 
 class StoredFile:
-    """A file of a recording. One that is compressed as a whole is unpacked once, to a temporary file that is removed with this object."""
+    """A file of a recording. One that is compressed as a whole is unpacked once for this object, to a temporary file removed with it."""
 
     def __init__(self, path: Path) -> None:
         """Examine the first bytes of ``path``.
