@@ -25,6 +25,8 @@ COLUMNS_CHANGED = re.compile(r"the number of columns changed from \d+ to \d+")
 """Errors of `numpy.loadtxt`, which counts rows instead of lines."""
 LONGEST_SHOWN = 40
 """Longest text of a file in an error message [characters]."""
+UNKNOWN = ("na", "n/a", "null", "none", "-", "?")
+"""Words for an unknown value, of which none is the name of a column."""
 
 
 def read_table(path: Path) -> tuple[tuple[str, ...], Callable[[str | int], Array]]:
@@ -53,7 +55,9 @@ def _read(path: Path) -> tuple[tuple[str, ...], Callable[[str | int], Array]]:
             f"{path} begins with {first.strip()[:LONGEST_SHOWN]!r}, which may be samples or numbers of the columns: write the names of the "
             "columns in the first line"
         )
-    if any(name and not _is_number(name) for name in names) and any(map(_is_number, names)):
+    # Columns of numbers may have names of a library's own behind an index with a name: time,0,1.
+    numbered = names[0].lower() not in UNKNOWN and not _is_number(names[0]) and _counted(names[1:])
+    if not numbered and any(name and not _is_number(name) for name in names) and any(map(_is_number, names)):
         raise Refusal(
             f"{path} begins with {first.strip()[:LONGEST_SHOWN]!r}, which has both numbers and words: write the names of the columns in "
             "the first line, none of them a number, nan for an unknown value, and a # before other lines above them"

@@ -29,7 +29,8 @@ def identities(
 ) -> dict[str, dict[str, Any]]:
     """Return the parameters that define a bearing and a machine and differ from the defaults, by the name of the identity.
 
-    ``values`` are parameters by dotted key, on top of those of ``base``, an earlier result. Left out are a seed from which nothing is drawn, and the mounting.
+    ``values`` are parameters by dotted key, on top of those of ``base``, an earlier result. Left out are a seed from which nothing is
+    drawn, and the mounting.
     """
     merged = {
         name: {**(base or {}).get(name, {}), **{key: value for key, value in values.items() if key.split(".")[0] in groups}}

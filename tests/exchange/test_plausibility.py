@@ -41,7 +41,8 @@ def about(folder: Path, **changes: object) -> Path:
         ("0,1,2\n0.5,1,3\n", "begins with '0,1,2', which may be samples or numbers of the columns: write the names"),
         ("1\t2\n0.5\t1\n", "which may be samples or numbers of the columns"),
         ("NA,1.5\n0.5,1\n", "begins with 'NA,1.5', which has both numbers and words: write the names"),
-        ("a,0,1\n0.5,1,2\n", "which has both numbers and words"),
+        ("NA,1\n0.5,1\n", "which has both numbers and words"),
+        ("a,0.5,1\n0.5,1,2\n", "which has both numbers and words"),
         ("0.5,,1\n0.25,1,2\n", "line 1, column 2: the field is empty"),
         ("a\n0.5\n#0.25\n0.125\n", "cannot be read as CSV"),
         ("a\n0.5\n0.25 # loose\n", "cannot be read as CSV"),
@@ -61,8 +62,9 @@ def test_a_table_below_comments_is_read(tmp_path: Path) -> None:
     assert read_external(tmp_path / "x.csv").column("1").tolist() == [0.5, 0.25]
 
 
-def test_numbered_columns_after_an_index_without_a_name_are_read(tmp_path: Path) -> None:
-    (tmp_path / "x.csv").write_text(",0,1\n0,0.5,1\n1,0.25,2\n")
+@pytest.mark.parametrize("index", ["", "time"])
+def test_numbered_columns_after_an_index_are_read(index: str, tmp_path: Path) -> None:
+    (tmp_path / "x.csv").write_text(f"{index},0,1\n0,0.5,1\n1,0.25,2\n")
     assert read_external(tmp_path / "x.csv").column("1").tolist() == [1.0, 2.0]
 
 
