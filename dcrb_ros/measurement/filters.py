@@ -31,6 +31,12 @@ class Filter:
         self._sections = np.concatenate(cascade)
         self._memory = np.zeros((len(self._sections), 2, columns))
 
+    def continue_from(self, inputs: Floats, outputs: Floats) -> None:
+        """Continue a filter of one section after its last two inputs and outputs, each of shape (2, columns)."""
+        ((_, b1, b2, _, a1, a2),) = self._sections
+        self._memory[0, 1] = b2 * inputs[1] - a2 * outputs[1]
+        self._memory[0, 0] = b1 * inputs[1] - a1 * outputs[1] + b2 * inputs[0] - a2 * outputs[0]
+
     def process(self, samples: Floats) -> Floats:
         """Return ``samples``, shape (samples, columns), after the filter."""
         # The configuration imports this module for its limits, and numba takes longer to load than anything else.

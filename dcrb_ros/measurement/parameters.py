@@ -38,12 +38,18 @@ class Accelerometer(Group):
     fault_axis: Literal["both", "x", "y"] = choice("both", "Axes with the sensor fault; a loose mount always affects both", run_time=True)
     fault_time: float = quantity(5.0, "s", "Time in which gain_drift reaches its severity", 0.001, 1e6, run_time=True)
 
+    @property
+    def present_fault(self) -> SensorFault:
+        """The fault of the sensor, none at a severity of 0."""
+        return self.fault if self.fault_severity > 0.0 else "none"
+
     def severity(self, fault: SensorFault) -> float:
         """Return the severity of a fault of the sensor, 0 if the sensor does not have it [-]."""
         return self.fault_severity if self.fault == fault else 0.0
 
     def described(self) -> dict[str, dict[str, float]]:
         """Return the fields of a fault of the sensor by its name in the ground truth, ``sensor.stuck``; axis 0 is both, 1 x, 2 y."""
-        if self.fault == "none" or self.fault_severity == 0.0:
+        if self.present_fault == "none":
             return {}
-        return {f"sensor.{self.fault}": {"severity": self.fault_severity, "axis": tuple(AXES).index(self.fault_axis)}}
+        axis = "both" if self.fault == "loose" else self.fault_axis
+        return {f"sensor.{self.fault}": {"severity": self.fault_severity, "axis": tuple(AXES).index(axis)}}

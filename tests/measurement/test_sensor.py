@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import signal
 
-from dcrb_ros.measurement.parameters import MICRO_G
+from dcrb_ros.measurement.parameters import MICRO_G, Accelerometer
 from dcrb_ros.measurement.sensor import Measurement, Sensor, StageSequence
 from dcrb_ros.measurement.stages.background import Background
 from dcrb_ros.schema.fields import Group
@@ -216,6 +216,29 @@ def test_a_drifting_gain_reaches_its_severity() -> None:
     assert level == pytest.approx([7.0, 4.0, 4.0], rel=0.01)
 
 
+def drifting(changes: dict[int, dict[str, Any]]) -> list[float]:
+    """Return the gain every 0.1 s of 1 s in which the parameters of a drift change at samples."""
+    c = chain(sensor={"fault": "gain_drift", "fault_severity": 0.0})
+    sensor = Sensor(c.measurement)
+    for at, values in changes.items():
+        sensor.change(changed(c, fault="gain_drift", **values), at)
+    ring = tone(c, 1000.0, 1.1)
+    found = sensor.measure(ring, 125.0 * np.arange(len(ring)) / c.step_rate).measured[:, 0]
+    return [amplitude(found[begin : begin + 512], 1000.0, 51200.0) for begin in range(5120, 56320, 5120)]
+
+
+def test_a_drift_begins_where_its_severity_is_above_zero() -> None:
+    """At a severity of 0 there is no fault, and the truth states none."""
+    late = drifting({25600: {"fault_severity": 0.8, "fault_time": 0.4}})
+    assert late == pytest.approx([1.0, 1.0, 1.0, 1.0, 1.0, 0.8, 0.6, 0.4, 0.2, 0.2], abs=0.02)
+
+
+def test_a_drift_continues_from_its_share_with_another_time() -> None:
+    start = {"fault_severity": 0.8, "fault_time": 0.8}
+    slower = drifting({0: start, 20480: {"fault_severity": 0.8, "fault_time": 1.6}})
+    assert slower == pytest.approx([0.9, 0.8, 0.7, 0.6, 0.55, 0.5, 0.45, 0.4, 0.35, 0.3], abs=0.02)
+
+
 def test_a_loose_cable_adds_spikes() -> None:
     found = with_fault("spikes", range=1000.0).measured
     after = np.abs(found[5120:, 0])
@@ -232,6 +255,25 @@ def test_a_loose_mount_attenuates_high_frequencies_and_adds_harmonics() -> None:
     assert amplitude(high, 5000.0, 51200.0) < 0.05  # far above its resonance of 800 Hz
     low = measured(c, tone(c, 200.0, 0.2)).measured[5120:, 0]
     assert amplitude(low, 400.0, 51200.0) > 0.05  # different gains of the two directions: a second harmonic
+
+
+def test_a_loose_mount_is_in_both_axes_and_never_raises_a_resonance() -> None:
+    c = chain(sensor={"fault": "loose", "fault_axis": "x", "fault_severity": 0.2, "mount_frequency": 3000.0})
+    assert c.measurement.parameters[Accelerometer].described() == {"sensor.loose": {"severity": 0.2, "axis": 0}}
+    gains = [amplitude(measured(c, tone(c, f, 0.2)).measured[5120:, 0], f, 51200.0) for f in (3000.0 * 0.1**0.2, 5048.0)]
+    assert gains[0] > 4.0
+    assert gains[1] < 0.2
+
+
+@pytest.mark.parametrize("before", [0.0, 0.5])
+def test_a_mount_that_comes_loose_makes_no_impact(before: float) -> None:
+    """The filter of the mount continues from the last samples: a slow vibration passes before and after alike."""
+    c = chain(sensor={"range": 5000.0, "fault": "loose", "fault_severity": before})
+    sensor, ring = Sensor(c.measurement), 10.0 * tone(c, 5.0, 0.2)
+    for k in range(4):
+        sensor.change(changed(c, fault="loose", fault_severity=0.5 + 0.005 * k), 5120 + 512 * k)
+    found = sensor.measure(ring, np.zeros(len(ring))).measured[4000:9000, 0]
+    assert np.abs(np.diff(found)).max() < 0.05 if before else np.abs(np.diff(found)).max() < 1.6  # where the rattle begins
 
 
 def test_a_fault_may_be_in_one_axis() -> None:

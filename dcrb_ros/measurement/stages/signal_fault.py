@@ -26,19 +26,22 @@ class SignalFault(Stage):
         self._times = PoissonTimes(random_stream(setup.seed, "spikes"))
         self._spike_shape = self._new_spike_shape()
         self._fault: SensorFault = "none"
-        self._onset = 0
+        self._onset = 0.0
         self._sensor = setup.parameters[Accelerometer]
 
     def set_parameters(self, parameters: Parameters, tick: int) -> None:
         """Start a new fault at a tick; a fault that stays continues from its present state."""
-        self._sensor = parameters[Accelerometer]
-        if self._sensor.fault != self._fault:
+        before, self._sensor = self._sensor, parameters[Accelerometer]
+        if self._sensor.present_fault != self._fault:
             self._onset, self._spike_shape = tick, self._new_spike_shape()
-        self._fault = self._sensor.fault
+        elif self._sensor.fault_time != before.fault_time:  # a drift continues from the share that it has reached
+            reached = min((tick - self._onset) / (before.fault_time * self.rate), 1.0)
+            self._onset = tick - reached * self._sensor.fault_time * self.rate
+        self._fault = self._sensor.present_fault
 
     @property
     def active(self) -> bool:
-        return self._fault in ("dead", "gain_drift", "spikes") and self._sensor.fault_severity > 0.0
+        return self._fault in ("dead", "gain_drift", "spikes")
 
     def process(self, acceleration: Floats, span: Span) -> Floats:
         count = len(acceleration)

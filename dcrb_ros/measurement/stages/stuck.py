@@ -24,9 +24,9 @@ class Stuck(Stage):
     def set_parameters(self, parameters: Parameters, tick: int) -> None:
         """Start a new fault at a tick; a fault that stays keeps its period."""
         self._sensor = parameters[Accelerometer]
-        if self._sensor.fault != self._fault:
+        if self._sensor.present_fault != self._fault:
             self._onset = tick
-        self._fault, self._severity = self._sensor.fault, self._sensor.severity("stuck")
+        self._fault, self._severity = self._sensor.present_fault, self._sensor.severity("stuck")
 
     def process(self, acceleration: Floats, span: Span) -> Floats:
         after = acceleration
