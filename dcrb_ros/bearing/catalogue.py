@@ -300,7 +300,7 @@ def described_yaml(parameters: Mapping[str, Any], filled: list[FilledIn], title:
     lines = [
         f"# {title}",
         "# Grease, surfaces, damping and drive are those of the bench healthy.",
-        "# Spreads of rollers and pockets are smaller by the cube root of the roller diameter over 30 mm, if it is below that.",
+        "# Spreads of rollers and pockets are those of healthy times the cube root of (roller diameter / 30 mm), below 30 mm.",
         "/**:",
         "  ros__parameters:",
     ]

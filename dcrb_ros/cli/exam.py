@@ -94,11 +94,11 @@ def verify(
 
     Example: dcrb exam verify my_template.sealed.yaml my_template.secret results/*.json
     """
-    from dcrb_ros.exam.exam_file import exam_of
+    from dcrb_ros.exam.exam_file import LARGEST_EXAM, exam_of
     from dcrb_ros.settings.shipped import find_shipped
     from dcrb_ros.text.yaml import read_yaml
 
-    tree = read_yaml(find_shipped("exam", exam))
+    tree = read_yaml(find_shipped("exam", exam), LARGEST_EXAM)
     if isinstance(tree, Mapping) and "sealed" in tree:
         secret, *entries = files
         drawn, agree = _verified(exam, secret)

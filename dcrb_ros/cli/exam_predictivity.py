@@ -96,9 +96,9 @@ def predictivity(
     count, given = worker_count(workers), _checked(table)
 
     def chosen_exam() -> Exam:
+        announce_compilation(quiet=quiet)
         if replica is not None:
             return read_exam(replica)
-        announce_compilation(quiet=quiet)
         return exam_of(replica_tree(given, ReplicaPlan()), f"the replica of {table}")
 
     if entries is not None and measured is not None:

@@ -302,6 +302,7 @@ class ShippedOnce:
 
 def whole_scenarios(recordings: Sequence[MeasuredRecording], speed: str, longest: float = LONGEST) -> ScenarioSet[WholeRecording]:
     """Return recordings of a table, each judged as a whole, up to ``longest`` [s]; ``speed`` names the column of their speeds."""
+    _lengths(recordings)
     signals = [WholeRecording(recording, longest) for recording in recordings]
     scenarios = [bearing_scenario(named(s.recording.name, s.expectation), partial(_itself, s)) for s in signals]
     return _scenario_set(speed, [longest, "whole"], recordings, scenarios)
@@ -326,6 +327,18 @@ def led_recordings(recordings: Sequence[MeasuredRecording], longest: float) -> l
     Raises:
         Refusal: see `MeasuredRecording.samples`, two recordings have the same samples, or a healthy one is too short to be divided.
     """
+    seconds = _lengths(recordings)
+    for one in recordings:
+        if one.truth == "healthy" and seconds[one.name] < 2.0 * SHORTEST:
+            raise Refusal(
+                f"{one.file} has {seconds[one.name]:.2f} s, but a healthy recording needs {2.0 * SHORTEST:g} s, since one half follows the "
+                "other: leave it out of the table"
+            )
+    return [LedSignal(one, healthy_recording(one, recordings), form_of(one, seconds, recordings, longest)) for one in recordings]
+
+
+def _lengths(recordings: Sequence[MeasuredRecording]) -> dict[str, float]:
+    """Return the length of each recording by its name [s]; refuse samples that two of them have."""
     seconds, of_samples = dict[str, float](), dict[str, str]()
     for one in recordings:
         samples = one.samples()
@@ -333,12 +346,7 @@ def led_recordings(recordings: Sequence[MeasuredRecording], longest: float) -> l
         first = of_samples.setdefault(hashlib.sha256(samples.tobytes()).hexdigest(), one.name)
         if first != one.name:
             raise Refusal(f"{one.name} has the same samples as {first}, so it is no recording of its own: leave one out of the table")
-        if one.truth == "healthy" and seconds[one.name] < 2.0 * SHORTEST:
-            raise Refusal(
-                f"{one.file} has {seconds[one.name]:.2f} s, but a healthy recording needs {2.0 * SHORTEST:g} s, since one half follows the "
-                "other: leave it out of the table"
-            )
-    return [LedSignal(one, healthy_recording(one, recordings), form_of(one, seconds, recordings, longest)) for one in recordings]
+    return seconds
 
 
 def _scenario_set(

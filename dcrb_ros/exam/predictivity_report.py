@@ -18,7 +18,7 @@ from dcrb_ros.exam.exam_file import Exam, ReplicaOrigin
 from dcrb_ros.exam.exam_scenarios import led_signals
 from dcrb_ros.exam.leaderboard_entry import Entry
 from dcrb_ros.exam.limits import Limits
-from dcrb_ros.exam.measured import MeasuredRecording, led_scenarios, read_table
+from dcrb_ros.exam.measured import TABLE, MeasuredRecording, led_scenarios, read_table
 from dcrb_ros.exam.predictivity import Compared, Marks, Predictivity, check_families, predictivities
 from dcrb_ros.exam.predictivity_marks import answers_of
 from dcrb_ros.exam.predictivity_task import Task, measured_tasks, runs_of, simulate_missing, simulated_tasks
@@ -147,9 +147,10 @@ def _check_task(table: Path, recordings: Sequence[MeasuredRecording], origin: Re
     digest = led_scenarios(recordings, origin.speed, origin.longest).digest
     other = next((name for name, entry in field.items() if entry.scenarios_sha256 != digest), None)
     if other is not None:
+        renamed = "" if table.name == TABLE else f"rename the table to {TABLE}, and "
         raise Refusal(
-            f"the entry '{other}' was made with another task or other recordings than the replica: make it with dcrb score --measured "
-            f"{table.parent} --speed {origin.speed} --longest {origin.longest:g} --python CLASS"
+            f"the entry '{other}' was made with another task or other recordings than the replica: {renamed}make it with dcrb score "
+            f"--measured {table.parent} --speed {origin.speed} --longest {origin.longest:g} --python CLASS"
         )
 
 

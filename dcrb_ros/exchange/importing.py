@@ -98,9 +98,11 @@ class WaveformImport:
         if not LOWEST_RATE <= rate <= HIGHEST_RATE:
             raise Refusal(f"{self._files} states a sampling rate of {rate:g} Hz, outside {LOWEST_RATE} .. {HIGHEST_RATE} Hz: correct it")
         channels = self.description.channels
-        others = channels.model_dump(exclude={"temperature_time"}).values()
-        if contradiction := self._files.contradiction(rate, channels.ax, others=others, gapless=channels.index is None):
-            raise Refusal(f"{self._about} gives sampling_rate = {rate:g} Hz, but {contradiction}: correct one of them")
+        others = [name for name in channels.model_dump(exclude={"temperature_time"}).values() if name is not None]
+        if contradiction := self._files.contradiction(rate, channels.ax, others):
+            raise Refusal(
+                f"{self._about} gives sampling_rate = {rate:g} Hz, but {contradiction}: correct one of them, or rename what is no time"
+            )
         return rate
 
     def _check_speed(self) -> None:

@@ -47,31 +47,29 @@ class JoinedFiles:
             raise Refusal(f"{file} and {other} have different {quantity}, {first} and {second}: import them separately")
         return next(iter(stated))
 
-    def contradiction(self, rate: float, beside: str | int, *, others: Collection[str | int], gapless: bool) -> str:
+    def contradiction(self, rate: float, beside: str | int, others: Collection[str | int]) -> str:
         """Return a sentence on a number or a time in the files that belongs to another sampling ``rate`` [Hz], or the empty string.
 
-        In a structure, only the fields ``beside`` the channel are compared. A time may be in s, ms or us, and must increase, unless it is
-        one of the ``others`` that are described. One of few digits, whose median step is 0, is compared if the samples are ``gapless``.
+        In a structure, only the fields ``beside`` the channel are compared. A time may be in s, ms or us, and is as long as the channel. It
+        must increase, unless it is one of the ``others`` that are described. Of a bare ``t``, which may be a temperature, only one that
+        increases at most samples is compared.
         """
         for file, name, values in self._beside(beside, RATES):
             if values.size == 1 and not np.isclose(values[0], rate, rtol=1e-3):
                 return f"'{name}' is {values[0]:g} in {file}"
-        for file, name, values in self._beside(beside, TIMES):
-            if values.size < 3 or name in others:
-                continue
-            # The median bridges gaps in the time, the mean its rounding to a few digits.
+        for file, name, values in self._beside(beside, TIMES, others):
             differences = np.diff(values)
-            median, mean = float(np.median(differences)), float((values[-1] - values[0]) / (values.size - 1))
-            if mean <= 0.0:
-                return f"'{name}' does not increase in {file}"
-            if median > 0.0:
-                steps, uncertain = [median, mean], 0.0
-            elif gapless and median <= 0.0:  # neither is true of NaN
-                steps, uncertain = [mean], float(differences[differences > 0.0].min()) / (values.size - 1)
-            else:
+            rising, median = differences[differences > 0.0], float(np.median(differences)) if values.size > 2 else np.nan
+            if not np.isfinite(median) or (median <= 0.0 and name.lower().rpartition(".")[2] == "t"):
                 continue
-            if not any(np.isclose(np.multiply(steps, rate), scale, rtol=1e-2, atol=uncertain * rate).any() for scale in (1.0, 1e3, 1e6)):
-                return f"'{name}' advances by {steps[0]:g} for each sample in {file}"
+            if not len(rising):
+                return f"'{name}' does not increase in {file}"
+            # The median bridges gaps in the time, the mean of its steps without gaps its rounding to a few digits.
+            steps = differences[(differences >= 0.0) & (differences <= JUMP * max(median, float(rising.min())))]
+            mean, uncertain = float(steps.mean()), float(rising.min()) / len(steps) if median == 0.0 else 0.0
+            scales = np.array([[1.0], [1e3], [1e6]])
+            if not np.isclose(np.array([median, mean]) * rate, scales, rtol=1e-2, atol=uncertain * rate).any():
+                return f"'{name}' advances by {median or mean:g} for each sample in {file}"
         return ""
 
     def jump(self, beside: str | int) -> str:
@@ -86,15 +84,22 @@ class JoinedFiles:
                 return f"'{name}' in {file} advances by {steps[jumps[0]]:g} after sample {jumps[0]}, but by {usual:g} elsewhere"
         return ""
 
-    def _beside(self, beside: str | int, words: Sequence[str]) -> Iterator[tuple[Path, str, Floats]]:
-        """Yield the file, name and values of each channel with one of the names ``words``, at the top or in the structure of another."""
+    def _beside(self, beside: str | int, words: Sequence[str], others: Collection[str | int] = ()) -> Iterator[tuple[Path, str, Floats]]:
+        """Yield the file, name and values of each channel with one of the names ``words``, at the top or in the structure of another.
+
+        With several values it is as long as the channel ``beside`` it, and none of the ``others``.
+        """
         for file, external in zip(self.files, self._externals, strict=True):
             group = str(matching(external, file, beside)).lower().rpartition(".")[0]
+            described = {matching(external, file, other) for other in others}
+            described |= {external.names[other - 1] for other in described if isinstance(other, int) and 0 < other <= len(external.names)}
             for name in external.names:
                 owner, _, word = name.lower().rpartition(".")
-                if owner in ("", group) and word in words:
+                if owner in ("", group) and word in words and name not in described:
                     with suppress(Refusal):
-                        yield file, name, channel(external, file, name).astype(np.float64)
+                        values = channel(external, file, name).astype(np.float64)
+                        if values.size == 1 or len(values) == len(channel(external, file, matching(external, file, beside))):
+                            yield file, name, values
 
     def parts(self, name: str | int, *, nan: bool = False) -> list[Array]:
         """Return a channel of each file as the file has it, shape (files,) of (samples,).

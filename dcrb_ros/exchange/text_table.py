@@ -57,10 +57,11 @@ def _read(path: Path) -> tuple[tuple[str, ...], Callable[[str | int], Array]]:
         )
     # Columns of numbers may have names of a library's own behind an index with a name: time,0,1.
     numbered = names[0].lower() not in UNKNOWN and not _is_number(names[0]) and _counted(names[1:])
-    if not numbered and any(name and not _is_number(name) for name in names) and any(map(_is_number, names)):
+    unknown = all(name.lower() in UNKNOWN for name in names)
+    if unknown or (not numbered and any(name and not _is_number(name) for name in names) and any(map(_is_number, names))):
         raise Refusal(
-            f"{path} begins with {first.strip()[:LONGEST_SHOWN]!r}, which has both numbers and words: write the names of the columns in "
-            "the first line, none of them a number, nan for an unknown value, and a # before other lines above them"
+            f"{path} begins with {first.strip()[:LONGEST_SHOWN]!r}, which has numbers or unknown values beside words: write the names of "
+            "the columns in the first line, none of them a number, nan for an unknown value, and a # before other lines above them"
         )
     number = 0
 

@@ -223,12 +223,12 @@ class Heating:
             self._heat[row] = [old + share * (new - old) for old, new in zip(self._heat[row], sources[row], strict=True)]
             self._conductance[row] = [old + share * (new - old) for old, new in zip(self._conductance[row], conductance[row], strict=True)]
         self._ambient = c.thermal.ambient
-        flow = self._flow(c, speed)
+        self.flow = self._flow(c, speed)
         heat = self._network.heat(self._heat, c.thermal.sun)
         if self.surroundings != ALONE:
             heat = self.surroundings.heated(self._network, heat, self.temperatures)
         duration = c.thermal.acceleration * self._tick
-        self.temperatures = self._network.after(self.temperatures, flow, heat, c.thermal.ambient, duration)
+        self.temperatures = self._network.after(self.temperatures, self.flow, heat, c.thermal.ambient, duration)
         if self._sensors is not None:
             self._sensors.follow(c, self.temperatures, duration)
         if self._opposite is not None:  # also beside a real one, which may fail

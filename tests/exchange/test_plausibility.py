@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import struct
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from separate_process import dcrb
 from dcrb_ros.exchange.files import channel, read_external
 from dcrb_ros.exchange.importing import WaveformImport
 from dcrb_ros.exchange.plausibility import implausible
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
 
 
@@ -40,9 +42,10 @@ def about(folder: Path, **changes: object) -> Path:
         ("+0,5\n-0,25\n", "decimal commas"),
         ("0,1,2\n0.5,1,3\n", "begins with '0,1,2', which may be samples or numbers of the columns: write the names"),
         ("1\t2\n0.5\t1\n", "which may be samples or numbers of the columns"),
-        ("NA,1.5\n0.5,1\n", "begins with 'NA,1.5', which has both numbers and words: write the names"),
-        ("NA,1\n0.5,1\n", "which has both numbers and words"),
-        ("a,0.5,1\n0.5,1,2\n", "which has both numbers and words"),
+        ("NA,1.5\n0.5,1\n", "begins with 'NA,1.5', which has numbers or unknown values beside words: write the names"),
+        ("NA,NA\n0.5,1\n", "which has numbers or unknown values beside words"),
+        ("NA,1\n0.5,1\n", "which has numbers or unknown values beside words"),
+        ("a,0.5,1\n0.5,1,2\n", "which has numbers or unknown values beside words"),
         ("0.5,,1\n0.25,1,2\n", "line 1, column 2: the field is empty"),
         ("a\n0.5\n#0.25\n0.125\n", "cannot be read as CSV"),
         ("a\n0.5\n0.25 # loose\n", "cannot be read as CSV"),
@@ -233,12 +236,29 @@ def test_a_time_that_jumps_is_a_warning_unless_an_index_has_the_gaps(time: np.nd
     assert not implausible(WaveformImport(tmp_path / "x.npz", about(tmp_path, channels={"ax": "a", "index": "i"})))
 
 
-def test_the_mean_step_of_a_rounded_time_is_not_compared_if_an_index_has_the_gaps(tmp_path: Path) -> None:
-    time = np.round(np.arange(2400) / 12000, 3) + (np.arange(2400) > 1200)
-    np.savez(tmp_path / "x.npz", a=np.sin(np.arange(2400)), time=time, i=np.arange(2400) + 12000 * (np.arange(2400) > 1200))
-    with pytest.raises(Refusal, match=r"'time' advances by 0\.0005"):
-        WaveformImport(tmp_path / "x.npz", about(tmp_path))
-    assert WaveformImport(tmp_path / "x.npz", about(tmp_path, channels={"ax": "a", "index": "i"})).rate == 12000
+@pytest.mark.parametrize("digits", [3, 9])
+@pytest.mark.parametrize("jump", [1.0, -0.05])
+def test_a_time_with_a_jump_is_compared_beside_it(digits: int, jump: float, tmp_path: Path) -> None:
+    """A gap, or a time of day that begins again, is warned of and does not change the steps beside it."""
+    time = np.round(np.arange(2400) / 12000, digits) + jump * (np.arange(2400) > 1200)
+    np.savez(tmp_path / "x.npz", a=np.sin(np.arange(2400)), time=time)
+    assert WaveformImport(tmp_path / "x.npz", about(tmp_path)).rate == 12000
+    with pytest.raises(Refusal, match=r"'time' advances by .* or rename what is no time"):
+        WaveformImport(tmp_path / "x.npz", about(tmp_path, sampling_rate=10000))
+
+
+@pytest.mark.parametrize("name", [2, "t*", "T"])
+def test_a_described_temperature_is_no_time(name: str | int, tmp_path: Path) -> None:
+    rows = "\n".join(f"{math.sin(k)},25.3" for k in range(2400))
+    (tmp_path / "x.csv").write_text(f"a,T\n{rows}\n")
+    described = {"ax": 1, "box_temperature": name.upper() if isinstance(name, str) else name}
+    assert WaveformImport(tmp_path / "x.csv", about(tmp_path, channels=described)).rate == 12000
+
+
+@pytest.mark.parametrize("values", [np.full(2400, 25.3), np.round(25.3 + 1e-4 * np.arange(2400), 1), np.full(24, 25.3)])
+def test_a_temperature_that_is_not_described_is_no_time(values: Floats, tmp_path: Path) -> None:
+    np.savez(tmp_path / "x.npz", a=np.sin(np.arange(2400)), T=values)
+    assert WaveformImport(tmp_path / "x.npz", about(tmp_path)).rate == 12000
 
 
 def test_a_time_stamp_of_parquet_is_compared_in_seconds(tmp_path: Path) -> None:

@@ -60,7 +60,8 @@ def vehicle_sweep_of(given: Any, file: SweepFile, source: str, folder: Path, tex
     names = [box.name for box in vehicle.boxes]
     if (total := file.duration * len(names)) > LONGEST_RUN:
         raise Refusal(f"{source}: duration = {file.duration:g} s makes {total:g} s of all boxes, above {LONGEST_RUN:g} s: shorten the runs")
-    _refuse_seeds(base, f"{source}: set")
+    _refuse_seeds(flatten(file.fixed), f"{source}: set")
+    _refuse_seeds(base, str(given))
     vary = axes_of(file.vary, file.design, f"{source}: vary", _field)
     refuse_fixed(vary, flatten(file.fixed), source)
     cases: dict[str, Axes] = {name: axes_of(case, file.design, f"{source}: cases.{name}", _field) for name, case in file.cases.items()}
@@ -146,7 +147,7 @@ def _refuse_seeds(keys: Iterable[str], where: str) -> None:
     """Refuse a seed of a box: its bearing, housing or noise would be in several vehicles, or not that of its labels."""
     seed = next((key for key in keys if key.endswith(SEEDS)), None)
     if seed is not None:
-        raise Refusal(f"{where}: {seed} follows from {VEHICLE_SEED}: remove it")
+        raise Refusal(f"{where}: {seed} is drawn by {VEHICLE_SEED}, so that each vehicle has its own: remove it")
 
 
 def _check_boxes(axes: Axes, names: list[str], source: str) -> None:

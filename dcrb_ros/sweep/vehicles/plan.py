@@ -11,6 +11,7 @@ from dcrb_ros.sweep.identity import BEARING_ID, MACHINE
 from dcrb_ros.sweep.identity import TRUTH as IDENTITY
 from dcrb_ros.sweep.plan import Plan, PlannedRun, Task, digest
 from dcrb_ros.sweep.vehicles.sweep import BOX, VEHICLE_SEED, VehicleSweep, placed
+from dcrb_ros.vehicle.track import is_smooth
 
 TOGETHER, DAMAGED = "together", "damaged"
 """Columns of the labels of boxes, beside `BOX`."""
@@ -47,6 +48,9 @@ class VehiclePlan(Plan):
         self.conditions = len(self._splits)
         # Rails and wheels follow from one seed, cross-talk from the other; vehicles may share both.
         seeds = {"track.seed": sweep.vehicle.track.seed, "paths.seed": sweep.vehicle.paths.seed}
+        varied = {key for axes in (sweep.vary, *sweep.cases.values()) for key in axes}
+        if is_smooth(sweep.vehicle.track) and not any(key.startswith("track.") or ".wheel." in key for key in varied):
+            del seeds["track.seed"]  # nothing is drawn from it
         self.shared = {key: count for key, seed in seeds.items() if (count := in_several(self._rides(key, seed)))}
 
     @property
