@@ -156,9 +156,13 @@ def check_verdict(result: DetectionResult, name: str) -> None:
     Raises:
         Refusal: all diagnoses are ``waiting``.
     """
-    if result.verdict == "waiting":
-        reason = f"give at least {SHORT:g} s" if result.duration < SHORT else result.reason
-        raise Refusal(f"{name} holds {result.duration:.2f} s of waveform, too little for a verdict: {reason}")
+    if result.verdict != "waiting":
+        return
+    if result.duration < SHORT:
+        raise Refusal(f"{name} holds {result.duration:.2f} s of waveform, too little for a verdict: give at least {SHORT:g} s")
+    unknown = "the speed cannot be estimated" in result.reason
+    remedy = "; give the speed (speed_rpm in the description, shaft_angle in Python)" if unknown else ""
+    raise Refusal(f"{name} has no verdict: {result.reason}{remedy}")
 
 
 def watch(
@@ -176,12 +180,14 @@ def watch(
         raise Refusal(f"temperatures = {readings!r} are not readings: give TemperatureReadings, such as those of a run or recording")
     history, samples, begin = _diagnoses(_detector(signal, chosen, described, baseline), signal.pieces(), readings)
     duration = samples / signal.sampling_rate
-    if duration >= SHORT and all(diagnosis.verdict == "waiting" for diagnosis in history):
+    waiting = all(diagnosis.verdict == "waiting" for diagnosis in history)
+    if duration >= SHORT and waiting:
         # A short signal is judged by a shorter window; the confidence is lower accordingly.
         history, _, begin = _diagnoses(_detector(signal, brief(chosen), described, baseline), signal.pieces(), readings)
-    if not history:
+    if not history or (duration < SHORT and waiting):
+        # Its detector would ask for the signal of a usual verdict.
         reason = f"{duration:.2f} s have arrived, but a verdict needs {SHORT:g} s"
-        history = [Diagnosis(max(0, samples - 1), duration, "waiting", reason)]
+        history = [replace(d, reason=reason) for d in history] or [Diagnosis(max(0, samples - 1), duration, "waiting", reason)]
     return DetectionResult(tuple(history), duration, begin)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -69,7 +70,7 @@ def test_watching_answers_without_a_verdict(run: SimulationResult) -> None:
     for seconds in (0.2, 0.8):
         found = watch(run.between(stop=seconds))
         assert found.verdict == "waiting"
-        assert "verdict needs" in found.reason
+        assert found.reason == f"{seconds:.2f} s have arrived, but a verdict needs 1 s"
         assert found.duration == pytest.approx(seconds, abs=1e-3)
 
 
@@ -86,6 +87,12 @@ def test_the_lines_of_every_component_are_given(run: SimulationResult) -> None:
 def test_refusals(run: SimulationResult) -> None:
     with pytest.raises(Refusal, match=r"the signal holds 0.80 s of waveform, too little for a verdict: give at least 1 s$"):
         detect(run.between(stop=0.8))
+    noise = np.cumsum(np.random.default_rng(1).standard_normal(102400))
+    remedy = re.escape("; give the speed (speed_rpm in the description, shaft_angle in Python)")
+    with pytest.raises(Refusal, match=f"the signal has no verdict: there is no shaft angle, and the speed cannot be estimated .*{remedy}$"):
+        detect(noise, 51200, bearing=run.orders)
+    with pytest.raises(Refusal, match=r"the signal has no verdict: the shaft made 0 revolutions in [0-9.]+ s, but a verdict needs 4$"):
+        detect(noise, 51200, bearing=run.orders, shaft_angle=np.zeros(102400))
     with pytest.raises(Refusal, match="the orders of the bearing are unknown"):
         detect(np.zeros(51200), 51200)
     with pytest.raises(Refusal, match=r"window = 1 s is below least_window = 2 s"):
