@@ -209,7 +209,10 @@ def _is_recording(path: Path) -> bool:
 
 
 def output_report(report: Report, as_json: bool, junit: Path | None, figure: Path | None, entry: Path | None = None) -> None:
-    """Print a report, then write its files; printing comes first so that no result is lost if a file cannot be written."""
+    """Print a report, then write its files; printing comes first so that no result is lost if a file cannot be written.
+
+    A detector that failed in every scenario has no entry.
+    """
     if as_json:
         print(json.dumps(report.described(), indent=2, allow_nan=False), flush=True)
     else:
@@ -225,7 +228,9 @@ def output_report(report: Report, as_json: bool, junit: Path | None, figure: Pat
         from dcrb_ros.exam.figure import write_figure
 
         write_figure(report, figure)
-    if entry is not None:
+    if entry is not None and all(result.failure for result in report.results):
+        typer.echo(f"the detector failed in every scenario: {entry} is not written", err=True)
+    elif entry is not None:
         from dcrb_ros.exam.leaderboard_entry import entry_of, write_entry
 
         write_entry(entry_of(report), entry)

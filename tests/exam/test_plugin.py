@@ -89,6 +89,15 @@ def test_a_class_is_evaluated_on_the_command_line(tmp_path: Path) -> None:
     assert [(one.answer, one.spoiled, one.periods) for one in entry.scenarios] == [("roller", 1, 1)]
 
 
+def test_a_detector_that_failed_in_every_scenario_has_no_entry(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    detector, file = tmp_path / "steady.py", tmp_path / "entry.json"
+    options = ["--python", f"{detector}:Steady", "--entry", str(file), "--workers", "1", "--quiet"]
+    detector.write_text(SOURCE.replace('return "roller"', "raise ValueError"), encoding="utf-8")
+    assert dcrb("score", str(recorded(tmp_path / "bag", 60)), *options) == 1
+    assert f"the detector failed in every scenario: {file} is not written" in capsys.readouterr().err
+    assert not file.exists()
+
+
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [
