@@ -18,7 +18,7 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.counts import counted
 
 if TYPE_CHECKING:
-    from dcrb_ros.exam.exam_file import Exam
+    from dcrb_ros.exam.expectation import Expectation
     from dcrb_ros.exam.kinds import AnyExam
     from dcrb_ros.exam.limits import Limits
     from dcrb_ros.exam.report import Report
@@ -239,12 +239,14 @@ def output_report(report: Report, as_json: bool, junit: Path | None, figure: Pat
 def print_scenarios(exam: AnyExam) -> None:
     """Print the scenarios of an exam with their correct verdicts, and the hash of them all."""
     from dcrb_ros.exam.exam_file import Exam
+    from dcrb_ros.exam.exam_scenarios import expectations
     from dcrb_ros.runtime.terminal import console, table
 
     title = f"{exam.name}: {exam.about}" if exam.about else exam.name
     if isinstance(exam, Exam):
-        heads, rows, kind = HEADS, list(_cells(exam)), "scenario"
-        seconds = sum(case.simulation.duration for case in exam.cases)
+        expected = expectations(exam)
+        heads, rows, kind = HEADS, list(_cells(expected)), "scenario"
+        seconds = sum(expectation.duration for expectation in expected)
     else:
         heads, rows, kind = VEHICLE_HEADS, list(_vehicle_cells(exam)), "vehicle"
         seconds = sum(case.duration for case in exam.cases)
@@ -257,10 +259,8 @@ def print_scenarios(exam: AnyExam) -> None:
     print(f"{counted(len(rows), kind)}, {seconds:.0f} s simulated, sha256 {exam.digest}")
 
 
-def _cells(exam: Exam) -> Iterable[tuple[str, ...]]:
-    from dcrb_ros.exam.exam_scenarios import expectations
-
-    for expectation in expectations(exam):
+def _cells(expected: Iterable[Expectation]) -> Iterable[tuple[str, ...]]:
+    for expectation in expected:
         name = expectation.name if expectation.required else f"{expectation.name} (not required)"
         onset = f"{expectation.onset:g}" if expectation.faulty else "-"
         yield name, expectation.verdict, onset, f"{expectation.duration:g}", expectation.twin or "-"

@@ -214,8 +214,10 @@ def test_the_last_verdict_counts_whenever_it_is_given() -> None:
 
 def test_the_list_has_the_onset_in_the_signal(capsys: pytest.CaptureFixture[str]) -> None:
     print_scenarios(replica(*GIVEN))
-    (row,) = [line for line in capsys.readouterr().out.splitlines() if "outer/1" in line]
-    assert [cell.strip() for cell in row.split("│")[2:5]] == ["outer_ring", "2.5", "4.5"]
+    *lines, total = capsys.readouterr().out.splitlines()
+    rows = [[cell.strip() for cell in line.split("│")[1:5]] for line in lines if line.startswith("│")]
+    assert next(cells for cells in rows if cells[0] == "outer/1") == ["outer/1", "outer_ring", "2.5", "4.5"]
+    assert f", {sum(float(cells[3]) for cells in rows):.0f} s simulated, " in total
 
 
 def test_a_selected_recording_keeps_what_precedes_it() -> None:
