@@ -17,6 +17,7 @@ from dcrb_ros.exam.leaderboard_entry import Entry
 from dcrb_ros.exam.marking import VerdictMarking, marking_of
 from dcrb_ros.exam.statistics import Interval
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.counts import counted
 
 FIELD_SEED = 23
 """Seed of the samples of measured recordings, another one than that of the exam: both vary independently."""
@@ -52,7 +53,7 @@ def agreement(exam: Sequence[Entry], measured: Sequence[Entry]) -> Agreement:
     common = [name for name in first if name in second]
     if len(common) < FEWEST:
         raise Refusal(
-            f"{len(common)} detectors are in both folders ({', '.join(common) or 'none'}): "
+            f"the two folders have {counted(len(common), 'detector')} in common ({', '.join(common) or 'none'}): "
             f"a rank correlation takes {FEWEST}, with the same --name in both"
         )
     marking, field = marking_of(exam[0]), VerdictMarking()

@@ -107,7 +107,7 @@ def test_the_correlations_are_those_of_scipy_with_ties(ranks: np.ndarray) -> Non
 
 
 def test_too_few_detectors_and_two_of_one_name_are_refused() -> None:
-    with pytest.raises(Refusal, match=r"2 detectors are in both folders \(d0, d1\)"):
+    with pytest.raises(Refusal, match=r"the two folders have 2 detectors in common \(d0, d1\)"):
         agreement(entries(0.1, 0.2), entries(0.1, 0.2, 0.3))
     other = entries(0.1, 0.2, 0.3)
     other[1] = other[1].model_copy(update={"scenarios_sha256": "f" * 64})

@@ -326,7 +326,7 @@ def test_the_leaderboard_states_how_it_agrees_with_measured_recordings(tmp_path:
     (recorded / "3.json").unlink()
     assert dcrb("exam", "table", str(tmp_path), "--measured", str(recorded), "-o", str(tmp_path / "other")) == 2
     assert not (tmp_path / "other").exists()
-    assert "2 detectors are in both folders" in capsys.readouterr().err
+    assert "the two folders have 2 detectors in common" in capsys.readouterr().err
 
 
 def test_the_command_writes_the_leaderboard(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
