@@ -14,6 +14,7 @@ from dcrb_ros.exam.breakdown import PARTIAL, family_areas, overall_area, strata
 from dcrb_ros.exam.criteria import UNLIMITED
 from dcrb_ros.exam.marking import report_mark
 from dcrb_ros.exam.report import Report
+from dcrb_ros.exam.scoring import ScenarioResult
 from dcrb_ros.exam.statistics import CONFIDENCE, Interval
 from dcrb_ros.recordings.manifest import model_fingerprint
 from dcrb_ros.runtime.terminal import table
@@ -184,7 +185,15 @@ def _count(count: int, *, correct: bool) -> Text:
 def _failures(report: Report) -> Iterator[RenderableType]:
     wrong = [result for result in report.results if not result.passed]
     shown = ((result, result.expectation) for result in wrong[:MOST_FAILURES])
-    rows = [(e.name + (" (not required)" if result.excused else ""), e.verdict, result.flaw) for result, e in shown]
+    rows = [(e.name + (" (not required)" if result.excused else ""), e.verdict, _reason(result)) for result, e in shown]
     yield from _filled(f"{len(wrong)} of {len(report.results)} scenarios failed", ("scenario", "correct verdict", "reason"), rows)
     if len(wrong) > MOST_FAILURES:
         yield f"and {len(wrong) - MOST_FAILURES} more: --json and --junit list all of them"
+
+
+def _reason(result: ScenarioResult) -> str:
+    """Return why a scenario failed, with the detector's reason for a wrong verdict ``sensor``."""
+    if result.broken or "sensor" not in result.flaw:
+        return result.flaw
+    given = next((diagnosis.reason for diagnosis in result.received if diagnosis.verdict == "sensor"), "")
+    return f"{result.flaw}: {given}" if given else result.flaw

@@ -288,6 +288,13 @@ def test_the_tables_have_units_and_names_as_they_are() -> None:
         assert words in text
 
 
+def test_the_table_has_the_reason_of_a_wrong_sensor_verdict() -> None:
+    received = (ReceivedDiagnosis(5.0, "sensor", reason="the sensor is dead"),)
+    text = printed(report(result("outer_ring", "sensor", received=received), result("cage", "sensor", received=received, broken=True)))
+    assert text.count("diagnosed as sensor") == 2
+    assert text.count("diagnosed as sensor: the sensor is dead") == 1
+
+
 @pytest.mark.parametrize("failed", [MOST_FAILURES, MOST_FAILURES + 3])
 def test_at_most_forty_failed_scenarios_are_listed(failed: int) -> None:
     text = printed(report(*[result("cage", "roller", required=k > 0) for k in range(failed)]))
