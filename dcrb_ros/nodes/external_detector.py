@@ -133,7 +133,8 @@ class NodeProgram:
         while (missing := [each for each in feed.awaited if not publisher.subscribers(each)]) or not node.count_publishers(topic):
             spin(0.05)
             if process.poll() is not None:
-                return f"it ended with status {process.returncode} before it subscribed"
+                remedy = "" if process.returncode else "; a class is given with --python FILE:CLASS"
+                return f"it ended with status {process.returncode} before it subscribed{remedy}"
             if time.monotonic() > deadline:
                 undone = f"subscribe to {missing[0].resolved(NAMESPACE)}" if missing else f"advertise {topic}"
                 return f"it did not {undone} within {self._patience:g} s; do so, or allow more with --patience"

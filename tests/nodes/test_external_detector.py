@@ -119,6 +119,7 @@ INVALID = "publisher.publish(DiagnosticArray(status=[DiagnosticStatus(values=[Ke
             python("-c", "import sys; sys.exit('no such sensor')"),
             "it ended with status 1 before it subscribed; its last output:\n    no such sensor",
         ),
+        (python("-c", "class Detector: ..."), "it ended with status 0 before it subscribed; a class is given with --python FILE:CLASS"),
         (python("-c", "import time; time.sleep(60)"), "it did not subscribe to /dcrb/outer_ring/vibration within 2 s"),
         (python("-c", SUBSCRIBER.format("pass")), "it published nothing on /dcrb/diagnosis"),
         (python("-c", SUBSCRIBER.format("1 / 0")), "s of the signal; its last output:"),
