@@ -113,6 +113,11 @@ class VehicleDescription:
             raise Refusal(f"there is no box '{name}' (known: {', '.join(box.name for box in self.boxes)})")
         return found
 
+    @property
+    def partners(self) -> dict[str, str]:
+        """The other box of the wheelset of each box that has one."""
+        return {box.name: other.name for box in self.boxes for other in self.boxes if other.axle == box.axle and other != box}
+
     def axle(self, name: str) -> AxleDescription:
         """Return the wheelset of a name, which must be one of a box."""
         return next(axle for axle in self.axles if axle.name == name)

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dcrb_ros.diagnosis.hysteresis import probability
+from dcrb_ros.diagnosis.vehicle.comparison import UNOPPOSED, unopposed
 from dcrb_ros.diagnosis.vehicle.contact import FEWEST_TURNS, Contact, Impact
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
 from dcrb_ros.schema.arrays import Floats
@@ -45,9 +46,10 @@ def silent_boxes(contacts: Mapping[str, Contact], parameters: VehicleDetectorPar
     return quiet
 
 
-def flats(contacts: Mapping[str, Contact], parameters: VehicleDetectorParameters) -> dict[str, Status]:
+def flats(contacts: Mapping[str, Contact], parameters: VehicleDetectorParameters, partners: Mapping[str, str]) -> dict[str, Status]:
     """Return the status of each wheel; it is ``waiting`` where too few turns are known.
 
+    ``partners`` are the other boxes of the wheelsets. If that of a box is not judged, a flat may be that of its wheel.
     The box above a flat has it largest. If another box has one angle above the level, too, and nearly as large, the wheel is undecided
     between them. Boxes below the level do not count: the roughness of a round wheel may be as large at one angle.
     """
@@ -57,15 +59,16 @@ def flats(contacts: Mapping[str, Contact], parameters: VehicleDetectorParameters
     )
     statuses = {name: Status("healthy", no_flat) if contact.peak else Status("waiting", too_short) for name, contact in contacts.items()}
     struck = {name: contact for name, contact in contacts.items() if contact.level >= parameters.flat}
-    if not struck:
-        return statuses
+    alone = unopposed({name for name, contact in contacts.items() if contact.peak}, partners)
     for name, contact in struck.items():
         rivals = {other: contact.peak / max(measured.peak, 1e-30) for other, measured in struck.items() if other != name}
         rival = min(rivals, key=lambda other: rivals[other], default="")
         ahead = 10.0 * math.log10(max(rivals[rival], 1e-30)) if rival else math.inf
         score = contact.level - parameters.flat
         at_one_angle = f"one angle of the wheel is {contact.level:.1f} dB above the others"
-        if ahead >= WEAKER:
+        if ahead >= WEAKER and name in alone:
+            statuses[name] = Status(UNDECIDED, f"{at_one_angle}, but {UNOPPOSED}", 0.0, score)
+        elif ahead >= WEAKER:
             than = f", {ahead:.1f} dB more than at {rival}" if rival else ""
             statuses[name] = Status("flat", f"{at_one_angle}{than}", probability(score), score)
         elif ahead > -WEAKER:

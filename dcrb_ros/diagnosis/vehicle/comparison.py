@@ -14,7 +14,7 @@ distinguishes them. Where the contrast to the other box of the wheelset is small
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -56,6 +56,8 @@ HUMP = np.linspace(-0.25, 0.25, 9)
 """Distances from the middle of a hump that are compared [FTF]."""
 NOT_OWN = -60.0
 """Excess of lines that belong to another box or to a wheel [dB]."""
+UNOPPOSED = "the other box of the wheelset is not judged"
+"""Reason for no verdict on one box of a wheelset."""
 
 
 @dataclass(frozen=True)
@@ -97,20 +99,38 @@ class Compared(NamedTuple):
     """By how much earlier the impacts are here than in that box [s]; 0 where it does not matter."""
     healthy: float = 0.0
     """Evidence that the lines of a healthy bearing may have [dB]; a verdict needs more of it."""
+    unopposed: bool = False
+    """Whether it is undecided because the other box of the wheelset is not judged."""
 
 
-def compare(judgements: Mapping[str, Judgement], parameters: VehicleDetectorParameters) -> dict[str, dict[Component, Compared]]:
-    """Return the evidence for every component of every box that was judged."""
+def unopposed(judged: Container[str], partners: Mapping[str, str]) -> set[str]:
+    """Return the boxes whose partner, the other box of the wheelset, is not judged."""
+    return {name for name, partner in partners.items() if partner not in judged}
+
+
+def compare(
+    judgements: Mapping[str, Judgement], parameters: VehicleDetectorParameters, partners: Mapping[str, str]
+) -> dict[str, dict[Component, Compared]]:
+    """Return the evidence for every component of every box that was judged; ``partners`` are the other boxes of the wheelsets."""
+    alone = unopposed(judgements, partners)
     return {
-        name: {component: _compared(name, component, judgements, parameters) for component in COMPONENTS if component in judgement.findings}
+        name: {
+            component: _compared(name, component, judgements, parameters, opposed=name not in alone)
+            for component in COMPONENTS
+            if component in judgement.findings
+        }
         for name, judgement in judgements.items()
     }
 
 
-def _compared(name: str, component: Component, judged: Mapping[str, Judgement], parameters: VehicleDetectorParameters) -> Compared:
+def _compared(
+    name: str, component: Component, judged: Mapping[str, Judgement], parameters: VehicleDetectorParameters, *, opposed: bool
+) -> Compared:
     own = judged[name]
     finding, faint = own.findings[component], own.faint[component]
     usual = _attributed(name, finding, judged, parameters)._replace(healthy=_healthy(finding, own))
+    if not opposed:
+        return usual._replace(excess=NOT_OWN, undecided=usual.excess, unopposed=True) if usual.excess >= 0.0 else usual
     if faint.excess <= max(finding.excess, 0.0):
         return usual
     alone = _attributed(name, faint, judged, parameters)._replace(healthy=_healthy(faint, own))

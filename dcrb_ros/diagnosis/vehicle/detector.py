@@ -20,7 +20,7 @@ from dcrb_ros.diagnosis.thermal_detector import with_trouble
 from dcrb_ros.diagnosis.vehicle.box_watch import BoxHop, BoxWatch, boxes_apart
 from dcrb_ros.diagnosis.vehicle.causes import SAME_RAIL, Lag, backward_sides, crossed_rails, flats, kinks_of, lags, silent_boxes, track
 from dcrb_ros.diagnosis.vehicle.clocks import clock_differences, clocks
-from dcrb_ros.diagnosis.vehicle.comparison import NOT_OWN, Compared, Judgement, compare
+from dcrb_ros.diagnosis.vehicle.comparison import NOT_OWN, UNOPPOSED, Compared, Judgement, compare
 from dcrb_ros.diagnosis.vehicle.contact import Contact
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
 from dcrb_ros.diagnosis.vehicle.rolling_lines import corrugation, motor
@@ -101,6 +101,7 @@ class VehicleDetector:
         """
         self.description, self.parameters, self.box_parameters = description, parameters, box_parameters
         self._boxes = {box.name: BoxWatch(box, description.sampling_rate, parameters, box_parameters) for box in description.boxes}
+        self._partners = description.partners
         p = box_parameters
         hops = max(1, round(p.window / p.hop))
 
@@ -201,14 +202,14 @@ class VehicleDetector:
         measured = {name: contact for name, contact in contacts.items() if not hops[name].flaw}
         quiet = silent_boxes(contacts, q)
         rolling = {name: contact for name, contact in measured.items() if name not in quiet}
-        struck = flats(rolling, q)
+        struck = flats(rolling, q, self._partners)
         wheels = self._wheels(struck, polygons(rolling, q))
         sides = lags(self.description, measured, q.lag_tolerance)
         sensors = self._sensors(contacts, measured, sides)
         kinks = kinks_of(self.description, measured, struck, q.lag_tolerance)
         times = kinks.times if kinks is not None else np.zeros(0)
         judged = {name: self._boxes[name].judged(hop.own, times) for name, hop in hops.items() if hop.own is not None and name not in quiet}
-        compared = compare(judged, q)
+        compared = compare(judged, q, self._partners)
         statuses: dict[str, Status] = {}
         indicators: dict[str, float] = {}
         for name in self._boxes:
@@ -325,7 +326,10 @@ class VehicleDetector:
         if is_alarm(doubtful):
             doubted = self._undecided[name].confirmed
             rivals = ", ".join(sorted({compared[component].rival for component in doubted}))
-            return Status(UNDECIDED, f"its lines are within {self.parameters.contrast:g} dB of those in {rivals}", 0.0, max(open_.values()))
+            reason = f"its lines are within {self.parameters.contrast:g} dB of those in {rivals}"
+            if any(compared[component].unopposed for component in doubted):
+                reason = f"it has lines of the {', '.join(doubted)}, but {UNOPPOSED}"
+            return Status(UNDECIDED, reason, 0.0, max(open_.values()))
         others = {c: item for c, item in compared.items() if scores.get(c, NOT_OWN) >= 0.0 and item.contrast < 0.0}
         if others and verdict == "healthy":
             component, item = max(others.items(), key=lambda pair: scores[pair[0]])

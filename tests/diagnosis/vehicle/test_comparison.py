@@ -50,7 +50,7 @@ def judged(lines: Lines, component: Component, frequency: float = 20.0, orders: 
 
 def compared(lines: Lines, others: Lines, component: Component = "roller") -> Compared:
     """Return what becomes of the evidence of the box ``axle_1/left`` if the other boxes have other lines."""
-    return compare({"axle_1/left": judged(lines, component)} | {name: judged(others, component) for name in OTHERS}, Q)["axle_1/left"][
+    return compare({"axle_1/left": judged(lines, component)} | {name: judged(others, component) for name in OTHERS}, Q, {})["axle_1/left"][
         component
     ]
 
@@ -86,14 +86,14 @@ def test_faint_lines_that_no_other_box_has_are_relieved(depth: float, relieved: 
 
 def test_faint_lines_are_not_relieved_without_another_box() -> None:
     alone = {"axle_1/left": judged({k * 6.72: 0.05 for k in range(1, 7)}, "outer_ring")}
-    assert compare(alone, Q)["axle_1/left"]["outer_ring"].excess < 0.0
+    assert compare(alone, Q, {})["axle_1/left"]["outer_ring"].excess < 0.0
 
 
 def test_a_verdict_is_explained_with_the_lines_that_it_is_about() -> None:
     """By itself the box has another family, which is below its limit."""
     faint, other = (judged({k * order: 0.1 for k in range(1, 7)}, "outer_ring") for order in (6.72, 6.65))
     own = dataclasses.replace(faint, findings=other.findings)
-    found = compare({"axle_1/left": own} | {name: judged({}, "outer_ring") for name in OTHERS}, Q)["axle_1/left"]["outer_ring"]
+    found = compare({"axle_1/left": own} | {name: judged({}, "outer_ring") for name in OTHERS}, Q, {})["axle_1/left"]["outer_ring"]
     assert found.excess > 0.0
     assert _reason("outer_ring", found).startswith("lines of the outer_ring at 6.720 orders")
 
@@ -147,4 +147,4 @@ def test_a_flat_of_the_other_wheelset_may_be_largest_beside_its_lines(turn: floa
     orders = dataclasses.replace(ORDERS, bpfi=bpfi)
     for lines, own in ((family, True), (family | flat, False)):
         boxes = {"axle_1/left": judged(lines, "inner_ring", orders=orders), "axle_2/left": judged({}, "inner_ring", turn * 20.0, orders)}
-        assert (compare(boxes, Q)["axle_1/left"]["inner_ring"].excess > 0.0) is own
+        assert (compare(boxes, Q, {})["axle_1/left"]["inner_ring"].excess > 0.0) is own

@@ -64,6 +64,34 @@ def test_the_other_box_of_the_wheelset_alone_would_be_named_too() -> None:
     assert verdicts(diagnosis, "bearing") == {"axle_1/left": "outer_ring"}
 
 
+def dead(signals: Boxes, box: str) -> Boxes:
+    """Return signals with a constant one in a box."""
+    return {**signals, box: (np.full_like(signals[box][0], 3.0), signals[box][1])}
+
+
+def test_beside_a_dead_sensor_lines_are_undecided() -> None:
+    diagnosis = last(dead(bogie({"axle_1/left": {"outer": 2000.0}}), "axle_1/left"))
+    assert diagnosis.damaged() == {}
+    assert diagnosis.statuses["axle_1/right/bearing"].verdict == "undecided"
+    assert diagnosis.statuses["axle_1/right/bearing"].reason.endswith("but the other box of the wheelset is not judged")
+
+
+def test_beside_a_dead_sensor_a_flat_is_undecided() -> None:
+    wheels = verdicts(last(dead(bogie(flats={"axle_1/left": 200.0}), "axle_1/left")), "wheel")
+    assert wheels == {"axle_1/left": "waiting", "axle_1/right": "undecided"}
+
+
+def test_after_a_gap_of_the_damaged_box_the_other_one_has_no_alarm() -> None:
+    signals, block = bogie({"axle_1/left": {"outer": 2000.0}}), 512
+    detector, found = VehicleDetector(DESCRIPTION, box_parameters=DetectorParameters(window=1.5, least_window=1.0)), []
+    for k in range(0, round(SECONDS * 51200), block):
+        blocks = {name: BoxBlock(k, a[k : k + block], angle[k : k + block]) for name, (a, angle) in signals.items()}
+        if 80000 <= k < 98000:
+            del blocks["axle_1/left"]
+        found.append(detector.add(blocks))
+    assert {one.statuses["axle_1/right/bearing"].verdict for one in found if one is not None} <= {"waiting", "healthy", "undecided"}
+
+
 def test_a_sensor_of_twice_the_gain_does_not_take_the_fault() -> None:
     diagnosis = last(bogie({"axle_1/left": {"outer": 7.0}}, across=0.3, gains={"axle_1/right": 2.5}))
     assert diagnosis.damaged() == {"axle_1/left": "outer_ring"}
