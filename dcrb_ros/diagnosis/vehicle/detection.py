@@ -97,7 +97,7 @@ def detect_vehicle(
     Raises
     ------
     Refusal
-        The signals are too short, or are not those of the description.
+        The signals are too short, or are not those of the description, such as at another sampling rate.
 
     Examples
     --------
@@ -108,6 +108,12 @@ def detect_vehicle(
     """
     detector = VehicleDetector(signals.description, parameters or VehicleDetectorParameters(), box_parameters or DetectorParameters())
     boxes = {name.replace(".", "/"): signal for name, signal in signals.boxes.items()}
+    for name, signal in boxes.items():
+        if signal.sampling_rate != detector.description.sampling_rate:
+            raise Refusal(
+                f"the signal of {name} is sampled at {signal.sampling_rate} Hz, the boxes of the description at "
+                f"{detector.description.sampling_rate} Hz: resample it"
+            )
     readings = {name: temperatures_of(signal) for name, signal in boxes.items()}
     history = list[VehicleDiagnosis]()
     for diagnosis in diagnoses_of({name: signal.pieces() for name, signal in boxes.items()}, detector, readings):
@@ -133,6 +139,7 @@ def diagnoses_of(
             feeds[name].give(partial(detector.take_temperature, name), piece.end_index / rate)
         if diagnosis is not None:
             yield diagnosis
+    yield from detector.finish()
 
 
 def _parts(name: str, pieces: Iterable[Piece], length: int) -> Iterator[tuple[str, Piece]]:

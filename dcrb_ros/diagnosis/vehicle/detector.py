@@ -147,8 +147,12 @@ class VehicleDetector:
                 watch.missed.update({name: len(samples) for name, (_, samples, _) in pieces.items()})
             for name in pieces:
                 self._boxes[name].missed.clear()
-            diagnosis = self._compared() or diagnosis
+            diagnosis = [diagnosis, *self._compared()][-1]
         return diagnosis
+
+    def finish(self) -> tuple[VehicleDiagnosis, ...]:
+        """Return the diagnoses of the last hops, which wait for boxes that are missing, at the end of the signals."""
+        return tuple(self._compared(final=True))
 
     def take_temperature(self, box: str, time: float, temperature: float, ambient: float) -> None:
         """Take a reading at the outer ring of a box and one of the air at a time [s], both [deg C].
@@ -177,23 +181,19 @@ class VehicleDetector:
             raise Refusal(f"there is no box '{name}'{nearest(name, self._boxes)} (known: {', '.join(self._boxes)})")
         return self._boxes[name]
 
-    def _compared(self) -> VehicleDiagnosis | None:
-        """Return the last diagnosis of the hops that all boxes, but those that are too late or apart, have reached."""
-        diagnosis, apart = None, boxes_apart(self._boxes, self._patience, self.description.sampling_rate)
+    def _compared(self, *, final: bool = False) -> Iterator[VehicleDiagnosis]:
+        """Yield the diagnoses of the hops that all boxes, but those that are too late or apart, have reached; of all hops at the end."""
+        apart = boxes_apart(self._boxes, self._patience, self.description.sampling_rate)
         for name in apart:
             self._boxes[name].hops.clear()
         together = [watch for name, watch in self._boxes.items() if name not in apart]
         newest = max(watch.reached for watch in together)
-        while True:
-            waiting = [watch for watch in together if not watch.hops]
-            ready = [watch for watch in together if watch.hops]
-            if not ready:
-                return diagnosis
+        while ready := [watch for watch in together if watch.hops]:
             first = min(watch.hops[0].index for watch in ready)
-            if waiting and newest - first <= self._patience:
-                return diagnosis
+            if len(ready) < len(together) and newest - first <= self._patience and not final:
+                return
             hops = {watch.name: watch.hops.popleft() for watch in ready if watch.hops[0].index == first}
-            diagnosis = self._diagnosed(first, hops, apart)
+            yield self._diagnosed(first, hops, apart)
 
     def _diagnosed(self, index: int, hops: Mapping[str, BoxHop], apart: Mapping[str, str]) -> VehicleDiagnosis:
         """Return the diagnosis of the vehicle from the hops of its boxes, and the reasons of those that are ``apart``."""
@@ -214,16 +214,14 @@ class VehicleDetector:
         indicators: dict[str, float] = {}
         for name in self._boxes:
             hop = hops.get(name)
-            arrives = name not in apart and self._boxes[name].reached >= index
-            begins = arrives and index - self._boxes[name].since <= self._patience + 2 * self._hop
-            missing = "its signal began anew" if begins else apart.get(name, "its signal has gaps" if arrives else "no signal arrives")
+            missing, expected = self._missing(name, index, apart)
             bearing = self._bearing(name, hop, judged.get(name), compared.get(name), quiet, missing)
             for finding in hop.troubles if hop is not None else ():
                 bearing = dataclasses.replace(with_trouble(bearing, finding), score=max(bearing.score, finding.excess))
             statuses[f"{name}/bearing"] = bearing
             statuses[f"{name}/wheel"] = wheels.get(name, Status("waiting", "no turn of the wheel is known yet"))
             sensor = _sensor(hop, quiet.get(name), sensors.get(name), missing)
-            statuses[f"{name}/sensor"] = Status("waiting", missing) if begins and hop is None else sensor
+            statuses[f"{name}/sensor"] = Status("waiting", missing) if expected and hop is None else sensor
             if hop is not None:
                 indicators |= {f"{name}/{line}": level for line, level in hop.diagnosis.levels.items()}
             for component, evidence in compared.get(name, {}).items():
@@ -250,6 +248,17 @@ class VehicleDetector:
             indicators |= {f"{side}/lag": lag.found, f"{side}/lag/correlation": lag.forward}
         diagnoses = {name: hop.diagnosis for name, hop in hops.items()}
         return VehicleDiagnosis(index, index / self.description.sampling_rate, statuses, indicators, diagnoses)
+
+    def _missing(self, name: str, index: int, apart: Mapping[str, str]) -> tuple[str, bool]:
+        """Return why a box may have no hop that ends at a sample, and whether a sound sensor has none there, either."""
+        watch, newest = self._boxes[name], max(other.reached for key, other in self._boxes.items() if key not in apart)
+        if name in apart:
+            return apart[name], False
+        if watch.reached >= index:
+            begins = index - watch.since <= self._patience + 2 * self._hop
+            return ("its signal began anew", True) if begins else ("its signal has gaps", False)
+        ends = watch.reached >= 0 and newest - watch.reached <= self._patience
+        return ("its signal has ended", True) if ends else ("no signal arrives", False)
 
     def _sensors(self, contacts: Mapping[str, Contact], measured: Mapping[str, Contact], sides: Mapping[str, Lag]) -> dict[str, Status]:
         """Return the status of each sensor that measures the rail, but another one or at another time."""

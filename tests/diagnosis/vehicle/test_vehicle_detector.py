@@ -380,7 +380,7 @@ def recording(signals: Boxes, length: int = 5120, lost: Mapping[str, slice] = Ma
     for name, signal in signals.items():
         pieces = [Piece(k, *(part[k : k + length] for part in signal), 0.0) for k in range(0, len(signal[1]), length)]
         del pieces[lost.get(name, slice(0))]
-        boxes[name.replace("/", ".")] = SimpleNamespace(pieces=partial(iter, pieces))
+        boxes[name.replace("/", ".")] = SimpleNamespace(pieces=partial(iter, pieces), sampling_rate=DESCRIPTION.sampling_rate)
     return SimpleNamespace(description=DESCRIPTION, boxes=boxes)
 
 
@@ -390,6 +390,22 @@ def test_a_box_that_lost_blocks_of_a_recording_is_compared_over_the_same_time() 
     result = detect_vehicle(recorded, box_parameters=DetectorParameters(window=1.0, least_window=1.0))
     assert result.statuses["axle_2/left/sensor"].reason == "it measures the rail as the others do"
     assert result.damaged == {"axle_1/left": "outer_ring"}
+
+
+@pytest.mark.parametrize(("lost", "sensor"), [(slice(None), "sensor"), (slice(-4, None), "waiting")])
+def test_the_end_of_a_recording_is_judged_without_a_box(lost: slice, sensor: str) -> None:
+    """One of the boxes is missing, or ends 0.4 s before the others."""
+    result = detect_vehicle(recording(bogie({"axle_1/left": SPALLS["outer_ring"]}), lost={"axle_2/left": lost}))
+    assert result.last.time == pytest.approx(SECONDS, abs=1e-4)
+    assert result.last.statuses["axle_2/left/sensor"].verdict == sensor
+    assert result.damaged == {"axle_1/left": "outer_ring"}
+
+
+def test_another_sampling_rate_than_that_of_the_description_is_refused() -> None:
+    recorded = recording(bogie())
+    recorded.boxes["axle_1.right"].sampling_rate = 25600
+    with pytest.raises(Refusal, match=r"axle_1/right is sampled at 25600 Hz, .* 51200 Hz: resample it"):
+        detect_vehicle(recorded)
 
 
 def test_the_diagnoses_of_a_recording_do_not_depend_on_the_length_of_its_pieces() -> None:
@@ -458,7 +474,7 @@ def test_the_range_of_a_sensor_may_change_in_a_recording(stated: float, verdict:
         limit = stated if name == box else 5000.0
         return [Piece(k, acceleration[k : k + 5120], angle[k : k + 5120], limit) for k in range(0, len(angle), 5120)]
 
-    boxes = {name.replace("/", "."): SimpleNamespace(pieces=partial(pieces, name)) for name in clipped}
+    boxes = {name.replace("/", "."): SimpleNamespace(pieces=partial(pieces, name), sampling_rate=known.sampling_rate) for name in clipped}
     diagnosis = detect_vehicle(SimpleNamespace(description=known, boxes=boxes)).last  # type: ignore[arg-type]
     assert verdicts(diagnosis, "sensor") == ({box: verdict} if verdict else {})
 
