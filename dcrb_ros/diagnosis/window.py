@@ -113,6 +113,12 @@ class Window:
         return sum(hop.turns for hop in self._hops)
 
     @property
+    def begin(self) -> float:
+        """Angle at the begin of the first bin, from that of the shaft at the end of the window [turns]."""
+        bins = math.floor(self._turned * self.bins_per_turn) - sum(len(hop.missing) for hop in self._hops)
+        return bins / self.bins_per_turn - self._turned
+
+    @property
     def frequency(self) -> float:
         """Mean frequency of the turns [Hz]."""
         return self.turns * self._rate / (len(self._hops) * self._hop) if self._hops else 0.0

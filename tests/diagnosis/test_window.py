@@ -49,6 +49,14 @@ def test_envelopes_are_scaled_to_twenty_hertz(frequency: float, exponent: float)
     assert made.frequency == pytest.approx(abs(frequency))
 
 
+@pytest.mark.parametrize("frequency", [10.0, -33.3])
+def test_the_first_bin_begins_before_the_turns_of_the_window(frequency: float) -> None:
+    made = window()
+    for number in range(5):
+        made.add(segment(number, turning(frequency)), 70.0, useless=False)
+    assert -1.0 / BINS - 1e-9 < made.begin + made.turns < 1e-9
+
+
 def test_a_shaft_slower_than_half_a_hertz_is_scaled_as_at_half_a_hertz() -> None:
     hop = window().add(segment(0, turning(0.25)), 70.0, useless=False)
     assert hop is not None

@@ -33,28 +33,32 @@ class TurnEnvelopes(NamedTuple):
     values: npt.NDArray[np.float32]
     """Shape (bands, bins) [unit^2]."""
     bins_per_turn: int
+    begin: float
+    """Angle at the begin of the first bin, from that of the shaft at the end of the window [turns]."""
 
 
 def lead(own: TurnEnvelopes, other: TurnEnvelopes, orders: Floats, frequency: float) -> float:
     """Return by how much earlier the impacts with lines at ``orders`` [-] are in one box than in another one [s].
 
     ``frequency`` is that of the shaft [Hz]. It is 0 if no difference explains the phases, if the lines are too slow, as those of a cage
-    are, or if the windows are not the same.
+    are, or if the windows are not the same. After a gap or a late start of one box, the bins begin at different angles, and one
+    window may have one bin more.
     """
-    alike = own.values.shape == other.values.shape and own.bins_per_turn == other.bins_per_turn
+    (bands, bins), (other_bands, other_bins) = own.values.shape, other.values.shape
+    alike = bands == other_bands and abs(bins - other_bins) <= 1 and own.bins_per_turn == other.bins_per_turn
     if not alike or not frequency * float(orders.mean()) > SLOWEST:
         return 0.0
-    bins = own.values.shape[1]
-    waves = np.exp(-2j * math.pi / own.bins_per_turn * np.outer(np.arange(bins), orders))
-    cross = _lines(own, waves) * np.conj(_lines(other, waves))
+    cross = _lines(own, orders) * np.conj(_lines(other, orders))
     differences = np.arange(-LATEST, LATEST + 0.5 * STEP, STEP)
     rotated = np.exp(-2j * math.pi * frequency * np.outer(differences, orders)) @ cross.sum(axis=0)
     best = int(np.argmax(rotated.real))
     return float(differences[best]) if rotated.real[best] >= AGREEMENT * float(np.abs(cross).sum()) else 0.0
 
 
-def _lines(envelopes: TurnEnvelopes, waves: Complexes) -> Complexes:
-    """Return the complex amplitudes of waves, shape (bins, orders), relative to the mean of each band, shape (bands, orders) [-]."""
+def _lines(envelopes: TurnEnvelopes, orders: Floats) -> Complexes:
+    """Return the complex amplitudes of lines at ``orders`` [-], relative to the mean of each band, shape (bands, orders) [-]."""
+    angles = envelopes.begin + np.arange(envelopes.values.shape[1]) / envelopes.bins_per_turn
+    waves = np.exp(-2j * math.pi * np.outer(angles, orders))
     mean = np.maximum(envelopes.values.mean(axis=1, dtype=np.float64), 1e-30)
     relative = (envelopes.values / mean[:, None] - 1.0) * hann(len(waves))
     return np.asarray(relative @ waves, np.complex128)

@@ -47,6 +47,8 @@ class OwnWindow(NamedTuple):
     """Mean shaft frequency [Hz]."""
     seconds: float
     """Length of the signal [s]."""
+    begin: float
+    """As `TurnEnvelopes.begin` [turns]."""
 
 
 class BoxDetector(ThermalFaultDetector):
@@ -102,7 +104,7 @@ class BoxDetector(ThermalFaultDetector):
         if self.flaw or self._what_is_missing() or not self._rest.tracked:
             return None
         seconds = len(self._rest) * self._hop / self.rate
-        return OwnWindow(*self._rest.envelopes(), self._end - self._rest.ages(), self._rest.frequency, seconds)
+        return OwnWindow(*self._rest.envelopes(), self._end - self._rest.ages(), self._rest.frequency, seconds, self._rest.begin)
 
     def judgement(self, window: OwnWindow, share: float, kinks: Floats) -> Judgement:
         """Return the evidence of a window without kinks of the rail and other rare impacts.
@@ -120,7 +122,7 @@ class BoxDetector(ThermalFaultDetector):
         if missing.any():
             limited = np.where(missing, limited[:, ~missing].mean(axis=1, dtype=np.float64).astype(np.float32)[:, None], limited)
         # The last band lies below that of the detector.
-        envelopes = TurnEnvelopes(limited[:-1], self._rest.bins_per_turn)
+        envelopes = TurnEnvelopes(limited[:-1], self._rest.bins_per_turn, window.begin)
         return Judgement(evidence, self._usual.findings(evidence), self._faint.findings(evidence), envelopes)
 
 

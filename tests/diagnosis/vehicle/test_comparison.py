@@ -45,7 +45,7 @@ def judged(lines: Lines, component: Component, frequency: float = 20.0, orders: 
     usual, faint = ({name: Finding(name, LEAST_EXCESS, "") for name in COMPONENTS} for _ in range(2))
     usual[component] = rule.finding(evidence) or usual[component]
     faint[component] = fainter(rule, Q.relief).finding(evidence) or faint[component]
-    return Judgement(evidence, usual, faint, TurnEnvelopes(np.zeros((1, 64), np.float32), 64))
+    return Judgement(evidence, usual, faint, TurnEnvelopes(np.zeros((1, 64), np.float32), 64, -1.0))
 
 
 def compared(lines: Lines, others: Lines, component: Component = "roller") -> Compared:

@@ -111,6 +111,21 @@ def test_among_equal_lines_the_box_that_is_earlier_counts() -> None:
     assert "0.9 ms later" in diagnosis.statuses["axle_2/left/bearing"].reason
 
 
+def test_the_earlier_box_is_known_after_a_late_start_of_the_other_one() -> None:
+    """Both turn by 9.4 turns in a hop, which are no whole bins."""
+    signals, late, block = bogie({"axle_2/left": {"outer": 200.0}}, across=1.0, along=0.0), round(0.9e-3 * 51200), 512
+    acceleration, angle = signals["axle_2/right"]
+    signals["axle_2/right"] = np.roll(acceleration, late, axis=0), angle
+    detector, found = VehicleDetector(DESCRIPTION, box_parameters=DetectorParameters(window=1.41, least_window=0.94, hop=0.47)), []
+    for k in range(0, round(SECONDS * 51200), block):
+        blocks = {name: BoxBlock(k, a[k : k + block], angle[k : k + block]) for name, (a, angle) in signals.items()}
+        if k < 20000:
+            del blocks["axle_2/right"]
+        found.append(detector.add(blocks))
+    status = [one for one in found if one is not None][-1].statuses["axle_2/left/bearing"]
+    assert (status.verdict, "0.9 ms later" in status.reason) == ("outer_ring", True), status
+
+
 def test_two_damaged_bearings_of_a_wheelset_keep_their_components() -> None:
     diagnosis = last(bogie({"axle_1/left": {"outer": 1500.0}, "axle_1/right": {"inner": 2500.0}}))
     assert diagnosis.damaged() == {"axle_1/left": "outer_ring", "axle_1/right": "inner_ring"}
