@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
@@ -20,7 +19,7 @@ from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorded_files import RecordedFiles
 from dcrb_ros.recordings.reproduction import RunReproduction, recorded_samples
 from dcrb_ros.recordings.vehicle_folder import VEHICLE, VEHICLE_OUTCOME, boxes_in, boxes_of
-from dcrb_ros.recordings.vehicle_recorder import FORMAT, VehicleCommand, VehicleRecorder, commands_in
+from dcrb_ros.recordings.vehicle_recorder import FORMAT, VehicleCommand, VehicleRecorder, commands_in, give
 from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.events import CommandSchedule
@@ -146,12 +145,13 @@ class VehicleReproduction(RunReproduction[VehicleSimulation, VehicleBlock]):
 
     def blocks(self, simulation: VehicleSimulation) -> Iterator[VehicleBlock]:
         """Yield the blocks of the run, with the commands given at their times."""
-        commands = deque(sorted(self._recording.commands(), key=lambda command: command.time_ns))
+        commands = sorted(self._recording.commands(), key=lambda command: command.time_ns)
         schedules = {name: CommandSchedule(box.commands()) for name, box in self._recording.boxes.items()}
         blocks = simulation.blocks(self.duration)
         while True:
-            while commands and commands[0].time_ns <= simulation.time_ns:
-                commands.popleft().give(simulation)
+            due = [command for command in commands if command.time_ns <= simulation.time_ns]
+            give(due, simulation)
+            del commands[: len(due)]
             for name, schedule in schedules.items():
                 schedule.apply_due(simulation.simulations[name])
             block = next(blocks, None)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -38,16 +39,19 @@ class VehicleCommand:
     """Such as ``speed_kmh``, or the key of a wheel or a slide."""
     value: float | str
 
-    def give(self, simulation: VehicleSimulation) -> None:
-        """Give it to a simulation.
 
-        Raises:
-            Refusal: the vehicle of the simulation does not take it.
-        """
-        if self.name in RANGES:
-            simulation.command(**{self.name: checked_command(self.name, self.value)})
+def give(commands: Iterable[VehicleCommand], simulation: VehicleSimulation) -> None:
+    """Give commands to a simulation, in their order and those of one time together: some are possible together only.
+
+    Raises:
+        Refusal: the vehicle of the simulation does not take them.
+    """
+    for (_, of_vehicle), group in groupby(commands, lambda command: (command.time_ns, command.name in RANGES)):
+        values = {command.name: command.value for command in group}
+        if of_vehicle:
+            simulation.command(**{name: checked_command(name, value) for name, value in values.items()})
         else:
-            simulation.change({self.name: self.value})
+            simulation.change(values)
 
 
 @dataclass(frozen=True)

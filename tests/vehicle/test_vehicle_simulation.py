@@ -28,7 +28,7 @@ from dcrb_ros.recordings.replay import Replay, ReplayParameters
 from dcrb_ros.recordings.reproduction import NotReproduced
 from dcrb_ros.recordings.splitting import Bag
 from dcrb_ros.recordings.vehicle import VehicleRecording, VehicleReproduction
-from dcrb_ros.recordings.vehicle_recorder import VehicleCommand, VehicleRecorder
+from dcrb_ros.recordings.vehicle_recorder import VehicleCommand, VehicleRecorder, give
 from dcrb_ros.recordings.verification import digest_mismatch
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import flatten, load_configuration
@@ -532,13 +532,26 @@ def test_a_recording_is_simulated_again_with_its_commands(run: Path, capsys: pyt
     assert "is a box of the vehicle in" in capsys.readouterr().err
 
 
-def test_commands_of_one_block_are_given_again_in_their_order(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    given = list[str]()
-    monkeypatch.setattr(VehicleCommand, "give", lambda self, simulation: given.append(self.name))
-    boxes = dict.fromkeys(BOXES, SimpleNamespace(time_ns=-1))
-    ended: Any = SimpleNamespace(time_ns=200_000_000, simulations=boxes, blocks=lambda duration: iter(()))
-    assert list(VehicleReproduction(VehicleRecording(run)).blocks(ended)) == []
-    assert given == ["speed_kmh", "curvature"]
+def test_commands_of_one_time_are_given_again_together_and_in_their_order() -> None:
+    commands = [(1, "speed_kmh", 90.0), (2, "curvature", 0.009), (2, "wind", 1e5), (2, "axle_2.slide", 0.01), (2, "brake", 0.1)]
+    given = list[dict[str, Any]]()
+    simulation: Any = SimpleNamespace(command=lambda **values: given.append(values), change=given.append)
+    give([VehicleCommand(*command) for command in commands], simulation)
+    assert given == [{"speed_kmh": 90.0}, {"curvature": 0.009, "wind": 1e5}, {"axle_2.slide": 0.01}, {"brake": 0.1}]
+
+
+def test_commands_that_are_possible_together_only_are_simulated_again(tmp_path: Path) -> None:
+    """In a narrow curve the wind presses the vehicle to the inner side."""
+    parameters = read_parameters("healthy_bogie", {**DRY, **NOTCH, "vehicle.speed_kmh": 120.0})
+    simulation = VehicleSimulation(vehicle_of(parameters, "test"), threads=2)
+    with VehicleRecorder(tmp_path / "bogie", parameters, simulation) as recorder:
+        for number, block in enumerate(simulation.blocks(0.1)):
+            recorder.write(block)
+            if number == 1:
+                with pytest.raises(Refusal, match="curvature"):
+                    simulation.command(curvature=0.009)
+                simulation.command(curvature=0.009, wind=1e5)
+    assert dcrb("simulate", "--from", str(tmp_path / "bogie"), "--quiet") == 0
 
 
 def test_commands_in_a_last_file_without_its_end_are_found(tmp_path: Path) -> None:
