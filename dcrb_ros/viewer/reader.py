@@ -123,14 +123,17 @@ def detector_output_of(
     bearing: Bearing | None,
 ) -> DetectorOutput:
     """Return the shipped detector's output for a waveform and temperatures; recorded indicators and verdicts take precedence."""
-    truths = truths_of(messages.get(GROUND_TRUTH, ())[-1:])
-    lapse = max((truth.thermal.get("acceleration", 1.0) for truth in truths), default=1.0)
-    judgements = diagnoses(waveform, orders, temperatures, lapse, bearing)
+    judgements = diagnoses(waveform, orders, temperatures, time_lapse(messages.get(GROUND_TRUTH, ())), bearing)
     return DetectorOutput(
         indicators=series_of(messages.get(FAULT_INDICATORS, ())) or indicators_of(judgements),
         verdicts=verdicts_in(messages.get(DIAGNOSIS, ())) or verdicts_of(judgements),
         diagnoses=tuple(judgements),
     )
+
+
+def time_lapse(truths: Sequence[bytes]) -> float:
+    """Return the time lapse of the heat in messages of the ground truth [-]; 1 where it is not stated."""
+    return max((truth.thermal.get("acceleration", 1.0) for truth in truths_of(truths[-1:])), default=1.0)
 
 
 def _in_background(work: Callable[[], DetectorOutput]) -> Future[DetectorOutput]:

@@ -5,15 +5,20 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, MutableMapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from types import MappingProxyType
 
 import numpy as np
 
+from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.bearing.waveform import Piece
+from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.vehicle import detection
 from dcrb_ros.diagnosis.vehicle.detector import VehicleDetector
+from dcrb_ros.messages.description import decode_range
 from dcrb_ros.messages.points import decode_waveform, index_at
 from dcrb_ros.messages.statuses import Status, decode_diagnostics
-from dcrb_ros.messages.topics import ENVELOPE_SPECTRUM, FEATURES, VIBRATION, Topic
+from dcrb_ros.messages.topics import ENVELOPE_SPECTRUM, FEATURES, GROUND_TRUTH, SENSOR, VIBRATION, Topic
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DIAGNOSIS, VEHICLE_TRUTH
 from dcrb_ros.messages.vehicle import box_path, encode_vehicle_diagnosis
 from dcrb_ros.recordings.vehicle import VehicleRecording
@@ -24,7 +29,7 @@ from dcrb_ros.stream.diagnosis import Diagnosis
 from dcrb_ros.stream.vehicle_description import VehicleDescription
 from dcrb_ros.stream.vehicle_diagnosis import VehicleDiagnosis
 from dcrb_ros.viewer.content import Series, TimedWaveform, Times, joined
-from dcrb_ros.viewer.reader import series_of
+from dcrb_ros.viewer.reader import series_of, time_lapse
 from dcrb_ros.viewer.spectrum import pieces, spectra_in
 
 PARTS = ("time_ns", "acceleration", "shaft_angle")
@@ -89,13 +94,20 @@ def read_vehicle_content(recording: VehicleRecording) -> VehicleContent:
         Refusal: a box has no waveform, or a message cannot be decoded.
     """
     received: dict[Topic, list[bytes]] = defaultdict(list)
-    for message in recording.messages(shown_topics(recording.boxes)):
-        received[message.topic].append(message.data)
+    ranges: dict[str, list[tuple[int, float]]] = defaultdict(list)
+    names = {SENSOR.below(box_path(name)): box_path(name) for name in recording.boxes}
+    truth = GROUND_TRUTH.below(next(iter(names.values())))
+    for message in recording.messages((*shown_topics(recording.boxes), *names, truth)):
+        if message.topic in names:
+            ranges[names[message.topic]].append((message.time_ns, decode_range(message.data)))
+        else:
+            received[message.topic].append(message.data)
     description = recording.description
     content = content_of(received, description, title_of(recording.path))
     if not content.waveforms:
         raise Refusal(f"{recording.path} has no waveform of any box: give a recording that contains outer_ring/vibration")
-    diagnoses = diagnoses_of(content)
+    readings = {box_path(name): box.temperatures for name, box in recording.boxes.items()}
+    diagnoses = diagnoses_of(content, ranges, readings, time_lapse(received[truth]))
     verdicts = content.verdicts or tuple(verdicts_in(encode_vehicle_diagnosis(diagnosis) for diagnosis in diagnoses))
     judgements = {box.name: [each.boxes[box.name] for each in diagnoses if box.name in each.boxes] for box in description.boxes}
     return replace(content, verdicts=verdicts, judgements=judgements)
@@ -144,17 +156,30 @@ def verdicts_in(messages: Iterable[bytes]) -> list[Verdicts]:
     return [Verdicts(time_ns, {status.name: status for status in statuses}) for time_ns, statuses in decoded]
 
 
-def diagnoses_of(content: VehicleContent) -> list[VehicleDiagnosis]:
-    """Return the diagnoses of the waveforms by the shipped comparing detector, with its default parameters."""
-    boxes = {name: _pieces_of(waveform) for name, waveform in content.waveforms.items()}
-    return list(detection.diagnoses_of(boxes, VehicleDetector(content.description)))
+def diagnoses_of(
+    content: VehicleContent,
+    ranges: Mapping[str, Sequence[tuple[int, float]]] = MappingProxyType({}),
+    readings: Mapping[str, TemperatureReadings] = MappingProxyType({}),
+    heat_time_lapse: float = 1.0,
+) -> list[VehicleDiagnosis]:
+    """Return the diagnoses of the waveforms by the shipped comparing detector.
+
+    ``ranges`` are those of the sensor of each box [m/s^2] after the times from which they are in effect [ns], and ``readings`` its
+    temperatures. The parameters are the default ones, but for the ``heat_time_lapse`` of the bench [-].
+    """
+    boxes = {name: _pieces_of(waveform, ranges.get(name, ())) for name, waveform in content.waveforms.items()}
+    parameters = DetectorParameters().model_copy(update={"heat_time_lapse": heat_time_lapse})
+    return list(detection.diagnoses_of(boxes, VehicleDetector(content.description, box_parameters=parameters), readings))
 
 
-def _pieces_of(waveform: TimedWaveform) -> Iterator[Piece]:
-    """Yield pieces of a waveform, none of them across missing samples."""
+def _pieces_of(waveform: TimedWaveform, ranges: Sequence[tuple[int, float]]) -> Iterator[Piece]:
+    """Yield pieces of a waveform, none of them across missing samples or a change of the ranges."""
+    begins, limits = np.searchsorted(waveform.time_ns, [time_ns for time_ns, _ in ranges]), [0.0, *(limit for _, limit in ranges)]
     for part in pieces(waveform, max(1, len(waveform.time_ns))):
-        index = index_at(int(waveform.time_ns[part.start]), waveform.rate)
-        yield Piece(index, waveform.acceleration[part], waveform.shaft_angle[part], 0.0)
+        within = begins[(begins > part.start) & (begins < part.stop)].tolist()
+        for first, last in pairwise([part.start, *within, part.stop]):
+            index, limit = index_at(int(waveform.time_ns[first]), waveform.rate), limits[np.searchsorted(begins, first, "right")]
+            yield Piece(index, waveform.acceleration[first:last], waveform.shaft_angle[first:last], limit)
 
 
 def lead_times(description: VehicleDescription, name: str, waveform: TimedWaveform, before: TimedWaveform | None = None) -> Times:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,17 +17,20 @@ from rerun_documents import rows
 from synthetic_bogie import DESCRIPTION as BOGIE
 from synthetic_bogie import SECONDS, bogie
 
+from dcrb_ros.bearing.temperature_readings import TemperatureReadings
+from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.vehicle.detector import BoxBlock, VehicleDetector
 from dcrb_ros.messages.joints import encode_features
 from dcrb_ros.messages.plain import encode_text
-from dcrb_ros.messages.points import encode_spectrum, encode_vibration
-from dcrb_ros.messages.statuses import ERROR, OK, WARN, Status, encode_diagnostics
-from dcrb_ros.messages.topics import ENVELOPE_SPECTRUM, FEATURES, VIBRATION
+from dcrb_ros.messages.points import encode_spectrum, encode_vibration, encode_waveform
+from dcrb_ros.messages.statuses import ERROR, OK, WARN, Status, encode_diagnostics, encode_truth
+from dcrb_ros.messages.topics import ENVELOPE_SPECTRUM, FEATURES, GROUND_TRUTH, SENSOR, VIBRATION, Message
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DESCRIPTION, VEHICLE_DIAGNOSIS, VEHICLE_TRUTH
 from dcrb_ros.messages.vehicle import encode_vehicle_truth
 from dcrb_ros.recordings.storage import StoredFile
 from dcrb_ros.recordings.vehicle_recorder import VehicleRecorder
-from dcrb_ros.stream.block import Block
+from dcrb_ros.stream.block import Block, Truth
+from dcrb_ros.stream.vehicle_description import VehicleDescription
 from dcrb_ros.vehicle.block import VehicleTruth
 from dcrb_ros.vehicle.description import described
 from dcrb_ros.vehicle.file import read_parameters, read_vehicle, vehicle_of
@@ -33,7 +39,7 @@ from dcrb_ros.vehicle.simulation import VehicleSimulation
 from dcrb_ros.viewer import live_run, palette, show
 from dcrb_ros.viewer.content import Series, TimedWaveform
 from dcrb_ros.viewer.plan_view import DOUBTFUL, HEALTHY, WAITING, colour_of, text_of, worst
-from dcrb_ros.viewer.vehicle_content import VehicleContent, Verdicts, diagnoses_of, events_in, lead_times
+from dcrb_ros.viewer.vehicle_content import VehicleContent, Verdicts, diagnoses_of, events_in, lead_times, read_vehicle_content
 from dcrb_ros.viewer.vehicle_document import picture_time, write_vehicle_document
 from dcrb_ros.viewer.vehicle_live import VehicleLiveView
 
@@ -143,6 +149,41 @@ def test_samples_after_a_gap_are_judged_at_their_own_time() -> None:
     shown = diagnoses_of(VehicleContent("gap", BOGIE, waveforms))
     assert shown[-1].time == expected[-1].time
     assert shown[-1].statuses == expected[-1].statuses
+
+
+def test_the_verdicts_shown_are_those_by_temperatures_and_by_the_present_ranges(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One box is hot. The range of another one is 8 m/s^2 from 0.5 s on, and its samples reach it from there on."""
+    signals, hot, box, first = bogie(), "axle_1/left", "axle_2/right", 25600
+    signals[box][0][first:] = np.clip(signals[box][0][first:], -8.0, 8.0)
+    known = replace(BOGIE, boxes=tuple(replace(each, sensor_range=5000.0) for each in BOGIE.boxes))
+    time = np.arange(1.0, SECONDS, 0.2)
+    none, warm = TemperatureReadings.none(), np.full(len(time), 170.0)
+    readings = {hot: TemperatureReadings(time=time, outer_ring=warm, box=time * np.nan, ambient=np.full(len(time), 20.0))}
+    received = [
+        Message(SENSOR.below(box), 500_000_000, encode_text(json.dumps({"range": 8.0}))),
+        Message(GROUND_TRUTH.below(hot), 0, encode_truth(Truth(0, 1.0, (0.0, 0.0), {}, {}, thermal={"acceleration": 200.0}))),
+        *(
+            Message(VIBRATION.below(name), 0, encode_waveform(0, BOGIE.sampling_rate, acceleration, angle))
+            for name, (acceleration, angle) in signals.items()
+        ),
+    ]
+    recording: Any = SimpleNamespace(
+        path=Path("run"),
+        description=known,
+        boxes={name.replace("/", "."): SimpleNamespace(temperatures=readings.get(name, none)) for name in signals},
+        messages=lambda topics: (message for message in received if message.topic in topics),
+    )
+    lapses = list[float]()
+
+    def detector(description: VehicleDescription, box_parameters: DetectorParameters) -> VehicleDetector:
+        lapses.append(box_parameters.heat_time_lapse)
+        return VehicleDetector(description, box_parameters=box_parameters)
+
+    monkeypatch.setattr("dcrb_ros.viewer.vehicle_content.VehicleDetector", detector)
+    statuses = read_vehicle_content(recording).verdicts[-1].statuses
+    assert statuses[f"{hot}/bearing"].message == "overheating"
+    assert statuses[f"{box}/sensor"].message == "healthy"
+    assert lapses == [200.0]
 
 
 def test_events_have_time_place_and_wheel() -> None:
