@@ -200,6 +200,9 @@ class Structure:
             row[first_frame + 2] = -vehicle.axles[box.axle].x
             stiffness += suspension.primary * np.outer(row, row)
             damping += suspension.primary_damping * np.outer(row, row)
+        pitch = first_frame + 2
+        if not self.compression[:, pitch].any():  # a wheelset at x = 0 alone: the pitch moves nothing, and is made regular
+            stiffness[pitch, pitch], damping[pitch, pitch] = mass[pitch, pitch], mass[pitch, pitch]
         rail, beside = first_frame + 3, first_frame + 3 + wheels
         for side in (1, -1):
             points = [rail + j for j, box in enumerate(boxes) if box.side == side]
