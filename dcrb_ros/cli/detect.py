@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -67,7 +68,8 @@ def detect(
         parameters = parameters.model_copy(update={"baseline": str(baseline)})
     vehicles = [bag for bag in bags if vehicle_boxes(bag)]
     if vehicles:
-        _check_vehicles(bags, vehicles, healthy=healthy, baseline=baseline, save=save_baseline, report=report)
+        given = {"--healthy": healthy, "--baseline": baseline, "--save-baseline": save_baseline, "--report": report}
+        _check_vehicles(bags, vehicles, given | {f"baseline: {parameters.baseline} of --detector": parameters.baseline or None})
         compared = [diagnosed_vehicle(bag, parameters) for bag in bags]
         if as_json:
             objects = [{"recording": str(bag), **vehicle_as_object(*vehicle)} for bag, vehicle in zip(bags, compared, strict=True)]
@@ -100,11 +102,8 @@ def detect(
             print(f"{report}: {counted(len(diagnosed), 'recording')}; a browser shows it, and prints it to PDF")
 
 
-def _check_vehicles(
-    bags: list[Path], vehicles: list[Path], *, healthy: Path | None, baseline: Path | None, save: Path | None, report: Path | None
-) -> None:
-    """Refuse recordings of benches beside that of a vehicle, and options for a single bearing."""
-    given = {"--healthy": healthy, "--baseline": baseline, "--save-baseline": save, "--report": report}
+def _check_vehicles(bags: list[Path], vehicles: list[Path], given: Mapping[str, object]) -> None:
+    """Refuse recordings of benches beside that of a vehicle, and options for a single bearing, which are None unless ``given``."""
     option = next((name for name, value in given.items() if value is not None), None)
     if option is not None:
         raise Refusal(f"{vehicles[0]} is the recording of a vehicle, to which {option} does not apply: give one of its boxes")

@@ -28,9 +28,11 @@ class VehicleDetectorInput(MessageInput[VehicleDiagnosis]):
         """Check the settings, and wait for a description.
 
         Raises:
-            Refusal: the parameters of the boxes do not fit each other, or their baseline cannot be read.
+            Refusal: the parameters of the boxes do not fit each other, or name a baseline, which is that of a single bearing.
         """
         super().__init__()
+        if settings.boxes.baseline:
+            raise Refusal(f"boxes.baseline = {settings.boxes.baseline} is the baseline of a single bearing: leave it out for a vehicle")
         check_parameters(settings.boxes)
         self._settings = settings
         self._detector: VehicleDetector | None = None

@@ -181,6 +181,11 @@ def test_parameters_that_no_detector_accepts_are_refused_before_a_description_ar
         VehicleDetectorInput(VehicleDetectorSettings(boxes=parameters))
 
 
+def test_the_boxes_of_a_vehicle_have_no_baseline_in_common() -> None:
+    with pytest.raises(Refusal, match=r"boxes\.baseline = bearing\.yaml is the baseline of a single bearing: leave it out"):
+        VehicleDetectorInput(VehicleDetectorSettings(boxes=DetectorParameters(baseline="bearing.yaml")))
+
+
 def test_a_description_that_no_detector_accepts_is_refused_every_time() -> None:
     detector = DetectorInput(DetectorParameters())
     slow = described(sampling_rate=100)  # the band of the detector begins above half of it

@@ -219,8 +219,9 @@ class VehicleDetector:
             for finding in hop.troubles if hop is not None else ():
                 bearing = dataclasses.replace(with_trouble(bearing, finding), score=max(bearing.score, finding.excess))
             statuses[f"{name}/bearing"] = bearing
-            statuses[f"{name}/wheel"] = wheels.get(name, Status("waiting", "no turn of the wheel is known yet"))
             sensor = _sensor(hop, quiet.get(name), sensors.get(name), missing)
+            unknown = sensor.reason if sensor.verdict == "sensor" else "no turn of the wheel is known yet"
+            statuses[f"{name}/wheel"] = wheels.get(name, Status("waiting", unknown))
             statuses[f"{name}/sensor"] = Status("waiting", missing) if expected and hop is None else sensor
             if hop is not None:
                 indicators |= {f"{name}/{line}": level for line, level in hop.diagnosis.levels.items()}

@@ -77,8 +77,9 @@ def test_beside_a_dead_sensor_lines_are_undecided() -> None:
 
 
 def test_beside_a_dead_sensor_a_flat_is_undecided() -> None:
-    wheels = verdicts(last(dead(bogie(flats={"axle_1/left": 200.0}), "axle_1/left")), "wheel")
-    assert wheels == {"axle_1/left": "waiting", "axle_1/right": "undecided"}
+    diagnosis = last(dead(bogie(flats={"axle_1/left": 200.0}), "axle_1/left"))
+    assert verdicts(diagnosis, "wheel") == {"axle_1/left": "waiting", "axle_1/right": "undecided"}
+    assert diagnosis.statuses["axle_1/left/wheel"].reason == diagnosis.statuses["axle_1/left/sensor"].reason
 
 
 def test_after_a_gap_of_the_damaged_box_the_other_one_has_no_alarm() -> None:
