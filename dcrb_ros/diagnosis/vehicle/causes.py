@@ -17,6 +17,8 @@ from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.stream.vehicle_description import SIDES, VehicleDescription
 from dcrb_ros.stream.vehicle_diagnosis import UNDECIDED, Status
 
+OTHERS = 2
+"""Other boxes with which the level of a box is compared at least [-]."""
 TOGETHER = 0.006
 """Time within which a joint of both rails strikes both wheels of a wheelset [s]: bending waves take 1 ms across the axle."""
 WEAKER = 3.0
@@ -34,11 +36,14 @@ TURNS = 3.0
 
 
 def silent_boxes(contacts: Mapping[str, Contact], parameters: VehicleDetectorParameters) -> dict[str, float]:
-    """Return how far below the quietest of the other boxes the level of a box is [dB], for those that do not measure the rail."""
+    """Return how far below the quietest of the other boxes the level of a box is [dB], for those that do not measure the rail.
+
+    Three boxes are needed: of two, the louder one may as well be wrong. Boxes without a signal do not count.
+    """
     quiet = {}
     for name, contact in contacts.items():
-        others = [other.median for key, other in contacts.items() if key != name]
-        if len(others) < 2 or min(others) <= 0.0:
+        others = [other.median for key, other in contacts.items() if key != name and other.median > 0.0]
+        if len(others) < OTHERS:
             continue
         below = 10.0 * math.log10(min(others) / max(contact.median, 1e-30))
         if below >= parameters.silence:

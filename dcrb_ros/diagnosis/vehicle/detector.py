@@ -18,7 +18,18 @@ from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.rule import LEAST_EXCESS
 from dcrb_ros.diagnosis.thermal_detector import with_trouble
 from dcrb_ros.diagnosis.vehicle.box_watch import BoxHop, BoxWatch, boxes_apart
-from dcrb_ros.diagnosis.vehicle.causes import SAME_RAIL, Lag, backward_sides, crossed_rails, flats, kinks_of, lags, silent_boxes, track
+from dcrb_ros.diagnosis.vehicle.causes import (
+    OTHERS,
+    SAME_RAIL,
+    Lag,
+    backward_sides,
+    crossed_rails,
+    flats,
+    kinks_of,
+    lags,
+    silent_boxes,
+    track,
+)
 from dcrb_ros.diagnosis.vehicle.clocks import clock_differences, clocks
 from dcrb_ros.diagnosis.vehicle.comparison import NOT_OWN, UNOPPOSED, Compared, Judgement, compare
 from dcrb_ros.diagnosis.vehicle.contact import Contact
@@ -200,7 +211,7 @@ class VehicleDetector:
         q = self.parameters
         contacts = {name: hop.contact for name, hop in hops.items() if hop.contact is not None}
         measured = {name: contact for name, contact in contacts.items() if not hops[name].flaw}
-        quiet = silent_boxes(contacts, q)
+        quiet, levels = silent_boxes(contacts, q), sum(contact.median > 0.0 for contact in contacts.values())
         rolling = {name: contact for name, contact in measured.items() if name not in quiet}
         struck = flats(rolling, q, self._partners)
         wheels = self._wheels(struck, polygons(rolling, q))
@@ -219,7 +230,7 @@ class VehicleDetector:
             for finding in hop.troubles if hop is not None else ():
                 bearing = dataclasses.replace(with_trouble(bearing, finding), score=max(bearing.score, finding.excess))
             statuses[f"{name}/bearing"] = bearing
-            sensor = _sensor(hop, quiet.get(name), sensors.get(name), missing)
+            sensor = _sensor(hop, quiet.get(name), sensors.get(name), missing, levels=levels)
             unknown = sensor.reason if sensor.verdict == "sensor" else "no turn of the wheel is known yet"
             statuses[f"{name}/wheel"] = wheels.get(name, Status("waiting", unknown))
             statuses[f"{name}/sensor"] = Status("waiting", missing) if expected and hop is None else sensor
@@ -361,15 +372,19 @@ def _reason(component: Component, item: Compared) -> str:
     return f"lines of the {component} {depth}{larger}{later}"
 
 
-def _sensor(hop: BoxHop | None, below: float | None, found: Status | None, missing: str) -> Status:
-    """Return the status of a sensor; ``found`` says if it measures another rail, or at another time, ``missing`` why it has no hop."""
+def _sensor(hop: BoxHop | None, below: float | None, found: Status | None, missing: str, *, levels: int) -> Status:
+    """Return the status of a sensor.
+
+    ``found`` says if it measures another rail, or at another time, ``missing`` why it has no hop. ``levels`` boxes have a level to compare.
+    """
     if hop is None:
         return Status("sensor", missing, 0.99)
     if hop.flaw:
         return Status("sensor", hop.flaw, 0.99)
     if below is not None:
         return Status("sensor", f"it measures the rail {below:.0f} dB weaker than the others", 0.99, below)
-    return found or Status("healthy", "it measures the rail as the others do")
+    alike = "it measures the rail as the others do" if levels > OTHERS else "three boxes are needed to compare its level"
+    return found or Status("healthy", alike)
 
 
 def _divided(blocks: Mapping[str, BlockLike], most: int) -> Iterator[dict[str, Samples]]:

@@ -17,8 +17,8 @@ from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.bearing.waveform import Piece
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.rules.outer_ring import OuterRing
-from dcrb_ros.diagnosis.vehicle.causes import correlated_lag
-from dcrb_ros.diagnosis.vehicle.contact import impacts_of
+from dcrb_ros.diagnosis.vehicle.causes import correlated_lag, silent_boxes
+from dcrb_ros.diagnosis.vehicle.contact import Contact, impacts_of
 from dcrb_ros.diagnosis.vehicle.detection import VehicleDetectionResult, detect_vehicle
 from dcrb_ros.diagnosis.vehicle.detector import BoxBlock, VehicleDetector
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
@@ -284,6 +284,19 @@ def test_a_delayed_copy_has_its_lag(sign: int) -> None:
 def test_a_sensor_that_hears_no_rail_is_faulty() -> None:
     signals = bogie(gains={"axle_2/right": 0.05})
     assert verdicts(last(signals), "sensor") == {"axle_2/right": "sensor"}
+
+
+def test_a_sensor_that_hears_no_rail_is_faulty_beside_one_of_zeros() -> None:
+    levels = zip(BOXES, (1.0, 0.5, 0.0, 1e-3), strict=True)
+    contacts = {box: Contact(0, level, 1.0, 0.0, 0.0, 54.0, 27.0, SECONDS, [], 6.0, np.zeros(10), None) for box, level in levels}
+    assert silent_boxes(contacts, VehicleDetectorParameters())[BOXES[3]] == pytest.approx(27.0, abs=0.1)
+
+
+def test_of_two_sensors_no_level_is_compared() -> None:
+    signals = bogie(gains={"axle_1/right": 0.05})
+    two = VehicleDetector(replace(DESCRIPTION, axles=DESCRIPTION.axles[:1], boxes=DESCRIPTION.boxes[:2]))
+    diagnosis = diagnosed({box: signals[box] for box in BOXES[:2]}, detector=two)[-1]
+    assert {diagnosis.statuses[f"{box}/sensor"].reason for box in BOXES[:2]} == {"three boxes are needed to compare its level"}
 
 
 def test_a_box_without_signal_is_said_and_the_others_go_on() -> None:
