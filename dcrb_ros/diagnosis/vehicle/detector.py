@@ -29,6 +29,7 @@ from dcrb_ros.diagnosis.vehicle.causes import (
     lags,
     silent_boxes,
     track,
+    wheelsets,
 )
 from dcrb_ros.diagnosis.vehicle.clocks import clock_differences, clocks
 from dcrb_ros.diagnosis.vehicle.comparison import NOT_OWN, UNOPPOSED, Compared, Judgement, compare
@@ -273,12 +274,15 @@ class VehicleDetector:
         return ("its signal has ended", True) if ends else ("no signal arrives", False)
 
     def _sensors(self, contacts: Mapping[str, Contact], measured: Mapping[str, Contact], sides: Mapping[str, Lag]) -> dict[str, Status]:
-        """Return the status of each sensor that measures the rail, but another one or at another time."""
+        """Return the status of each sensor that measures the rail, but another one or at another time.
+
+        The leading and the trailing wheelset are compared. Nothing is known of the sensors between them.
+        """
         q, statuses = self.parameters, clocks(self.description, contacts, self.parameters)
         backward = backward_sides(sides)
         known = any(lag.forward >= SAME_RAIL for side, lag in sides.items() if side not in backward)
         crossed = not backward and crossed_rails(self.description, measured, q.lag_tolerance)
-        for box in self.description.boxes:
+        for box in (box for box in self.description.boxes if box.axle in wheelsets(self.description)):
             if box.side in backward and known:
                 reason = "the trailing wheelset follows the rail first: the sensors of this side are swapped"
                 statuses[box.name] = Status("swapped", reason, 0.9)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
@@ -17,7 +18,7 @@ from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.bearing.waveform import Piece
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.rules.outer_ring import OuterRing
-from dcrb_ros.diagnosis.vehicle.causes import correlated_lag, silent_boxes
+from dcrb_ros.diagnosis.vehicle.causes import Lag, correlated_lag, silent_boxes
 from dcrb_ros.diagnosis.vehicle.contact import Contact, impacts_of
 from dcrb_ros.diagnosis.vehicle.detection import VehicleDetectionResult, detect_vehicle
 from dcrb_ros.diagnosis.vehicle.detector import BoxBlock, VehicleDetector
@@ -207,6 +208,16 @@ def test_swapped_sensors_are_found_by_the_lag_of_the_rail() -> None:
     signals = bogie()
     signals["axle_1/left"], signals["axle_2/left"] = signals["axle_2/left"], signals["axle_1/left"]
     assert verdicts(last(signals), "sensor") == {"axle_1/left": "swapped", "axle_2/left": "swapped"}
+
+
+def test_sensors_between_the_compared_wheelsets_are_not_swapped() -> None:
+    axles = tuple(replace(DESCRIPTION.axles[0], name=f"axle_{number}", x=2.0 - number) for number in (1, 2, 3))
+    boxes = tuple(
+        replace(box, name=f"{axle.name}/{box.side}", axle=axle.name) for axle, box in itertools.product(axles, DESCRIPTION.boxes[:2])
+    )
+    sides = {"left": Lag(0.08, 0.08, forward=0.1, backward=0.9), "right": Lag(0.08, 0.08, forward=0.9, backward=0.1)}
+    sensors = VehicleDetector(replace(DESCRIPTION, axles=axles, boxes=boxes))._sensors({}, {}, sides)
+    assert {name: status.verdict for name, status in sensors.items()} == {"axle_1/left": "swapped", "axle_3/left": "swapped"}
 
 
 def test_a_vehicle_that_may_run_backwards_has_no_swapped_sensors() -> None:
