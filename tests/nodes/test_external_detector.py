@@ -128,7 +128,7 @@ INVALID = "publisher.publish(DiagnosticArray(status=[DiagnosticStatus(values=[Ke
             "messages on diagnosis are invalid, the first because the verdict 'broken' is unknown",
         ),
     ],
-    ids=["ends", "does not subscribe", "publishes nothing", "fails", "publishes an unknown verdict"],
+    ids=["ends", "is a class", "does not subscribe", "publishes nothing", "fails", "publishes an unknown verdict"],
 )
 def test_the_failure_of_a_detector_is_explained(command: str, sentence: str, capsys: pytest.CaptureFixture[str]) -> None:
     patience = "2" if "sleep" in command else "600"
