@@ -147,9 +147,10 @@ class DetectorInput(MessageInput[Diagnosis]):
             description, information = decode_sensor(data), ""
             if description != self._description:  # a change of the range alone does not restart the detector
                 rate, orders = description
-                self._detector = ThermalFaultDetector(orders, rate, self._parameters)
-                self._detector.take_bearing(decode_entry(data, "bearing"))
-                self._description = description
+                self._detector = self._description = None  # if this one is refused, the bearing is no longer the former one
+                detector = ThermalFaultDetector(orders, rate, self._parameters)
+                detector.take_bearing(decode_entry(data, "bearing"))
+                self._detector, self._description = detector, description
                 information = f"watching a bearing at {rate} Hz, BPFO {orders.bpfo:.3f}, BPFI {orders.bpfi:.3f} orders"
             if self._detector is not None:
                 self._detector.sensor_range = decode_range(data)

@@ -198,6 +198,15 @@ def test_a_description_that_no_detector_accepts_is_refused_every_time() -> None:
     assert detector.sensor(described()).information
 
 
+def test_a_refused_description_ends_the_detector_of_the_former_bearing() -> None:
+    detector, messages = described_input(), waveform(90)
+    assert "band_low" in reason(detector.sensor(described(sampling_rate=100)))
+    found = [diagnosis for data in messages for diagnosis in detector.block(data).diagnoses]
+    assert found
+    assert all(diagnosis.verdict == "waiting" and "band_low" in diagnosis.reason for diagnosis in found)
+    assert detector.sensor(described()).information  # the former bearing is watched again
+
+
 def heated(rise: float, air_at: float = 0.0) -> list[Diagnosis]:
     """Return the diagnoses of blocks with a reading of the outer ring after each, above air of 20 deg C that was read once."""
     detector = described_input()
