@@ -16,6 +16,9 @@ from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.axes import AXES
 
+RESTARTED = 3
+"""Late blocks in a row that are a restart of the signal even if samples between them were lost [-]."""
+
 
 class Segment(NamedTuple):
     """A hop of the signal with a margin on either side that overlaps its neighbours."""
@@ -66,7 +69,10 @@ class Segmenter:
         self._origin: int | None = None
         self.counts = Counts()
         self._next: int | None = None
-        self._late: int | None = None
+        self._late: range | None = None
+        """Samples of the latest block, if its first ones are late."""
+        self._rising = 0
+        """Late blocks in a row, each with later samples than the one before."""
         self._axes = 0
         """Axes of the signal [-], 0 before the first block."""
 
@@ -116,13 +122,15 @@ class Segmenter:
                 self._bridge(index, index - self._next)
             self._late = None
             return 0
+        late, self._late = self._late, range(index, index + samples)
+        self._rising = self._rising + 1 if late is not None and late.start < index else 1
+        consecutive = late is not None and late.stop == index
         # Blocks may overtake each other, but not by this much: the source has restarted.
-        if self._late == index and self._next - index > self.hop + self._longest_gap:
+        if (consecutive or self._rising >= RESTARTED) and self._next - index > self.hop + self._longest_gap:
             self.counts.restarts += 1
             self._late = None
             self._restart(index)
             return 0
-        self._late = index + samples
         known = min(samples, self._next - index)
         self.counts.repeated += known
         return known

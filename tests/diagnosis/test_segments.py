@@ -141,6 +141,14 @@ def test_a_restarted_signal_is_followed() -> None:
     assert segmenter.counts.repeated == 500
 
 
+@pytest.mark.parametrize("begins", [[500 * k + k for k in range(8)], [500 * k + (-1) ** k for k in range(1, 9)]], ids=["lost", "jitter"])
+def test_a_restarted_signal_with_gaps_or_inexact_times_is_followed(begins: list[int]) -> None:
+    segmenter, found = segmented([*((500 * k, 500) for k in range(8)), *((begin, 500) for begin in begins)])
+    assert segmenter.counts.restarts == 1
+    assert segmenter.counts.repeated < 1100
+    assert [segment.first for segment in found] == [True, False, False, False, True, False, False]
+
+
 @pytest.mark.parametrize(
     ("order", "lost", "repeated"),
     [([0, 3, 4, 1, 2, 5, 6, 7, 8, 9, 10], 2, 2), ([k + m for k in range(0, 12, 2) for m in (0, 1, 0, 1)], 0, 12)],
