@@ -49,6 +49,8 @@ class HeatMonitor:
         """Time from which the model was learned [s]."""
         self.rejected = 0
         """Readings that were no temperatures of a bearing."""
+        self.pauses = 0
+        """Readings that were not judged, because they followed a pause."""
         self._before: float | None = None
         self._judgement: HeatJudgement | None = None
         self._cool = -math.inf
@@ -72,6 +74,7 @@ class HeatMonitor:
             return None
         passed = 0.0 if before is None else (time - before) * self.p.heat_time_lapse
         if before is None or time - before > LONGEST_PAUSE:
+            self.pauses += before is not None
             self._restart(time)
             self.model.follow(frequency, load, 0.0, rise)
             return None

@@ -74,10 +74,10 @@ class ThermalFaultDetector(FaultDetector):
         """Take a reading at a ``time`` [s] of the ``bearing``, at its outer ring or axle box, and of the ``ambient`` air.
 
         Temperatures are in deg C. ``load`` is that on the bearing [N], NaN where it is unknown. The next diagnosis takes the reading into
-        account. Readings need not be regular. During a pause of more than ten minutes the operation of the bearing is unknown. Impossible
-        values are counted, and noted in the remarks of the diagnosis. While the shaft frequency is unknown, and from ten minutes after the
-        latest block, only readings far above the rise that was expected last are taken into account: a bearing that cools need not be
-        starved, but one that is hot overheats.
+        account. Readings need not be regular. During a pause of more than ten minutes the operation of the bearing is unknown, and the
+        reading after it is not judged. Such readings and impossible values are counted in the remarks of the diagnosis. While the shaft
+        frequency is unknown, and from ten minutes after the latest block, only readings far above the rise that was expected last are taken
+        into account: a bearing that cools need not be starved, but one that is hot overheats.
         """
         self._take_angle()
         known = not math.isnan(self._frequency) and time - self._turned_until <= LONGEST_PAUSE
@@ -121,8 +121,11 @@ class ThermalFaultDetector(FaultDetector):
 
     def _with_heat(self, diagnosis: Diagnosis) -> Diagnosis:
         """Return a diagnosis with what the temperature says."""
-        rejected = self._monitor.rejected
-        remarks = (f"{rejected} readings were no temperatures of a bearing",) if rejected else ()
+        counts = {
+            "readings were no temperatures of a bearing": self._monitor.rejected,
+            f"temperatures followed more than {LONGEST_PAUSE:g} s after the one before, and were not judged": self._monitor.pauses,
+        }
+        remarks = [f"{number} {words}" for words, number in counts.items() if number]
         judgement = self._monitor.judgement_at(diagnosis.time)
         if judgement is None:
             return dataclasses.replace(diagnosis, remarks=(*diagnosis.remarks, *remarks)) if remarks else diagnosis

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Generic, TypeVar
 
 import numpy as np
@@ -29,7 +29,7 @@ MAX_EARLY, MAX_EARLY_BLOCKS = 1 << 22, 1 << 14
 """Samples and blocks kept until then at most."""
 
 AMBIENT_AGE = 60.0
-"""Age of a reading of the air up to which it is compared with one of the bearing [s]."""
+"""Time between a reading of the air and one of the bearing up to which they are compared [s]."""
 
 
 Judgement = TypeVar("Judgement")
@@ -58,17 +58,21 @@ class MessageInput(ABC, Generic[Judgement]):
     """Takes the readings of temperatures, and counts refusals."""
 
     def __init__(self) -> None:
-        self._ambient: dict[str, tuple[float, float]] = {}
-        """Time [s] and temperature [deg C] of the latest reading of the air by box, that of a single bench without a name."""
+        self._ambient: dict[str, list[tuple[float, float]]] = {}
+        """Times [s] and temperatures [deg C] of the latest two readings of the air by box, that of a single bench without a name."""
         self._waiting: dict[str, tuple[float, float]] = {}
         """Time [s] and temperature [deg C] of a reading of the outer ring by box that waits for one of the air."""
+        self.unpaired = 0
+        """Readings of the outer ring that no reading of the air was near enough to."""
         self._refused = 0
 
     def ambient(self, data: bytes, box: str = "") -> Response[Judgement]:
         """Take a reading of the air at a box."""
         try:
-            self._ambient[box] = 1e-9 * AMBIENT_TEMPERATURE.stamp(data), AMBIENT_TEMPERATURE.decoded(data)
-            if box in self._waiting and self._waiting[box][0] <= self._ambient[box][0]:
+            time, temperature = 1e-9 * AMBIENT_TEMPERATURE.stamp(data), AMBIENT_TEMPERATURE.decoded(data)
+            earlier = [reading for reading in self._ambient.get(box, []) if reading[0] < time]
+            self._ambient[box] = [*earlier[-1:], (time, temperature)]
+            if box in self._waiting and self._waiting[box][0] <= time:
                 self._compare(box)
         except Refusal as refusal:
             return self.refuse(refusal)
@@ -77,15 +81,15 @@ class MessageInput(ABC, Generic[Judgement]):
     def temperature(self, data: bytes, box: str = "") -> Response[Judgement]:
         """Take a reading of the outer ring of a box.
 
-        It is compared with the next reading of the air that is not earlier, or with the last one of the air if the next one of the outer
-        ring comes first.
+        It is compared with the nearer one of the reading of the air before it and the next one, or with the one before it if the next one
+        of the outer ring comes first.
         """
         try:
             time, temperature = 1e-9 * OUTER_RING_TEMPERATURE.stamp(data), OUTER_RING_TEMPERATURE.decoded(data)
             if box in self._waiting and self._waiting[box][0] < time:
                 self._compare(box)
             self._waiting[box] = time, temperature
-            at = self._ambient.get(box, (-math.inf, 0.0))[0]
+            at = self._ambient[box][-1][0] if box in self._ambient else -math.inf
             if at == time:
                 self._compare(box)
             elif at > time:  # of a run before a reset
@@ -95,11 +99,13 @@ class MessageInput(ABC, Generic[Judgement]):
         return Response()
 
     def _compare(self, box: str) -> None:
-        """Pass on the waiting reading of a box with the latest one of the air, unless that is too old."""
+        """Pass on the waiting reading of a box with the nearest one of the air, or count it if there is none within `AMBIENT_AGE`."""
         time, temperature = self._waiting.pop(box)
-        at, air = self._ambient.get(box, (-math.inf, 0.0))
-        if abs(time - at) <= AMBIENT_AGE:
-            self.take_temperature(box, time, temperature, air)
+        near = [(abs(time - at), air) for at, air in self._ambient.get(box, []) if abs(time - at) <= AMBIENT_AGE]
+        if near:
+            self.take_temperature(box, time, temperature, min(near)[1])
+        else:
+            self.unpaired += 1
 
     @abstractmethod
     def take_temperature(self, box: str, time: float, temperature: float, air: float) -> None:
@@ -204,9 +210,16 @@ class DetectorInput(MessageInput[Diagnosis]):
         try:
             check_rate(block, self._detector.rate)
             diagnosis = self._detector.update(block.first_index(self._detector.rate), block.acceleration, block.shaft_angle)
-            return Response((diagnosis,) if diagnosis else ())
+            return Response((self._remarked(diagnosis),) if diagnosis else ())
         except Refusal as refusal:
             return self.refuse(refusal)
+
+    def _remarked(self, diagnosis: Diagnosis) -> Diagnosis:
+        """Return a diagnosis that says how many temperatures were not used."""
+        if not self.unpaired:
+            return diagnosis
+        remark = f"{self.unpaired} temperatures of the outer ring had no reading of the air within {AMBIENT_AGE:g} s, and were not used"
+        return replace(diagnosis, remarks=(*diagnosis.remarks, remark))
 
 
 def check_rate(block: Vibration, rate: int) -> None:

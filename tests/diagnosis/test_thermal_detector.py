@@ -109,6 +109,15 @@ def test_after_a_pause_of_the_readings_the_last_one_before_it_does_not_count() -
     assert judge.judgement_at(700.0) is None
 
 
+def test_readings_that_are_not_judged_after_a_pause_are_remarked() -> None:
+    one, (acceleration, angle) = detector(), healthy()
+    for k, number in enumerate(range(0, len(angle), RATE // 5)):
+        last = one.update(number, acceleration[number : number + RATE // 5], angle[number : number + RATE // 5])
+        one.take_temperature((k - 20) * 900.0, HOT, 20.0)
+    assert last is not None
+    assert last.remarks[-1] == "13 temperatures followed more than 600 s after the one before, and were not judged"
+
+
 def test_a_bearing_that_cools_at_an_unknown_speed_is_not_starved() -> None:
     one = detector(heat_rise_deviation=1.0, heat_time_lapse=600.0)
     signal, found = np.concatenate([damaged()[0], synthetic(seconds=4.0)[0]]), list[Diagnosis]()

@@ -225,7 +225,9 @@ def test_temperatures_reach_the_detector() -> None:
 
 def test_a_bearing_is_not_compared_with_air_of_another_time() -> None:
     for late in (3600.0, AMBIENT_AGE + 2.5):  # the readings of the bearing end at 2.38 s
-        assert "overheating" not in heated(200.0, air_at=late)[-1].scores
+        last = heated(200.0, air_at=late)[-1]
+        assert "overheating" not in last.scores
+        assert any("temperatures of the outer ring had no reading of the air within 60 s, and were not used" in one for one in last.remarks)
     assert AMBIENT_AGE == 60.0
 
 
@@ -254,6 +256,16 @@ def test_readings_of_one_time_are_compared_in_any_order(order: tuple[str, str]) 
 def test_air_that_is_read_rarely_is_compared_with_later_readings_of_the_ring() -> None:
     detector = Compared(("air", 0.0, 20.0), ("ring", 1.0, 51.0), ("ring", 2.0, 52.0), ("air", 2.5, 22.0), ("ring", 3.0, 53.0))
     assert detector.taken == [(1.0, 51.0, 20.0), (2.0, 52.0, 22.0)]
+
+
+@pytest.mark.parametrize("apart", [-1.0, 1.0, 50.0])
+def test_readings_that_are_far_apart_are_compared_with_the_nearest_air(apart: float) -> None:
+    times = sorted(
+        [*(("ring", 120.0 * k) for k in range(1, 6)), *(("air", 120.0 * k + apart) for k in range(1, 7))], key=lambda one: one[1]
+    )
+    detector = Compared(*((place, time, 20.0 + time) for place, time in times))
+    assert [(ring, air) for _, ring, air in detector.taken] == [(20.0 + 120.0 * k, 20.0 + 120.0 * k + apart) for k in range(1, 6)]
+    assert detector.unpaired == 0
 
 
 def test_air_before_a_reset_is_not_compared() -> None:
