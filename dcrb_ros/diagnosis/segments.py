@@ -96,9 +96,9 @@ class Segmenter:
         Raises:
             Refusal: arrays of another shape or type, or another number of axes than in the first block.
         """
-        samples = len(acceleration)
-        angle = np.full(samples, np.nan, np.float32) if shaft_angle is None else np.asanyarray(shaft_angle)
+        angle = np.full(acceleration.shape[:1], np.nan, np.float32) if shaft_angle is None else np.asanyarray(shaft_angle)
         _check(acceleration, angle, self._axes)
+        samples = len(acceleration)
         if not samples:
             return
         if not self._axes:
@@ -211,8 +211,8 @@ def bridged_turns(angle: npt.NDArray[Any]) -> Floats | None:
 
 def _check(acceleration: npt.NDArray[Any], angle: npt.NDArray[Any], axes: int) -> None:
     """Refuse arrays of another shape or type, or of another number of ``axes`` than known, 0 for any."""
-    samples, allowed = len(acceleration), (axes,) if axes else range(1, len(AXES) + 1)
-    if acceleration.ndim != 2 or acceleration.shape[1] not in allowed or angle.shape != (samples,):
+    allowed = (axes,) if axes else range(1, len(AXES) + 1)
+    if acceleration.ndim != 2 or acceleration.shape[1] not in allowed or angle.shape != acceleration.shape[:1]:
         raise Refusal(
             f"a block with acceleration {acceleration.shape} and shaft_angle {angle.shape} is refused: "
             f"they must be (samples, {axes or 2}) and (samples,){'' if axes else ', with one to three axes'}; "

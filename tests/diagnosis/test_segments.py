@@ -190,7 +190,7 @@ def test_too_few_angles_give_no_turns() -> None:
     assert bridged_turns(angle) is None
 
 
-@pytest.mark.parametrize("shape", [(10, 4), (10,), (9, 2)])
+@pytest.mark.parametrize("shape", [(10, 4), (10,), (9, 2), ()])
 def test_a_block_of_the_wrong_shape_is_refused(shape: tuple[int, ...]) -> None:
     segmenter = Segmenter(HOP, MARGIN, GAP)
     with pytest.raises(Refusal, match=r"they must be \(samples, 2\)"):
