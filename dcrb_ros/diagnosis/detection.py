@@ -14,7 +14,7 @@ from dcrb_ros.bearing.fault_lines import BearingLike
 from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.bearing.waveform import Piece, Signal, signal_of
 from dcrb_ros.diagnosis.baseline_learning import BaselineLearner
-from dcrb_ros.diagnosis.healthy_baseline import HealthyBaseline, axes, rules_hash
+from dcrb_ros.diagnosis.healthy_baseline import HealthyBaseline, axes, learned_with, rules_hash
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.thermal_detector import TemperatureFeed, ThermalFaultDetector, temperatures_of
 from dcrb_ros.runtime.frames import pandas
@@ -244,7 +244,7 @@ def learn_baseline(
         "sampling_rate": source.sampling_rate,
         "axes": most,
         "orders": source.orders.as_dict(),
-        "bands": detector.bands,
+        "parameters": learned_with(chosen),
         "seconds": learner.seconds or duration,
     }
     return learner.baseline(about)

@@ -123,7 +123,7 @@ class FaultDetector:
         self.begin = 0
         """Index of the first sample since the start, a restart or the last gap that was not bridged."""
         if self._baseline is not None:
-            self._baseline.check(orders, rate, self.bands)
+            self._baseline.check(orders, rate, p)
             for each in self.rules:
                 each.take_baseline(self._baseline)
         self._combination = Combination(self.rules, p.release_margin)
@@ -149,11 +149,6 @@ class FaultDetector:
         """Take the geometry of the bearing as a `dcrb_ros.Bearing` or a mapping of its fields; rules may have limits for it."""
         for rule in self.rules:
             rule.take_bearing(bearing)
-
-    @property
-    def bands(self) -> tuple[float, float, float, str]:
-        """Parameters on which a baseline depends: edges of the band [Hz], exponent of the speed, division of the band."""
-        return self.parameters.band_low, self.parameters.band_high, self.parameters.speed_exponent, self.parameters.band
 
     @checked_arguments(index=of_type(int, np.integer), acceleration=of_type(np.ndarray), shaft_angle=of_type(np.ndarray, type(None)))
     def update(self, index: int, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any] | None = None) -> Diagnosis | None:

@@ -37,10 +37,12 @@ SAME_ORDER = 1e-4
 OTHER_SPEED = 1.3
 """Ratio to the learned speeds from which the sizes of lines can no longer be compared well [-]."""
 SOURCES = (
-    *("segments", "demodulation", "order_tracking", "window", "order_spectrum", "line_search", "wandering_lines", "evidence", "rule"),
-    *("rules/outer_ring", "rules/inner_ring", "rules/roller", "rules/cage"),
+    *("segments", "demodulation", "order_tracking", "window", "order_spectrum", "line_search", "wandering_lines", "cage_lines"),
+    *("evidence", "rule", "rules/outer_ring", "rules/inner_ring", "rules/roller", "rules/cage"),
 )
 """Modules on which the sizes of lines depend."""
+LEARNED_WITH = ("band_low", "band_high", "band", "whitening", "slip", "window", "speed_exponent")
+"""Parameters of the detector on which sizes and depths of lines depend."""
 
 
 class HealthyLines(Group):
@@ -67,8 +69,8 @@ class HealthyBaseline(Group):
     axes: int = Field(ge=1, le=len(AXES))
     orders: dict[str, float]
     """FTF, BPFO, BPFI and BSF [-]."""
-    bands: tuple[float, float, float, str] = Field(strict=False)
-    """``band_low`` and ``band_high`` [Hz], ``speed_exponent`` and ``band`` of the detector that learned it."""
+    parameters: dict[str, float | str]
+    """Those of the detector that learned it, as `learned_with`."""
     seconds: float = Field(gt=0.0)
     """Length of signal from which it was learned [s]."""
     judgements: int = Field(ge=1)
@@ -87,8 +89,8 @@ class HealthyBaseline(Group):
     def _by_band(self) -> Mapping[tuple[str, float, float], HealthyLines]:
         return {(lines.component, *_rounded(lines.band)): lines for lines in self.lines}
 
-    def check(self, orders: Orders, rate: int, bands: tuple[float, float, float, str]) -> None:
-        """Refuse another bearing, sampling rate, bands or rules than those of the baseline.
+    def check(self, orders: Orders, rate: int, parameters: Group) -> None:
+        """Refuse another bearing, sampling rate, rules or parameters of the detector than those of the baseline.
 
         Raises:
             Refusal: they differ.
@@ -100,8 +102,10 @@ class HealthyBaseline(Group):
             known = self.orders.get(name, math.nan)
             if not math.isclose(order, known, rel_tol=SAME_ORDER):
                 raise Refusal(f"the baseline of {self.source} is of a bearing with {name} = {known:g}, not {order:g} orders: {again}")
-        if bands != self.bands:
-            raise Refusal(f"the baseline of {self.source} was learned with the bands {self.bands}, but the detector has {bands}: {again}")
+        for name, value in learned_with(parameters).items():
+            learned = self.parameters.get(name, "unknown")
+            if value != learned:
+                raise Refusal(f"the baseline of {self.source} was learned with {name} = {learned}, but the detector has {value}: {again}")
         if self.rules != rules_hash():
             raise Refusal(f"the baseline of {self.source} was learned by other rules ({self.rules}, now {rules_hash()}): {again}")
 
@@ -152,6 +156,11 @@ def read_baseline(path: Path) -> HealthyBaseline:
     if tree[DIGEST] != digest_of(tree, DIGEST):
         raise Refusal(f"{path} was changed: its digest does not match; learn the baseline again")
     return baseline
+
+
+def learned_with(parameters: Group) -> dict[str, float | str]:
+    """Return the parameters of a detector on which a baseline depends."""
+    return {name: getattr(parameters, name) for name in LEARNED_WITH}
 
 
 def axes(acceleration: npt.NDArray[np.floating]) -> int:

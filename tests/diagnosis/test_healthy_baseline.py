@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +15,11 @@ from jittered_impacts import Floats, Machine
 from same_process import dcrb
 from synthetic_bearing import ORDERS, synthetic
 
+import dcrb_ros
 from dcrb_ros.bearing.waveform import signal_of
 from dcrb_ros.diagnosis.detection import DetectionResult, detect, learn_baseline
 from dcrb_ros.diagnosis.detector import FaultDetector
-from dcrb_ros.diagnosis.healthy_baseline import DIGEST, HealthyBaseline, read_baseline
+from dcrb_ros.diagnosis.healthy_baseline import DIGEST, SOURCES, HealthyBaseline, read_baseline
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exchange.importing import WaveformImport
 from dcrb_ros.schema.refusal import Refusal
@@ -25,6 +27,7 @@ from dcrb_ros.text.json import digest_of
 
 pytestmark = pytest.mark.slow
 
+SOURCE_FOLDER = Path(dcrb_ros.__file__).parent / "diagnosis"
 RATE, SECONDS = 12000, 8.0
 
 
@@ -163,7 +166,7 @@ def test_a_baseline_signed_with_fewer_fields_is_read(baseline: HealthyBaseline, 
     [
         ({"sampling_rate": 25600}, "has 25600 Hz, but the signal has 12000 Hz: learn the baseline again"),
         ({"orders": {"FTF": 0.4, "BPFO": 3.6, "BPFI": 5.5, "BSF": 2.4}}, r"is of a bearing with BPFI = 5\.5, not 5\.4 orders"),
-        ({"bands": [1000.0, 20000.0, 1.0, "kurtogram"]}, "was learned with the bands"),
+        ({"parameters": {}}, "was learned with band_low = unknown, but the detector has 2000"),
         ({"rules": "0" * 12}, "was learned by other rules"),
         ({"axes": 2}, "has axes: 2, but the signal has 1"),
         ({"axes": 4}, "is not a baseline: axes: input should be less"),
@@ -177,6 +180,23 @@ def test_a_baseline_of_something_else_is_refused(changes: dict[str, Any], senten
     path.write_text(yaml.safe_dump(tree | {DIGEST: digest_of(tree, DIGEST)}))
     with pytest.raises(Refusal, match=sentence):
         judged(loud(2)[: 3 * RATE], baseline=str(path))
+
+
+@pytest.mark.parametrize(
+    "given", [{"band_low": 1500.0}, {"band": "fixed"}, {"speed_exponent": 2.0}, {"whitening": 0.0}, {"slip": 0.01}, {"window": 2.0}]
+)
+def test_a_baseline_of_a_detector_with_other_parameters_is_refused(given: dict[str, Any], baseline: HealthyBaseline) -> None:
+    with pytest.raises(Refusal, match=f"was learned with {next(iter(given))} = .*, but the detector has {next(iter(given.values()))}"):
+        FaultDetector(Machine(1).orders, RATE, DetectorParameters(**given), baseline=baseline)
+
+
+def test_a_baseline_depends_on_every_module_that_finds_lines() -> None:
+    imports = {
+        name
+        for source in SOURCES
+        for name in re.findall(r"^from dcrb_ros\.diagnosis\.(\w+) import", (SOURCE_FOLDER / f"{source}.py").read_text(), re.MULTILINE)
+    }
+    assert imports - set(SOURCES) == {"healthy_baseline", "hysteresis"}  # which decide on the lines that were found
 
 
 @pytest.mark.parametrize("given", ["outer_limit", "outer_limit_high", "learn"])
