@@ -31,7 +31,7 @@ from dcrb_ros.diagnosis.segments import Segment, Segmenter
 from dcrb_ros.diagnosis.sensor_check import SensorCheck
 from dcrb_ros.diagnosis.speed_estimation import estimated_frequency
 from dcrb_ros.diagnosis.trend import Trend
-from dcrb_ros.diagnosis.window import MOST_BINS, REFERENCE_FREQUENCY, Hop, Window, margin_samples
+from dcrb_ros.diagnosis.window import MOST_BINS, REFERENCE_FREQUENCY, SLOWEST, Hop, Window, margin_samples
 from dcrb_ros.schema.arguments import checked_arguments, of_type
 from dcrb_ros.schema.numbers import sampling_rate
 from dcrb_ros.schema.refusal import Refusal
@@ -269,7 +269,7 @@ class FaultDetector:
 
     def _scale(self, frequency: float) -> float:
         """Return the squared envelope at a shaft frequency [Hz] relative to that at the reference frequency [-]."""
-        return float((frequency / REFERENCE_FREQUENCY) ** (2.0 * self.parameters.speed_exponent))
+        return float((max(frequency, SLOWEST) / REFERENCE_FREQUENCY) ** (2.0 * self.parameters.speed_exponent))
 
     def _concluded(self, last: int, evidence: Evidence, selected: BandEvidence) -> Diagnosis:
         """Return the diagnosis from the evidence; the spectrum of the ``selected`` band is published."""
@@ -325,7 +325,7 @@ class FaultDetector:
 
     def _published(self, spectrum: OrderSpectrum, frequency: float) -> Spectrum:
         """Return the part of a spectrum that is published, as amplitudes at the present shaft frequency [Hz]."""
-        kept, scale = spectrum.orders <= self._highest_order, self._scale(max(frequency, 0.0))
+        kept, scale = spectrum.orders <= self._highest_order, self._scale(frequency)
         amplitude = np.sqrt(spectrum.amplitude[kept] * scale)
         amplitude[0] = math.sqrt(spectrum.mean * scale)
         return spectrum.orders[kept], amplitude

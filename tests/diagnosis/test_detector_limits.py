@@ -136,6 +136,15 @@ def test_the_published_spectrum_ends_at_the_highest_order_and_has_the_present_le
     assert amplitude[0] == pytest.approx(30.0 * math.sqrt(2.0), rel=0.03)  # two axes
 
 
+def test_the_published_spectrum_has_the_present_level_at_a_slow_shaft() -> None:
+    rate, seconds = 12000, 14.5
+    acceleration, angle = synthetic(seconds=seconds, frequency=0.3, rate=rate)
+    acceleration += (30.0 * np.cos(TURN * 4000.0 * np.arange(len(angle)) / rate))[:, None].astype(np.float32)
+    parameters = DetectorParameters(window=14.0, least_window=14.0, least_turns=4.0, band="fixed")
+    last = diagnoses(FaultDetector(ORDERS, rate, parameters), (acceleration, angle))[-1]
+    assert last.spectrum[1][0] == pytest.approx(30.0 * math.sqrt(2.0), rel=0.03)
+
+
 def test_a_spectrum_over_a_clock_is_rescaled_to_orders() -> None:
     found = _rescaled(OrderSpectrum(np.array([0.0, 1.0]), np.array([2.0, 4.0], np.float32), 6.0), 3.0, 2.0)
     assert (found.orders.tolist(), found.amplitude.tolist(), found.mean) == ([0.0, 3.0], [1.0, 2.0], 3.0)
