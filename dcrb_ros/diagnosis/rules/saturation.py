@@ -36,19 +36,28 @@ class Saturation(SampleRule[SaturationParameters]):
 
     def flaw(self, evidence: SampleEvidence) -> str:
         for axis, column in evidence.axes:
-            ends = float(column.max()), float(column.min())
-            flat = [column == end for end in ends]
-            clipped = sum(int(np.count_nonzero(at)) for at in flat if np.any(at[1:] & at[:-1]) and piles_up(column, at))
-            if not clipped or len(np.unique(column[: 16 * FEWEST_VALUES])) < FEWEST_VALUES:
+            clipped = {
+                end: int(np.count_nonzero(at))
+                for end in (float(column.max()), float(column.min()))
+                if np.any((at := column == end)[1:] & at[:-1]) and piles_up(column, at)
+            }
+            share = sum(clipped.values()) / len(column)
+            # Both ends of a coarse ADC are rare, unless the signal is clipped at them.
+            if not clipped or (is_coarse(column) and not (len(clipped) == 2 and share > self.p.most_clipped)):
                 continue
-            self.clipped += clipped
-            limit, share = max(abs(end) for end in ends), clipped / len(column)
+            self.clipped += sum(clipped.values())
+            limit = min(abs(end) for end in clipped)
             below_range = limit < self.p.range_share * evidence.sensor_range
             if share > self.p.most_clipped or (share > self.p.least_clipped and below_range):
                 known = f" where its range is {evidence.sensor_range:g}" if evidence.sensor_range else ""
                 level = f"{limit:.3g} m/s^2{known} for {share:.1%} of the time"
                 return f"the acceleration in {axis} is clipped at {level}: the sensor is saturated"
         return ""
+
+
+def is_coarse(column: Floats) -> bool:
+    """Return whether a column has fewer than `FEWEST_VALUES` different values; all samples are sorted only if the first ones have."""
+    return all(len(np.unique(part)) < FEWEST_VALUES for part in (column[: 16 * FEWEST_VALUES], column))
 
 
 def piles_up(column: Floats, at: npt.NDArray[np.bool_]) -> bool:

@@ -94,9 +94,23 @@ def test_a_signal_of_few_values_is_not_clipped_but_coarse(values: int, flawed: b
     column = np.tile(np.arange(values, dtype=float), 1000)[:10000]
     column[-2000:] = values - 1.0
     assert bool(Saturation(P).flaw(samples(column))) is flawed
-    late = np.concatenate([np.zeros(256), column])  # only the first 256 samples are looked at
-    late[:256] = np.tile(np.arange(15.0), 18)[:256]
-    assert Saturation(P).flaw(samples(late)) == ""
+    late = np.concatenate([np.full(1000, values - 1.0), column])
+    assert bool(Saturation(P).flaw(samples(late))) is flawed  # whatever the first samples are
+
+
+@pytest.mark.parametrize(("limit", "flawed"), [(1.0, True), (4.0, False)])
+def test_a_coarse_adc_may_be_saturated_at_both_ends(limit: float, flawed: bool) -> None:
+    assert bool(Saturation(P).flaw(samples(np.clip(np.round(2.0 * noise()), -limit, limit)))) is flawed
+    assert Saturation(P).flaw(samples(np.clip(np.round(0.4 * noise() + 0.4), 0.0, 1.0))) == ""  # of a sensor at rest
+
+
+@pytest.mark.parametrize(("sensor_range", "flawed"), [(3.5 / 0.91, False), (3.5 / 0.89, True)])
+def test_the_limit_is_that_of_the_end_that_is_clipped(sensor_range: float, flawed: bool) -> None:
+    column = clipped(20)
+    column[100] = -9.0
+    flaw = Saturation(P).flaw(samples(column, sensor_range=sensor_range))
+    assert bool(flaw) is flawed
+    assert not flawed or "is clipped at 3.5 m/s^2" in flaw
 
 
 @pytest.mark.parametrize(("limit", "flawed"), [(22, False), (18, True)])
