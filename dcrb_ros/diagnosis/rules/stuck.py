@@ -10,6 +10,9 @@ from dcrb_ros.diagnosis.rule import SampleRule
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import Group, quantity
 
+FEWEST_SAMPLES = 16
+"""Equal samples in a row below which a value repeats by chance in a quiet signal of a coarse ADC [-]."""
+
 
 class StuckParameters(Group):
     """Thresholds for repeated values."""
@@ -24,7 +27,7 @@ class Stuck(SampleRule[StuckParameters]):
     parameters = StuckParameters
 
     def flaw(self, evidence: SampleEvidence) -> str:
-        least = max(2, round(self.p.stuck_time * evidence.rate))
+        least = max(FEWEST_SAMPLES, round(self.p.stuck_time * evidence.rate))
         for axis, column in evidence.axes:
             ends, lengths = runs_of_one_value(column)
             long = (lengths >= least) & (np.abs(column[ends]) < max(float(column.max()), -float(column.min())))

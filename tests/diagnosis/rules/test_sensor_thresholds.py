@@ -133,6 +133,14 @@ def test_runs_of_a_millisecond_may_take_three_per_cent(share: float, run: int, f
     assert bool(Stuck(P).flaw(samples(stuck(share, run)))) is flawed
 
 
+@pytest.mark.parametrize("rate", [5600, 12000])
+def test_a_quiet_signal_of_a_coarse_adc_is_not_stuck(rate: int) -> None:
+    """Half of the values are equal, so that some are in runs of a millisecond at 5600 Hz."""
+    quiet = [np.round(noise(rate // 2, seed) * 0.75) for seed in (3, 4)]
+    assert Stuck(P).flaw(samples(*quiet, rate=rate)) == ""
+    assert Stuck(P).flaw(samples(stuck(0.25, 16), rate=rate))
+
+
 def test_runs_at_the_largest_magnitude_are_clipping() -> None:
     for end in (9.0, -9.0):
         column = noise()
