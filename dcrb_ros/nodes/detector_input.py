@@ -23,6 +23,8 @@ from dcrb_ros.stream.diagnosis import Diagnosis
 
 RATE_TOLERANCE = 0.01
 """Accepted relative difference between the spacing of the samples and the sampling rate."""
+RATE_SPAN, RATE_ERROR = 2.0, 5e-4
+"""Time over which the stamps of the blocks give a sampling rate [s], and its largest relative error that needs no warning [-]."""
 EARLY_NS = 1_500_000_000
 """Signal kept until the description arrives [ns]: it is repeated every second, and the order of messages on two topics is undefined."""
 MAX_EARLY, MAX_EARLY_BLOCKS = 1 << 22, 1 << 14
@@ -64,6 +66,8 @@ class MessageInput(ABC, Generic[Judgement]):
         """Time [s] and temperature [deg C] of a reading of the outer ring by box that waits for one of the air."""
         self.unpaired = 0
         """Readings of the outer ring that no reading of the air was near enough to."""
+        self._stamped: dict[str, StampedRate] = {}
+        """Sampling rate by the stamps of each box."""
         self._refused = 0
 
     def ambient(self, data: bytes, box: str = "") -> Response[Judgement]:
@@ -106,6 +110,15 @@ class MessageInput(ABC, Generic[Judgement]):
             self.take_temperature(box, time, temperature, min(near)[1])
         else:
             self.unpaired += 1
+
+    def rate_warning(self, block: Vibration, rate: int, box: str = "") -> str:
+        """Take the stamp of a block of a box; return what is wrong with the sampling rate [Hz] once it shows, otherwise nothing."""
+        if box not in self._stamped or self._stamped[box].rate != rate:
+            self._stamped[box] = StampedRate(rate)
+        stamped = self._stamped[box]
+        before = stamped.wrong
+        stamped.add(block)
+        return "" if before else stamped.wrong
 
     @abstractmethod
     def take_temperature(self, box: str, time: float, temperature: float, air: float) -> None:
@@ -209,17 +222,48 @@ class DetectorInput(MessageInput[Diagnosis]):
             return Response()
         try:
             check_rate(block, self._detector.rate)
+            warning = self.rate_warning(block, self._detector.rate)
             diagnosis = self._detector.update(block.first_index(self._detector.rate), block.acceleration, block.shaft_angle)
-            return Response((self._remarked(diagnosis),) if diagnosis else ())
+            return Response((self._remarked(diagnosis),) if diagnosis else (), warning=warning)
         except Refusal as refusal:
             return self.refuse(refusal)
 
     def _remarked(self, diagnosis: Diagnosis) -> Diagnosis:
-        """Return a diagnosis that says how many temperatures were not used."""
-        if not self.unpaired:
-            return diagnosis
-        remark = f"{self.unpaired} temperatures of the outer ring had no reading of the air within {AMBIENT_AGE:g} s, and were not used"
-        return replace(diagnosis, remarks=(*diagnosis.remarks, remark))
+        """Return a diagnosis that says how many temperatures were not used, and what is wrong with the sampling rate."""
+        lonely = f"{self.unpaired} temperatures of the outer ring had no reading of the air within {AMBIENT_AGE:g} s, and were not used"
+        remarks = [remark for remark in (lonely if self.unpaired else "", self._stamped[""].wrong) if remark]
+        return replace(diagnosis, remarks=(*diagnosis.remarks, *remarks)) if remarks else diagnosis
+
+
+class StampedRate:
+    """Compares a sampling rate with that by the stamps of consecutive blocks.
+
+    If the rate is too high by a thousandth, samples seem to be missing after every block, and all of the signal is useless.
+    """
+
+    def __init__(self, rate: int) -> None:
+        """Prepare for a ``rate`` [Hz]."""
+        self.rate = rate
+        self._begin = self._end = 0
+        """Stamp of the first block, and end of the latest one by the rate [ns]."""
+        self._samples = self._latest = 0
+        """Samples since the first block, and of the latest block."""
+        self.wrong = ""
+        """What is wrong with the rate by the stamps of the latest `RATE_SPAN` without lost samples; empty for nothing."""
+
+    def add(self, block: Vibration) -> None:
+        """Take the stamp and the length of a block."""
+        seconds, gap = 1e-9 * (block.stamp_ns - self._begin), 1e-9 * (block.stamp_ns - self._end) * self.rate
+        lost = abs(gap) > 1.0 + RATE_TOLERANCE * self._latest  # or the signal has restarted
+        if not lost and seconds >= RATE_SPAN:
+            stamped = self._samples / seconds
+            wrong = abs(stamped / self.rate - 1.0) > RATE_ERROR
+            self.wrong = f"the stamps give {stamped:.0f} Hz, not {self.rate} Hz as {SENSOR.name}: publish the true rate" if wrong else ""
+        if lost or seconds >= RATE_SPAN:
+            self._begin, self._samples = block.stamp_ns, 0
+        self._latest = len(block.shaft_angle)
+        self._samples += self._latest
+        self._end = block.stamp_ns + round(1e9 * self._latest / self.rate)
 
 
 def check_rate(block: Vibration, rate: int) -> None:

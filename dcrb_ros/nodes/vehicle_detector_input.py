@@ -74,7 +74,7 @@ class VehicleDetectorInput(MessageInput[VehicleDiagnosis]):
             check_rate(block, rate)
             measured = BoxBlock(block.first_index(rate), block.acceleration, block.shaft_angle)
             diagnosis = self._detector.add({box: measured})
-            return Response((diagnosis,) if diagnosis else ())
+            return Response((diagnosis,) if diagnosis else (), warning=self.rate_warning(block, rate, box))
         except Refusal as refusal:
             return self.refuse(refusal)
 

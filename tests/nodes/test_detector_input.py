@@ -118,6 +118,23 @@ def test_a_rate_within_one_per_cent_of_the_description_is_accepted(rate: int) ->
     assert described_input().block(waveform(rate=rate)[0]) == Response()
 
 
+@pytest.mark.parametrize("rate", [51149, 51251])
+@pytest.mark.parametrize("lost", [(), (10, 11)])
+def test_a_rate_that_the_stamps_contradict_is_remarked(rate: int, lost: tuple[int, ...]) -> None:
+    detector, sentence = described_input(), f"the stamps give {rate} Hz, not 51200 Hz as outer_ring/sensor: publish the true rate"
+    responses = [detector.block(data) for number, data in enumerate(waveform(150, rate=rate)) if number not in lost]
+    assert [response.warning for response in responses if response.warning] == [sentence]
+    assert sentence in [diagnosis for response in responses for diagnosis in response.diagnoses][-1].remarks
+
+
+def test_lost_and_repeated_blocks_are_no_wrong_rate() -> None:
+    detector, sent = (
+        described_input(),
+        [data for number, data in enumerate(waveform(150)) if number % 9 for _ in range(1 + (number % 5 == 0))],
+    )
+    assert not any(detector.block(data).warning for data in sent)
+
+
 def test_answers_become_rarer_and_give_the_count() -> None:
     detector = described_input()
     responses = [detector.block(waveform(rate=25600)[0]) for _ in range(20)]
