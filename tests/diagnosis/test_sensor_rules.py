@@ -160,7 +160,7 @@ def test_a_spike_is_distinguished_from_an_impact_that_rings() -> None:
     spike, blow = quiet.copy(), quiet.copy()
     spike[2000:2400] += 500.0 * np.exp(-time / 1e-4)
     blow[2000:2400] += 500.0 * np.exp(-time / 5e-4) * np.sin(2.0 * math.pi * 7000.0 * time)
-    assert [count_jumps(column, 51, DetectorParameters()).spikes for column in (quiet, spike, blow)] == [0, 1, 0]
+    assert [count_jumps([column], 51, DetectorParameters()).spikes for column in (quiet, spike, blow)] == [0, 1, 0]
 
 
 def test_spikes_before_a_gap_do_not_add_to_those_after_it() -> None:
