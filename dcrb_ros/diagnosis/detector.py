@@ -349,7 +349,7 @@ class FaultDetector:
         remarks = [f"{number} {words}" for words, number in irregularities.items() if number]
         if not self._window.tracked:
             remarks.append("no shaft angle: the speed is estimated from the signal")
-        remarks += [words for words in (self._sensor.remark, self._baseline_used()) if words]
+        remarks += [words for words in (*self._sensor.remarks, self._baseline_used()) if words]
         return (*remarks, *more)
 
 

@@ -236,8 +236,14 @@ class SampleRule(Rule[Parameters]):
     """Whether the rule also applies while the shaft does not turn."""
     fewest_samples: ClassVar[int] = 64
     """Samples below which the rule does not apply."""
+    fault: ClassVar[str] = ""
+    """Fault for which a hop that the parameters allow may be too short; empty for none."""
     clipped: int = 0
     """Clipped samples that the rule has counted so far."""
+
+    def shortest_hop(self, rate: int) -> float:
+        """Return the length of a hop from which the rule applies [s]."""
+        return self.fewest_samples / rate
 
     def restart(self) -> None:
         """Discard earlier hops."""

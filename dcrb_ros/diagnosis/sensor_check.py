@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from dcrb_ros.diagnosis.demodulation import NYQUIST_SHARE, QUARTERS, Band, band_tree
 from dcrb_ros.diagnosis.evidence import LevelEvidence, LevelHistory, SampleEvidence
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.registry import LEVEL_RULES, SAMPLE_RULES
+from dcrb_ros.diagnosis.rule import SampleRule
 from dcrb_ros.diagnosis.segments import Segment
 from dcrb_ros.diagnosis.window import Hop
 
@@ -28,8 +30,9 @@ class SensorCheck:
         self._sample_rules = [rule(p) for rule in SAMPLE_RULES]
         self._level_rules = [rule(p) for rule in LEVEL_RULES]
         self._levels = LevelHistory([bands[k].high - bands[k].low for k in self.bands], p.speed_exponent)
-        self.remark = "" if len(self.bands) > 1 else _undetected(p, NYQUIST_SHARE * rate)
-        """Which faults of the sensor cannot be detected, and why; empty if all can."""
+        hidden = [_hidden(rule, hop / rate, rate) for rule in self._sample_rules]
+        self.remarks = [*filter(None, hidden), *([] if len(self.bands) > 1 else [_undetected(p, NYQUIST_SHARE * rate)])]
+        """Which faults of the sensor cannot be detected, and why."""
         self._flaw = ""
         self._remaining = 0
         """Hops until the samples with the last flaw have left the window."""
@@ -84,6 +87,14 @@ class SensorCheck:
         frequency = hop.turns * self._rate / self._hop if tracked else 0.0
         evidence = LevelEvidence(hop.powers[self.bands], frequency, self._third, self._levels)
         return next((flaw for rule in self._level_rules if (flaw := rule.flaw(evidence))), "")
+
+
+def _hidden(rule: SampleRule[Any], hop: float, rate: int) -> str:
+    """Return which fault a rule cannot detect in a ``hop`` that is too short [s], or nothing."""
+    shortest = rule.shortest_hop(rate)
+    if not rule.fault or hop >= shortest:
+        return ""
+    return f"no {rule.fault} is detected: hop = {hop:g} s is below {shortest:.2g} s, the least at {rate} Hz"
 
 
 def _undetected(p: DetectorParameters, highest: float) -> str:

@@ -47,6 +47,25 @@ def test_a_diagnosis_says_which_faults_of_the_sensor_cannot_be_detected(rate: in
     assert said == ([f"no gain drift and no loss of high frequencies is detected: {why}"] if why else [])
 
 
+@pytest.mark.parametrize(
+    ("rate", "hop", "hidden"),
+    [
+        (RATE, 0.5, []),
+        (6000, 0.5, []),
+        (5000, 0.5, ["no dead sensor that leaves noise is detected: hop = 0.5 s is below 0.57 s, the least at 5000 Hz"]),
+        (12_000, 0.1, ["dead sensor that leaves noise", "mount that rattles"]),
+    ],
+)
+def test_a_diagnosis_says_which_faults_of_the_sensor_are_not_found_in_short_hops(rate: int, hop: float, hidden: list[str]) -> None:
+    detector = FaultDetector(ORDERS, rate, DetectorParameters(hop=hop, band_low=1000.0, band_high=2000.0))
+    noisy = np.random.default_rng(3).normal(0.0, 1.0, (rate, 2)).astype(np.float32)
+    last = diagnoses(detector, (noisy, np.mod(125.0 / rate * np.arange(len(noisy)), 2.0 * np.pi)))[-1]
+    said = [remark for remark in last.remarks if "is detected: hop" in remark]
+    assert len(said) == len(hidden)
+    assert all(words in remark for words, remark in zip(hidden, said, strict=True))
+    assert last.verdict == ("waiting" if hidden else "sensor")
+
+
 def noise(samples: Samples, level: float) -> Samples:
     return np.random.default_rng(7).normal(0.0, level, samples.shape).astype(np.float32)
 

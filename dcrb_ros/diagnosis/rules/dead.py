@@ -66,11 +66,16 @@ class Dead(SampleRule[DeadParameters]):
     """
 
     parameters = DeadParameters
+    fault = "dead sensor that leaves noise"
 
     def __init__(self, parameters: DeadParameters) -> None:
         super().__init__(parameters)
         self._powers: dict[str, deque[tuple[float, float]]] = {}
         """Shaft frequency [Hz] and power [(m/s^2)^2] of the latest hops in which an axis was alive."""
+
+    def shortest_hop(self, rate: int) -> float:
+        """Return the length of a hop with `FEWEST_LINES` in every block of the spectrum [s]."""
+        return BLOCKS * FEWEST_LINES / max(HIGHEST_SHARE * rate - LOWEST, 1.0)
 
     def restart(self) -> None:
         """Discard earlier hops."""

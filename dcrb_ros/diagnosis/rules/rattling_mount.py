@@ -46,7 +46,7 @@ class RattlingMount(SampleRule[RattlingMountParameters]):
     """
 
     parameters = RattlingMountParameters
-    fewest_samples = 2000
+    fewest_samples, fault = 2000, "mount that rattles"
 
     def __init__(self, parameters: RattlingMountParameters) -> None:
         super().__init__(parameters)
