@@ -215,7 +215,7 @@ class VehicleDetector:
         quiet, levels = silent_boxes(contacts, q), sum(contact.median > 0.0 for contact in contacts.values())
         rolling = {name: contact for name, contact in measured.items() if name not in quiet}
         struck = flats(rolling, q, self._partners)
-        wheels = self._wheels(struck, polygons(rolling, q))
+        wheels = self._wheels(struck, polygons(rolling, q, self._partners))
         sides = lags(self.description, measured, q.lag_tolerance)
         sensors = self._sensors(contacts, measured, sides)
         kinks = kinks_of(self.description, measured, struck, q.lag_tolerance)

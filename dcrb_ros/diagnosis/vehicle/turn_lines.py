@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from dcrb_ros.diagnosis.hysteresis import probability
 from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum, medians
+from dcrb_ros.diagnosis.vehicle.comparison import UNOPPOSED, unopposed
 from dcrb_ros.diagnosis.vehicle.contact import Contact
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
 from dcrb_ros.diagnosis.vehicle.turn_spectrum import HIGHEST
@@ -79,14 +80,15 @@ def levels(spectrum: OrderSpectrum) -> list[OrderLevel]:
     return sorted((OrderLevel(float(order), level(order), found[order]) for order in POLYGONS), key=lambda one: -one.level)
 
 
-def polygons(contacts: Mapping[str, Contact], parameters: VehicleDetectorParameters) -> dict[str, Status]:
+def polygons(contacts: Mapping[str, Contact], parameters: VehicleDetectorParameters, partners: Mapping[str, str]) -> dict[str, Status]:
     """Return the status of each wheel whose spectrum is known: ``polygon`` if an order stands out, and more than at any other box.
 
-    Where other boxes have the line as well, it is no wheel's: resonances and the rail make such lines, too.
+    ``partners`` are the other boxes of the wheelsets. If that of a box is not judged, a line may be that of its wheel. Where other boxes
+    have the line as well, it is no wheel's: resonances and the rail make such lines, too.
     """
     spectra = spectra_of(contacts)
     turns = {name: abs(contacts[name].shaft_frequency) for name in spectra}
-    statuses = {}
+    statuses, alone = {}, unopposed(spectra, partners)
     for name, spectrum in spectra.items():
         status = Status("healthy", f"no order of the wheel is {parameters.polygon:g} dB above its neighbours")
         for one in levels(spectrum):
@@ -101,6 +103,9 @@ def polygons(contacts: Mapping[str, Contact], parameters: VehicleDetectorParamet
                 status = Status(UNDECIDED, f"{reason}, but no other box can be compared", 0.0, score)
                 break
             ahead = one.prominence - rivals[rival]
+            if ahead >= WEAKER and name in alone:
+                status = Status(UNDECIDED, f"{reason}, but {UNOPPOSED}", 0.0, score)
+                break
             if ahead >= WEAKER:
                 status = Status("polygon", f"{reason}, {ahead:.1f} dB more than at {rival}", probability(score), score)
                 break

@@ -83,6 +83,11 @@ def test_beside_a_dead_sensor_a_flat_is_undecided() -> None:
     assert diagnosis.statuses["axle_1/left/wheel"].reason == diagnosis.statuses["axle_1/left/sensor"].reason
 
 
+def test_beside_a_dead_sensor_a_polygon_is_undecided() -> None:
+    signals = bogie(polygons={"axle_1/left": (18, 3.0), "axle_1/right": (18, 1.0)})
+    assert verdicts(last(dead(signals, "axle_1/left")), "wheel") == {"axle_1/left": "waiting", "axle_1/right": "undecided"}
+
+
 def test_after_a_gap_of_the_damaged_box_the_other_one_has_no_alarm() -> None:
     signals, block = bogie({"axle_1/left": {"outer": 2000.0}}), 512
     detector, found = VehicleDetector(DESCRIPTION, box_parameters=DetectorParameters(window=1.5, least_window=1.0)), []
