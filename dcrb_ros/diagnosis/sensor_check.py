@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -94,7 +95,8 @@ def _hidden(rule: SampleRule[Any], hop: float, rate: int) -> str:
     shortest = rule.shortest_hop(rate)
     if not rule.fault or hop >= shortest:
         return ""
-    return f"no {rule.fault} is detected: hop = {hop:g} s is below {shortest:.2g} s, the least at {rate} Hz"
+    least = math.ceil(1e3 * shortest) / 1e3
+    return f"no {rule.fault} is detected: hop = {hop:g} s is below {least:g} s, the least at {rate} Hz"
 
 
 def _undetected(p: DetectorParameters, highest: float) -> str:

@@ -23,6 +23,8 @@ from dcrb_ros.stream.diagnosis import Diagnosis
 
 RATE_TOLERANCE = 0.01
 """Accepted relative difference between the spacing of the samples and the sampling rate."""
+OUT_OF_ORDER = 1.0
+"""Time by which a reading of the air may be later than one of the ring that arrives after it [s]."""
 RATE_SPAN, RATE_ERROR = 2.0, 5e-4
 """Time over which the stamps of the blocks give a sampling rate [s], and its largest relative error that needs no warning [-]."""
 EARLY_NS = 1_500_000_000
@@ -94,7 +96,7 @@ class MessageInput(ABC, Generic[Judgement]):
                 self._compare(box)
             self._waiting[box] = time, temperature
             at = self._ambient[box][-1][0] if box in self._ambient else -math.inf
-            if at == time:
+            if time <= at <= time + OUT_OF_ORDER:
                 self._compare(box)
             elif at > time:  # of a run before a reset
                 del self._ambient[box]
@@ -118,7 +120,7 @@ class MessageInput(ABC, Generic[Judgement]):
         stamped = self._stamped[box]
         before = stamped.wrong
         stamped.add(block)
-        return "" if before else stamped.wrong
+        return "" if before or not stamped.wrong else f"{box}: {stamped.wrong}" if box else stamped.wrong
 
     @abstractmethod
     def take_temperature(self, box: str, time: float, temperature: float, air: float) -> None:
@@ -249,17 +251,20 @@ class StampedRate:
         self._samples = self._latest = 0
         """Samples since the first block, and of the latest block."""
         self.wrong = ""
-        """What is wrong with the rate by the stamps of the latest `RATE_SPAN` without lost samples; empty for nothing."""
+        """What is wrong with the rate by the stamps since samples were lost, once they span `RATE_SPAN`; empty for nothing."""
 
     def add(self, block: Vibration) -> None:
         """Take the stamp and the length of a block."""
         seconds, gap = 1e-9 * (block.stamp_ns - self._begin), 1e-9 * (block.stamp_ns - self._end) * self.rate
         lost = abs(gap) > 1.0 + RATE_TOLERANCE * self._latest  # or the signal has restarted
         if not lost and seconds >= RATE_SPAN:
-            stamped = self._samples / seconds
-            wrong = abs(stamped / self.rate - 1.0) > RATE_ERROR
-            self.wrong = f"the stamps give {stamped:.0f} Hz, not {self.rate} Hz as {SENSOR.name}: publish the true rate" if wrong else ""
-        if lost or seconds >= RATE_SPAN:
+            stamped, off = self._samples / seconds, abs(self._samples - seconds * self.rate)
+            # Both ends of the span may jitter, by as much as passes for no loss.
+            wrong = off > max(RATE_ERROR * self._samples, 2.0 * (1.0 + RATE_TOLERANCE * self._latest))
+            self.wrong = (
+                f"the stamps give {stamped:.0f} Hz, not the {self.rate} Hz of the description: publish the true rate" if wrong else ""
+            )
+        if lost:
             self._begin, self._samples = block.stamp_ns, 0
         self._latest = len(block.shaft_angle)
         self._samples += self._latest

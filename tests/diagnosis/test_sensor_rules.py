@@ -52,7 +52,8 @@ def test_a_diagnosis_says_which_faults_of_the_sensor_cannot_be_detected(rate: in
     [
         (RATE, 0.5, []),
         (6000, 0.5, []),
-        (5000, 0.5, ["no dead sensor that leaves noise is detected: hop = 0.5 s is below 0.57 s, the least at 5000 Hz"]),
+        (5000, 0.5, ["no dead sensor that leaves noise is detected: hop = 0.5 s is below 0.569 s, the least at 5000 Hz"]),
+        (51_200, 0.05, ["hop = 0.05 s is below 0.051 s, the least at 51200 Hz"]),
         (12_000, 0.1, ["dead sensor that leaves noise", "mount that rattles"]),
     ],
 )

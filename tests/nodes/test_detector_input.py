@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from dcrb_ros.messages.plain import encode_temperature, encode_text
 from dcrb_ros.messages.points import SPECTRUM, UNTRACKED_SAMPLE, decode_vibration, encode_points, encode_vibration
 from dcrb_ros.messages.topics import SENSOR, VIBRATION
 from dcrb_ros.nodes import detector_input
-from dcrb_ros.nodes.detector_input import AMBIENT_AGE, DetectorInput, Response
+from dcrb_ros.nodes.detector_input import AMBIENT_AGE, DetectorInput, Response, StampedRate
 from dcrb_ros.nodes.vehicle_detector_input import VehicleDetectorInput, VehicleDetectorSettings
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
@@ -121,10 +122,19 @@ def test_a_rate_within_one_per_cent_of_the_description_is_accepted(rate: int) ->
 @pytest.mark.parametrize("rate", [51149, 51251])
 @pytest.mark.parametrize("lost", [(), (10, 11)])
 def test_a_rate_that_the_stamps_contradict_is_remarked(rate: int, lost: tuple[int, ...]) -> None:
-    detector, sentence = described_input(), f"the stamps give {rate} Hz, not 51200 Hz as outer_ring/sensor: publish the true rate"
+    detector, sentence = described_input(), f"the stamps give {rate} Hz, not the 51200 Hz of the description: publish the true rate"
     responses = [detector.block(data) for number, data in enumerate(waveform(150, rate=rate)) if number not in lost]
     assert [response.warning for response in responses if response.warning] == [sentence]
     assert sentence in [diagnosis for response in responses for diagnosis in response.diagnoses][-1].remarks
+
+
+def test_stamps_that_jitter_are_no_wrong_rate() -> None:
+    """A driver that stamps each block when it has arrived, with 0.5 ms of jitter in blocks of 0.1 s."""
+    random, stamped = np.random.default_rng(5), StampedRate(RATE)
+    for number in range(6000):
+        jitter = round(1e9 * float(np.clip(random.normal(0.0, 5e-4), -9e-4, 9e-4)))
+        stamped.add(SimpleNamespace(stamp_ns=number * 100_000_000 + jitter, shaft_angle=np.zeros(5120)))  # type: ignore[arg-type]
+        assert stamped.wrong == ""
 
 
 def test_lost_and_repeated_blocks_are_no_wrong_rate() -> None:
@@ -273,6 +283,12 @@ def test_readings_of_one_time_are_compared_in_any_order(order: tuple[str, str]) 
 def test_air_that_is_read_rarely_is_compared_with_later_readings_of_the_ring() -> None:
     detector = Compared(("air", 0.0, 20.0), ("ring", 1.0, 51.0), ("ring", 2.0, 52.0), ("air", 2.5, 22.0), ("ring", 3.0, 53.0))
     assert detector.taken == [(1.0, 51.0, 20.0), (2.0, 52.0, 22.0)]
+
+
+def test_air_that_is_read_later_and_arrives_first_is_compared() -> None:
+    readings = [reading for k in range(1, 6) for reading in (("air", 120.0 * k + 0.5, 20.0), ("ring", 120.0 * k, 50.0))]
+    detector = Compared(*readings)
+    assert (len(detector.taken), detector.unpaired) == (5, 0)
 
 
 @pytest.mark.parametrize("apart", [-1.0, 1.0, 50.0])

@@ -12,6 +12,8 @@ from dcrb_ros.schema.fields import Group, quantity
 
 FEWEST_VALUES = 16
 """Different values below which flat peaks are the steps of a coarse ADC."""
+MOSTLY_CLIPPED = 0.5
+"""Share of samples at both ends beyond which a coarse ADC is clipped [-]; a sine over a few of its steps has up to 0.4."""
 
 
 class SaturationParameters(Group):
@@ -42,13 +44,13 @@ class Saturation(SampleRule[SaturationParameters]):
                 if np.any((at := column == end)[1:] & at[:-1]) and piles_up(column, at)
             }
             share = sum(clipped.values()) / len(column)
-            # Both ends of a coarse ADC are rare, unless the signal is clipped at them.
-            if not clipped or (is_coarse(column) and not (len(clipped) == 2 and share > self.p.most_clipped)):
+            if not clipped or (is_coarse(column) and not (len(clipped) == 2 and share > MOSTLY_CLIPPED)):
                 continue
             self.clipped += sum(clipped.values())
-            limit = min(abs(end) for end in clipped)
-            below_range = limit < self.p.range_share * evidence.sensor_range
-            if share > self.p.most_clipped or (share > self.p.least_clipped and below_range):
+            lowest = self.p.range_share * evidence.sensor_range
+            below = [abs(end) for end, count in clipped.items() if count > self.p.least_clipped * len(column) and abs(end) < lowest]
+            limit = min(below or map(abs, clipped))
+            if share > self.p.most_clipped or below:
                 known = f" where its range is {evidence.sensor_range:g}" if evidence.sensor_range else ""
                 level = f"{limit:.3g} m/s^2{known} for {share:.1%} of the time"
                 return f"the acceleration in {axis} is clipped at {level}: the sensor is saturated"

@@ -113,6 +113,17 @@ def test_the_limit_is_that_of_the_end_that_is_clipped(sensor_range: float, flawe
     assert not flawed or "is clipped at 3.5 m/s^2" in flaw
 
 
+def test_an_end_that_two_samples_reach_by_chance_is_no_limit() -> None:
+    column = clipped(100)  # at 3.5
+    column[[500, 501]] = 1.01 * column.min()
+    assert Saturation(P).flaw(samples(column, sensor_range=3.5)) == ""
+
+
+def test_a_hum_over_a_few_steps_of_a_coarse_adc_is_not_saturated() -> None:
+    hum = 3.0 * np.sin(2.0 * np.pi * 50.0 / 12000 * np.arange(12000)) + 0.1 * np.random.default_rng(2).normal(size=12000)
+    assert Saturation(P).flaw(samples(np.round(hum), sensor_range=5000.0)) == ""
+
+
 @pytest.mark.parametrize(("limit", "flawed"), [(22, False), (18, True)])
 def test_the_largest_step_of_a_coarse_adc_is_rarer_than_the_next_one(limit: int, flawed: bool) -> None:
     """The sum of two numbers up to 11: 22 has a share of 1/144, and 21 twice that; clipped at 18, that has 15/144, and 17 has 6/144."""
