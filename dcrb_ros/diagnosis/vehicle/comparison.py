@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Container, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -109,13 +110,19 @@ def unopposed(judged: Container[str], partners: Mapping[str, str]) -> set[str]:
 
 
 def compare(
-    judgements: Mapping[str, Judgement], parameters: VehicleDetectorParameters, partners: Mapping[str, str]
+    judgements: Mapping[str, Judgement],
+    parameters: VehicleDetectorParameters,
+    partners: Mapping[str, str],
+    confirmed: Mapping[str, Container[Component]] = MappingProxyType({}),
 ) -> dict[str, dict[Component, Compared]]:
-    """Return the evidence for every component of every box that was judged; ``partners`` are the other boxes of the wheelsets."""
+    """Return the evidence for every component of every box that was judged; ``partners`` are the other boxes of the wheelsets.
+
+    Components with a ``confirmed`` fault, by box, have been compared with the partner before, and are judged without it.
+    """
     alone = unopposed(judgements, partners)
     return {
         name: {
-            component: _compared(name, component, judgements, parameters, opposed=name not in alone)
+            component: _compared(name, component, judgements, parameters, opposed=name not in alone or component in confirmed.get(name, ()))
             for component in COMPONENTS
             if component in judgement.findings
         }

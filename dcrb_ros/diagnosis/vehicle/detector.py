@@ -214,14 +214,14 @@ class VehicleDetector:
         measured = {name: contact for name, contact in contacts.items() if not hops[name].flaw}
         quiet, levels = silent_boxes(contacts, q), sum(contact.median > 0.0 for contact in contacts.values())
         rolling = {name: contact for name, contact in measured.items() if name not in quiet}
-        struck = flats(rolling, q, self._partners)
-        wheels = self._wheels(struck, polygons(rolling, q, self._partners))
+        struck = flats(rolling, q, self._partners_without("flat"))
+        wheels = self._wheels(struck, polygons(rolling, q, self._partners_without("polygon")))
         sides = lags(self.description, measured, q.lag_tolerance)
         sensors = self._sensors(contacts, measured, sides)
         kinks = kinks_of(self.description, measured, struck, q.lag_tolerance)
         times = kinks.times if kinks is not None else np.zeros(0)
         judged = {name: self._boxes[name].judged(hop.own, times) for name, hop in hops.items() if hop.own is not None and name not in quiet}
-        compared = compare(judged, q, self._partners)
+        compared = compare(judged, q, self._partners, {name: decided.confirmed for name, decided in self._decided.items()})
         statuses: dict[str, Status] = {}
         indicators: dict[str, float] = {}
         for name in self._boxes:
@@ -310,6 +310,11 @@ class VehicleDetector:
             polygon = self._lasting(name, uneven.get(name, status), "polygon")
             wheels[name] = flat if status.verdict != "healthy" or polygon.verdict == "healthy" else polygon
         return wheels
+
+    def _partners_without(self, verdict: str) -> dict[str, str]:
+        """Return the partners of the boxes whose wheels have no confirmed ``verdict``, which was confirmed beside the partner."""
+        confirmed = {name for (name, kind), suspicion in self._confirmed.items() if kind == verdict and suspicion.confirmed}
+        return {name: partner for name, partner in self._partners.items() if name not in confirmed}
 
     def _lasting(self, name: str, status: Status, verdict: str) -> Status:
         """Return the status of a part; a ``verdict`` on it must be present in consecutive hops."""

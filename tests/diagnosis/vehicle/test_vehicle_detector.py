@@ -446,6 +446,30 @@ def test_the_end_of_a_recording_is_judged_without_a_box(lost: slice, sensor: str
     assert result.damaged == {"axle_1/left": "outer_ring"}
 
 
+@pytest.mark.parametrize(
+    ("verdict", "causes"), [("flat", {"flats": {"axle_2/left": 200.0}}), ("polygon", {"polygons": {"axle_2/left": (18, 3.0)}})]
+)
+def test_what_is_confirmed_remains_if_the_other_boxes_of_the_wheelsets_end_earlier(verdict: str, causes: dict[str, Any]) -> None:
+    """A corrugation, which the spall resembles, is judged by all boxes only."""
+    signals, right = bogie({"axle_1/left": {"outer": 2000.0}}, **causes), ("axle_1/right", "axle_2/right")
+    whole, shorter = (detect_vehicle(recording(signals, lost=lost)) for lost in ({}, dict.fromkeys(right, slice(-1, None))))
+    assert shorter.last.statuses["axle_1/right/bearing"].reason == "its signal has ended"
+    expected, found = ({name: s.verdict for name, s in each.statuses.items() if name != "track"} for each in (whole, shorter))
+    assert (found, found["axle_2/left/wheel"]) == (expected, verdict)
+    bearing = shorter.last.statuses["axle_1/left/bearing"]
+    assert (bearing.verdict, bearing.score) == ("outer_ring", pytest.approx(whole.last.statuses["axle_1/left/bearing"].score, abs=1.0))
+
+
+def test_what_is_confirmed_remains_beside_a_gap_in_the_other_boxes_of_the_wheelsets() -> None:
+    """The gap restarts windows of 1 s, which are longer than a fault without evidence remains."""
+    signals = bogie({"axle_1/left": {"outer": 2000.0}}, flats={"axle_2/left": 200.0})
+    recorded = recording(signals, lost=dict.fromkeys(("axle_1/right", "axle_2/right"), slice(15, 18)))
+    result = detect_vehicle(recorded, box_parameters=DetectorParameters(window=1.0, least_window=1.0, release=2))
+    found = [(one.statuses["axle_1/left/bearing"].verdict, one.statuses["axle_2/left/wheel"].verdict) for one in result.history]
+    assert "waiting" in {one.statuses["axle_1/right/bearing"].verdict for one in result.history[-3:]}
+    assert found[-3:] == [("outer_ring", "flat")] * 3, found
+
+
 def test_another_sampling_rate_than_that_of_the_description_is_refused() -> None:
     recorded = recording(bogie())
     recorded.boxes["axle_1.right"].sampling_rate = 25600
