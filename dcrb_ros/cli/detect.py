@@ -69,7 +69,7 @@ def detect(
     vehicles = [bag for bag in bags if vehicle_boxes(bag)]
     if vehicles:
         given = {"--healthy": healthy, "--baseline": baseline, "--save-baseline": save_baseline, "--report": report}
-        _check_vehicles(bags, vehicles, given | {f"baseline: {parameters.baseline} of --detector": parameters.baseline or None})
+        _check_vehicles(bags, vehicles, given)
         compared = [diagnosed_vehicle(bag, parameters) for bag in bags]
         if as_json:
             objects = [{"recording": str(bag), **vehicle_as_object(*vehicle)} for bag, vehicle in zip(bags, compared, strict=True)]

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dcrb_ros.diagnosis.detector import check_parameters
 from dcrb_ros.diagnosis.parameters import DetectorParameters
-from dcrb_ros.diagnosis.vehicle.detector import BoxBlock, VehicleDetector
+from dcrb_ros.diagnosis.vehicle.detector import BoxBlock, VehicleDetector, check_box_parameters
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
 from dcrb_ros.messages.description import decode_range, decode_sensor
 from dcrb_ros.messages.points import decode_vibration
@@ -31,9 +30,7 @@ class VehicleDetectorInput(MessageInput[VehicleDiagnosis]):
             Refusal: the parameters of the boxes do not fit each other, or name a baseline, which is that of a single bearing.
         """
         super().__init__()
-        if settings.boxes.baseline:
-            raise Refusal(f"boxes.baseline = {settings.boxes.baseline} is the baseline of a single bearing: leave it out for a vehicle")
-        check_parameters(settings.boxes)
+        check_box_parameters(settings.boxes)
         self._settings = settings
         self._detector: VehicleDetector | None = None
 

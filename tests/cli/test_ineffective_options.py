@@ -70,7 +70,7 @@ LIST, RECORDED, VEHICLE = ("score", "smoke", "--list"), ("score", "bag"), ("dete
         (("detect", "bag", "--detector", "detector.yaml"), ("--baseline", "new.yaml"), "the baseline old.yaml in --detector both give"),
         *((VEHICLE, (option, "new.yaml"), f"to which {option} does not") for option in ("--healthy", "--baseline", "--save-baseline")),
         (VEHICLE, ("--report", "new.html"), "to which --report does not"),
-        (VEHICLE, ("--detector", "detector.yaml"), "to which baseline: old.yaml of --detector does not"),
+        (VEHICLE, ("--detector", "detector.yaml"), "baseline = old.yaml is the baseline of a single bearing"),
         (("score", "smoke"), ("--speed", "lines"), "--speed applies to --measured only"),
         (("score", "smoke"), ("--rate", "1"), "--rate applies to --node only"),
         (("score", "smoke", "--python", "dcrb_ros:FaultDetector"), ("--patience", "3"), "--patience applies to --node only"),

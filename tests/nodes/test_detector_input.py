@@ -209,7 +209,7 @@ def test_parameters_that_no_detector_accepts_are_refused_before_a_description_ar
 
 
 def test_the_boxes_of_a_vehicle_have_no_baseline_in_common() -> None:
-    with pytest.raises(Refusal, match=r"boxes\.baseline = bearing\.yaml is the baseline of a single bearing: leave it out"):
+    with pytest.raises(Refusal, match=r"baseline = bearing\.yaml is the baseline of a single bearing: leave it out"):
         VehicleDetectorInput(VehicleDetectorSettings(boxes=DetectorParameters(baseline="bearing.yaml")))
 
 

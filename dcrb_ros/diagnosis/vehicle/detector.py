@@ -13,6 +13,7 @@ from typing import Any, Protocol, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from dcrb_ros.diagnosis.detector import check_parameters
 from dcrb_ros.diagnosis.hysteresis import Hysteresis, Suspicion, confidence, least_evidence, shortfall, strongest_of
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.rule import LEAST_EXCESS
@@ -80,6 +81,19 @@ class BlockLike(Protocol):
         """Shape (samples,) [rad]."""
 
 
+def check_box_parameters(parameters: DetectorParameters) -> None:
+    """Check the parameters of the boxes without a description.
+
+    Raises
+    ------
+    Refusal
+        They do not fit each other, or name a baseline, which is that of a single bearing.
+    """
+    if parameters.baseline:
+        raise Refusal(f"baseline = {parameters.baseline} is the baseline of a single bearing: leave it out for a vehicle")
+    check_parameters(parameters)
+
+
 class VehicleDetector:
     """Diagnoses the bearings, wheels and sensors of a vehicle from the blocks of its axle boxes, hop by hop.
 
@@ -109,8 +123,9 @@ class VehicleDetector:
         Raises
         ------
         Refusal
-            The parameters do not fit each other or the sampling rate.
+            The parameters do not fit each other or the sampling rate, or those of the boxes name a baseline.
         """
+        check_box_parameters(box_parameters)
         self.description, self.parameters, self.box_parameters = description, parameters, box_parameters
         self._boxes = {box.name: BoxWatch(box, description.sampling_rate, parameters, box_parameters) for box in description.boxes}
         self._partners = description.partners

@@ -411,6 +411,11 @@ def test_bands_without_a_width_are_refused() -> None:
         VehicleDetector(DESCRIPTION, VehicleDetectorParameters(wheel_low=9000.0, wheel_high=8000.0))
 
 
+def test_a_baseline_is_refused() -> None:
+    with pytest.raises(Refusal, match=r"baseline = b\.yaml is the baseline of a single bearing: leave it out for a vehicle"):
+        VehicleDetector(DESCRIPTION, box_parameters=DetectorParameters(baseline="b.yaml"))
+
+
 @pytest.mark.parametrize("whitening", [pytest.param(0.0, marks=pytest.mark.slow), 5.0, pytest.param(100.0, marks=pytest.mark.slow)])
 def test_the_width_of_whitening_is_not_that_of_tones(whitening: float) -> None:
     detector = VehicleDetector(DESCRIPTION, box_parameters=DetectorParameters(whitening=whitening))
