@@ -159,6 +159,10 @@ class VehicleDetector:
             self._known(name)
             if not all(hasattr(block, field) for field in BoxBlock.__annotations__):
                 raise Refusal(f"{block!r} is not a block of {name}: give a BoxBlock with {', '.join(BoxBlock.__annotations__)}")
+            if np.ndim(block.acceleration) == 0 or (block.shaft_angle is not None and np.ndim(block.shaft_angle) == 0):
+                raise Refusal(
+                    f"a block of {name} has an array without dimensions: give acceleration (samples, axes), shaft_angle (samples,)"
+                )
         if blocks and not self._aligned:
             self._aligned, origin = True, min(int(block.index) for block in blocks.values())
             for watch in self._boxes.values():

@@ -406,6 +406,12 @@ def test_what_is_no_block_is_refused(blocks: Any, message: str) -> None:
         VehicleDetector(DESCRIPTION).add(blocks)
 
 
+@pytest.mark.parametrize(("acceleration", "angle"), [(np.array(1.0), np.zeros(10)), (np.zeros((10, 2)), np.array(1.0)), (None, None)])
+def test_arrays_without_dimensions_are_refused(acceleration: Any, angle: Any) -> None:
+    with pytest.raises(Refusal, match=r"a block of axle_1/left has an array without dimensions: give acceleration \(samples, axes\)"):
+        VehicleDetector(DESCRIPTION).add({"axle_1/left": BoxBlock(0, acceleration, angle)})
+
+
 def test_bands_without_a_width_are_refused() -> None:
     with pytest.raises(Refusal, match="are empty"):
         VehicleDetector(DESCRIPTION, VehicleDetectorParameters(wheel_low=9000.0, wheel_high=8000.0))
