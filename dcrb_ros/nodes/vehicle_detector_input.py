@@ -46,6 +46,7 @@ class VehicleDetectorInput(MessageInput[VehicleDiagnosis]):
             if description == self.description:
                 return Response()
             parameters = VehicleDetectorParameters(**self._settings.model_dump(exclude={"boxes"}))
+            self._detector = None  # the former vehicle is no longer watched, whether this one is refused or not
             self._detector = VehicleDetector(description, parameters, self._settings.boxes)
         except Refusal as refusal:
             return self.refuse(refusal)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 from types import SimpleNamespace
 from typing import Any
@@ -232,6 +233,14 @@ def test_a_refused_description_ends_the_detector_of_the_former_bearing() -> None
     assert found
     assert all(diagnosis.verdict == "waiting" and "band_low" in diagnosis.reason for diagnosis in found)
     assert detector.sensor(described()).information  # the former bearing is watched again
+
+
+def test_a_refused_description_ends_the_detector_of_the_former_vehicle() -> None:
+    detector = VehicleDetectorInput(VehicleDetectorSettings())
+    assert detector.describe(encode_text(BOGIE.to_json())).information
+    assert "band_low" in detector.describe(encode_text(dataclasses.replace(BOGIE, sampling_rate=2000).to_json())).warning
+    assert detector.description is None
+    assert detector.describe(encode_text(BOGIE.to_json())).information
 
 
 def heated(rise: float, air_at: float = 0.0) -> list[Diagnosis]:
