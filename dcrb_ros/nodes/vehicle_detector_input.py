@@ -33,6 +33,8 @@ class VehicleDetectorInput(MessageInput[VehicleDiagnosis]):
         check_box_parameters(settings.boxes)
         self._settings = settings
         self._detector: VehicleDetector | None = None
+        self._lacking = ""
+        """Why there is no detector: the refusal of the latest description; empty before one and while there is a detector."""
 
     @property
     def description(self) -> VehicleDescription | None:
@@ -47,8 +49,9 @@ class VehicleDetectorInput(MessageInput[VehicleDiagnosis]):
                 return Response()
             parameters = VehicleDetectorParameters(**self._settings.model_dump(exclude={"boxes"}))
             self._detector = None  # the former vehicle is no longer watched, whether this one is refused or not
-            self._detector = VehicleDetector(description, parameters, self._settings.boxes)
+            self._detector, self._lacking = VehicleDetector(description, parameters, self._settings.boxes), ""
         except Refusal as refusal:
+            self._lacking = "" if self._detector is not None else str(refusal)
             return self.refuse(refusal)
         names = ", ".join(box.name for box in description.boxes)
         return Response(information=f"watching {names} at {description.sampling_rate} Hz")
@@ -66,7 +69,7 @@ class VehicleDetectorInput(MessageInput[VehicleDiagnosis]):
     def block(self, data: bytes, box: str) -> Response[VehicleDiagnosis]:
         """Take a block of the waveform of a box."""
         if self._detector is None:
-            return Response()
+            return self.refuse(Refusal(self._lacking)) if self._lacking else Response()
         try:
             block, rate = decode_vibration(data), self._detector.description.sampling_rate
             check_rate(block, rate)

@@ -240,7 +240,10 @@ def test_a_refused_description_ends_the_detector_of_the_former_vehicle() -> None
     assert detector.describe(encode_text(BOGIE.to_json())).information
     assert "band_low" in detector.describe(encode_text(dataclasses.replace(BOGIE, sampling_rate=2000).to_json())).warning
     assert detector.description is None
+    answers = [detector.block(data, "axle_1/left").warning for data in waveform(3)]
+    assert "band_low" in answers[0]  # the second refusal; the third is counted only
     assert detector.describe(encode_text(BOGIE.to_json())).information
+    assert not any(detector.block(data, "axle_1/left").warning for data in waveform(3))
 
 
 def heated(rise: float, air_at: float = 0.0) -> list[Diagnosis]:

@@ -12,8 +12,8 @@ from dcrb_ros.schema.fields import Group, quantity
 
 FEWEST_VALUES = 16
 """Different values below which flat peaks are the steps of a coarse ADC."""
-MOSTLY_CLIPPED = 0.5
-"""Share of samples at both ends beyond which a coarse ADC is clipped [-]; a sine over a few of its steps has up to 0.4."""
+MOSTLY_CLIPPED = 0.8
+"""Share of samples at both ends beyond which a coarse ADC is clipped [-]; a sine of 1.5 steps has 0.78."""
 
 
 class SaturationParameters(Group):
@@ -47,10 +47,11 @@ class Saturation(SampleRule[SaturationParameters]):
             if not clipped or (is_coarse(column) and not (len(clipped) == 2 and share > MOSTLY_CLIPPED)):
                 continue
             self.clipped += sum(clipped.values())
-            lowest = self.p.range_share * evidence.sensor_range
-            below = [abs(end) for end, count in clipped.items() if count > self.p.least_clipped * len(column) and abs(end) < lowest]
-            limit = min(below or map(abs, clipped))
-            if share > self.p.most_clipped or below:
+            # Two equal samples by chance are no limit of the signal.
+            least, lowest = self.p.least_clipped * len(column), self.p.range_share * evidence.sensor_range
+            below = {end: count for end, count in clipped.items() if count > 0.5 * least and abs(end) < lowest}
+            limit = min(map(abs, below or clipped))
+            if share > self.p.most_clipped or sum(below.values()) > least:
                 known = f" where its range is {evidence.sensor_range:g}" if evidence.sensor_range else ""
                 level = f"{limit:.3g} m/s^2{known} for {share:.1%} of the time"
                 return f"the acceleration in {axis} is clipped at {level}: the sensor is saturated"

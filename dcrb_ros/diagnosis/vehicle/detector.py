@@ -240,7 +240,12 @@ class VehicleDetector:
         kinks = kinks_of(self.description, measured, struck, q.lag_tolerance)
         times = kinks.times if kinks is not None else np.zeros(0)
         judged = {name: self._boxes[name].judged(hop.own, times) for name, hop in hops.items() if hop.own is not None and name not in quiet}
-        compared = compare(judged, q, self._partners, {name: decided.confirmed for name, decided in self._decided.items()})
+        # Evidence for one of the related components keeps an alarm on the other.
+        kept = {
+            name: {*decided.confirmed, *(RELATED if set(decided.confirmed) & set(RELATED) else ())}
+            for name, decided in self._decided.items()
+        }
+        compared = compare(judged, q, self._partners, kept)
         statuses: dict[str, Status] = {}
         indicators: dict[str, float] = {}
         for name in self._boxes:

@@ -100,7 +100,7 @@ def test_a_signal_of_few_values_is_not_clipped_but_coarse(values: int, flawed: b
 
 @pytest.mark.parametrize(("limit", "flawed"), [(1.0, True), (4.0, False)])
 def test_a_coarse_adc_may_be_saturated_at_both_ends(limit: float, flawed: bool) -> None:
-    assert bool(Saturation(P).flaw(samples(np.clip(np.round(2.0 * noise()), -limit, limit)))) is flawed
+    assert bool(Saturation(P).flaw(samples(np.clip(np.round(4.0 * noise()), -limit, limit)))) is flawed
     assert Saturation(P).flaw(samples(np.clip(np.round(0.4 * noise() + 0.4), 0.0, 1.0))) == ""  # of a sensor at rest
 
 
@@ -119,8 +119,16 @@ def test_an_end_that_two_samples_reach_by_chance_is_no_limit() -> None:
     assert Saturation(P).flaw(samples(column, sensor_range=3.5)) == ""
 
 
-def test_a_hum_over_a_few_steps_of_a_coarse_adc_is_not_saturated() -> None:
-    hum = 3.0 * np.sin(2.0 * np.pi * 50.0 / 12000 * np.arange(12000)) + 0.1 * np.random.default_rng(2).normal(size=12000)
+def test_few_samples_at_either_end_are_counted_together() -> None:
+    column = clipped(3)
+    column[-9:-6] = -3.5
+    assert "is clipped at 3.5 m/s^2" in Saturation(P).flaw(samples(column, sensor_range=10.0))
+    assert Saturation(P).flaw(samples(np.where(column == -3.5, 0.0, column), sensor_range=10.0)) == ""
+
+
+@pytest.mark.parametrize("steps", [1.2, 1.45, 2.4, 3.0])
+def test_a_hum_over_a_few_steps_of_a_coarse_adc_is_not_saturated(steps: float) -> None:
+    hum = steps * np.sin(2.0 * np.pi * 50.0 / 12000 * np.arange(12000)) + 0.05 * np.random.default_rng(2).normal(size=12000)
     assert Saturation(P).flaw(samples(np.round(hum), sensor_range=5000.0)) == ""
 
 
