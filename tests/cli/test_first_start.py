@@ -62,7 +62,11 @@ def test_compiled_kernels_need_no_note(capsys: pytest.CaptureFixture[str]) -> No
     assert capsys.readouterr() == ("", "")
 
 
-@pytest.mark.parametrize("options", [("replica", "a.csv", "-o", "new.yaml"), ("predictivity", "a.csv")], ids=lambda options: options[0])
+@pytest.mark.parametrize(
+    "options",
+    [("replica", "a.csv", "-o", "new.yaml"), ("predictivity", "a.csv", "--entries", ".", "--measured", ".")],
+    ids=lambda options: options[0],
+)
 def test_the_machines_of_a_replica_are_simulated_with_a_note(
     options: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -71,6 +75,7 @@ def test_the_machines_of_a_replica_are_simulated_with_a_note(
         raise Refusal("simulated")
 
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.csv").touch()
     monkeypatch.setattr(replica, "replica_tree", simulated)
     assert dcrb("exam", *options) == 2
     assert capsys.readouterr().err == f"{SENTENCE}\ndcrb: simulated\n"

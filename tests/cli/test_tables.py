@@ -46,7 +46,7 @@ def test_a_picture_of_a_truncated_recording_is_announced_as_such(tmp_path: Path,
 def test_the_verdicts_on_a_truncated_vehicle_are_announced_as_such(capsys: pytest.CaptureFixture[str]) -> None:
     result = VehicleDetectionResult((VehicleDiagnosis(0, 1.0, {"axle_1/left/bearing": Status("waiting", "no signal")}, {}),))
     for damage, announced in (([], False), (["the end is missing"], True)):
-        recording = SimpleNamespace(damage=damage)
+        recording = SimpleNamespace(damage=damage, boxes={}, stored=[])
         print_vehicle(Path("run"), recording, result)  # type: ignore[arg-type]
         assert ("the recording is truncated or damaged" in capsys.readouterr().out) is announced
         assert vehicle_as_object(recording, result)["complete"] is not announced  # type: ignore[arg-type]
