@@ -34,6 +34,8 @@ PINK_SCATTER = 0.5
 """Largest scatter of the logarithm about that slope [-], 2 dB."""
 LOWEST_ENVELOPE = 400.0
 """Lower end of the band whose envelope shows the modulation [Hz]: lines of the shaft, the mains and single rollers lie below."""
+SMOOTHED = 9
+"""Bins of the spectrum over which the share of the bearing is averaged [-]."""
 LONGEST_ANGLE = 20.0
 """Time of the angle from which the fluctuation of the speed is estimated [s]."""
 
@@ -147,9 +149,9 @@ def _modulation(depth: float) -> float:
 
 def _heard_band(frequency: Floats, share: Floats) -> tuple[float, float] | None:
     """Return the widest band in which the bearing has most of the power, at least an octave [Hz]; none if there is none."""
-    if len(share) < 9:  # less than an octave
+    if len(share) < SMOOTHED:  # np.convolve would return more values than the spectrum has
         return None
-    heard = np.concatenate([[False], np.convolve(share, np.ones(9) / 9.0, "same") > 0.5, [False]])
+    heard = np.concatenate([[False], np.convolve(share, np.ones(SMOOTHED) / SMOOTHED, "same") > 0.5, [False]])
     edges = np.flatnonzero(np.diff(heard.astype(int))).reshape(-1, 2)
     bands = [(float(frequency[begin]), float(frequency[end - 1])) for begin, end in edges]
     widest = max(bands, key=lambda band: band[1] / band[0], default=(1.0, 1.0))

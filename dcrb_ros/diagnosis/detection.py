@@ -14,6 +14,7 @@ from dcrb_ros.bearing.fault_lines import BearingLike
 from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.bearing.waveform import Piece, Signal, signal_of
 from dcrb_ros.diagnosis.baseline_learning import BaselineLearner
+from dcrb_ros.diagnosis.detector import NO_SPEED
 from dcrb_ros.diagnosis.healthy_baseline import HealthyBaseline, axes, learned_with, rules_hash
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.thermal_detector import TemperatureFeed, ThermalFaultDetector, temperatures_of
@@ -160,7 +161,7 @@ def check_verdict(result: DetectionResult, name: str) -> None:
         return
     if result.duration < SHORT:
         raise Refusal(f"{name} holds {result.duration:.2f} s of waveform, too little for a verdict: give at least {SHORT:g} s")
-    unknown = "the speed cannot be estimated" in result.reason
+    unknown = NO_SPEED in result.reason
     remedy = "; give the speed (speed_rpm in the description, shaft_angle in Python)" if unknown else ""
     raise Refusal(f"{name} has no verdict: {result.reason}{remedy}")
 

@@ -46,6 +46,8 @@ MARGIN_PERIODS = 10.0
 """Periods of the lowest frequency on either side of a hop that its envelope depends on."""
 LARGEST_INDEX = 2**53
 """Largest number of a sample [-]: times are numbers of double precision."""
+NO_SPEED = "the speed cannot be estimated"
+"""Part of the reason for no verdict without a shaft angle."""
 BINS_PER_ORDER = 3
 """Bins per turn relative to the highest order [-]; 2 is the Nyquist rate."""
 
@@ -252,9 +254,7 @@ class FaultDetector:
                 why = (
                     f"{estimate.frequency:.2f} Hz has a score of {estimate.score:.0f} dB, another frequency has {estimate.rival:.0%} of it"
                 )
-                return self._without_verdict(
-                    last, "waiting", f"there is no shaft angle, and the speed cannot be estimated from the signal: {why}"
-                )
+                return self._without_verdict(last, "waiting", f"there is no shaft angle, and {NO_SPEED} from the signal: {why}")
             frequency = estimate.frequency
             spectra = [_rescaled(spectrum, p.fastest / frequency, self._scale(frequency)) for spectrum in spectra]
         evidence = self._evidence(spectra, frequency)
