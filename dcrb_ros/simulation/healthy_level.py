@@ -34,7 +34,8 @@ def healthy_level(
 ) -> float:
     """Simulate a machine without faults and background and return its level for ``structure.healthy_level``.
 
-    The level belongs to a machine: bearing, operating point and path. Use the same level in the configurations of its faults.
+    The level belongs to a machine: bearing, operating point and path. Use the same level in the configurations of its faults, and with
+    another speed of the shaft give that of the level as ``structure.healthy_speed``.
 
     Parameters
     ----------
@@ -71,7 +72,7 @@ def healthy_level(
     machine = {
         **{name: group for name, group in kept.items() if name not in REPLACED},
         "simulation": kept["simulation"] | {"step": step},
-        "structure": kept["structure"] | {"healthy_level": 0.0, "background": 0.0, "background_lines": 0.0, "floor": 0.0},
+        "structure": kept["structure"] | dict.fromkeys(("healthy_level", "healthy_speed", "background", "background_lines", "floor"), 0.0),
         "sensor": {"preset": "ideal", "sampling_rate": rate},
         "publishing": {"preview_rate": preview_at(rate)},
     }

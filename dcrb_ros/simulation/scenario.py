@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from dcrb_ros.bearing.runtime_change import altered
+from dcrb_ros.measurement.stages.machine_background import MachineBackgroundParameters
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import changed, flatten
@@ -122,6 +123,8 @@ def read_scenario_file(path: Path) -> Any:
 def starting_configuration(tree: Any, configuration: Configuration, source: str) -> Configuration:
     """Return the configuration at the start of a scenario: with the values under ``start``, if there are any.
 
+    A level of the healthy bearing keeps the speed of ``configuration``.
+
     Raises:
         Refusal: a key is not in one of `START_GROUPS`, or a value is invalid.
     """
@@ -134,7 +137,13 @@ def starting_configuration(tree: Any, configuration: Configuration, source: str)
             raise Refusal(f"{source} is a scenario of a vehicle: it needs --vehicle")
         if not key.startswith(tuple(f"{group}." for group in START_GROUPS)):
             raise Refusal(f"{source}: start: {key} cannot be set by a scenario; give keys of {', '.join(START_GROUPS)}")
-    return changed(configuration, values, f"{source}: start") if values else configuration
+    if not values:
+        return configuration
+    starting = changed(configuration, values, f"{source}: start")
+    structure = starting.measurement.parameters[MachineBackgroundParameters]
+    if structure.healthy_level == 0.0 or structure.healthy_speed > 0.0:
+        return starting
+    return changed(starting, {"structure.healthy_speed": abs(configuration.operating.speed)}, source)
 
 
 def _values(tree: Mapping[Any, Any], configuration: Configuration, source: str) -> dict[str, Any]:

@@ -21,6 +21,7 @@ PUBLISHED: dict[str, tuple[float, float, float]] = {
     "structure.noise_x": (0.0, 0.0, 1000000.0),
     "structure.noise_y": (0.0, 0.0, 1000000.0),
     "structure.healthy_level": (0.0, 0.0, 1000000.0),
+    "structure.healthy_speed": (0.0, 0.0, 1000.0),
     "structure.background": (0.0, -60.0, 60.0),
     "structure.background_lines": (0.0, 0.0, 1.0),
     "structure.floor": (0.0, 0.0, 10.0),

@@ -25,6 +25,8 @@ CORNER = 2900.0
 """Corner of the first-order low-pass of the noise before its housing [Hz]."""
 HIGHEST = 20000.0
 """Frequency up to which levels are defined [Hz]."""
+TINY = 1e-30
+"""Power below which an axis is at rest [(m/s^2)^2]."""
 SMOOTHING_TIME = 0.5
 """Time constant of the power from which the floor follows [s]."""
 
@@ -35,9 +37,17 @@ class MachineBackgroundParameters(Group):
     healthy_level: float = quantity(
         0.0,
         "m/s^2",
-        "Rms of the healthy bearing at the sensor up to 20 kHz at operating.speed, to which background and floor refer; 0 for neither",
+        "Rms of the healthy bearing at the sensor up to 20 kHz, to which background and floor refer; 0 for neither",
         0.0,
         1e6,
+    )
+    healthy_speed: float = quantity(
+        0.0,
+        "rad/s",
+        "Speed of the shaft at which healthy_level holds; 0 for operating.speed of the bench, also where a scenario starts at another",
+        0.0,
+        1000.0,
+        remedy="give it without a sign",
     )
     background: float = quantity(0.0, "dB", "Level of the background of the machine over healthy_level", -60.0, 60.0)
     background_lines: float = quantity(0.0, "-", "Share of this background's power in lines", 0.0, 1.0, remedy="give a share, not per cent")
@@ -49,10 +59,10 @@ class MachineBackgroundParameters(Group):
 class MachineBackground(Stage):
     r"""Adds noise and lines to the acceleration a behind the path.
 
-    With the healthy level h, the background's level :math:`b = h \, 10^{B/20}`, its share s in lines, the speed r over operating.speed,
-    noise n and shaft lines, mains and slot lines l of mean square 1, and the slow mean square P of a,
+    With the healthy level h, the background's level :math:`b = h \, 10^{B/20}`, its share s in lines, the speed r over that of the level,
+    noise n and shaft lines, mains and slot lines l of mean square 1, the slow mean square p of a in an axis and the mean P of both,
 
-    .. math:: a' = a + \sqrt{(1 - s) b^2 r^2 + c \max(0, P - h^2 r^2)} \, n + \sqrt{s} \, b \, l .
+    .. math:: a' = a + \sqrt{(1 - s) b^2 r^2 + c \, p \max(0, 1 - h^2 r^2 / P)} \, n + \sqrt{s} \, b \, l .
 
     The noise passes a housing of its own with the distributions of structure.housing, drawn by structure.seed and structure.mounting.
     """
@@ -65,13 +75,14 @@ class MachineBackground(Stage):
         self._active = background.healthy_level > 0.0 and structure.housing != "none"
         if not self._active:
             return
-        if setup.speed == 0.0:  # at the start; the shaft may stop later
+        self._speed = background.healthy_speed or abs(setup.speed)
+        if self._speed == 0.0:  # at the start; the shaft may stop later
             raise Refusal(
                 f"structure.healthy_level = {background.healthy_level:g} m/s^2 is a level at operating.speed, which is 0: give the speed "
-                "at which it was measured, or a level of 0"
+                "at which it was measured as structure.healthy_speed, or a level of 0"
             )
         level = background.healthy_level * 10.0 ** (background.background / 20.0)
-        self._healthy, self._floor, self._speed = background.healthy_level, background.floor, abs(setup.speed)
+        self._healthy, self._floor = background.healthy_level, background.floor
         self._noise_power = (1.0 - background.background_lines) * level**2
         self._line_level = math.sqrt(background.background_lines) * level
         self._random = random_stream(setup.seed, STREAM)
@@ -88,7 +99,7 @@ class MachineBackground(Stage):
     def problems(cls, parameters: Parameters, step_rate: int) -> Iterator[str]:
         structure, background = parameters[StructureParameters], parameters[MachineBackgroundParameters]
         if background.healthy_level == 0.0:
-            for key in ("background", "background_lines", "floor"):
+            for key in ("healthy_speed", "background", "background_lines", "floor"):
                 if (value := getattr(background, key)) != 0.0:
                     yield f"structure.{key} = {value:g} needs structure.healthy_level, the rms of the healthy bearing: give a level above 0"
             return
@@ -112,8 +123,12 @@ class MachineBackground(Stage):
         power = self._noise_power * ratio**2
         noise = self._noise.process(self._random.standard_normal(acceleration.shape))
         if self._floor > 0.0:
-            added = self._power.process(acceleration**2) - (self._healthy * ratio)[:, None] ** 2
-            noise *= np.sqrt(power[:, None] + self._floor * np.maximum(added, 0.0))
+            ticks = np.arange(span.first + 1, span.first + 1 + len(acceleration))
+            weights = -np.expm1(-ticks / (SMOOTHING_TIME * self.rate))  # of all ticks since the start; 1 after some seconds
+            powers = self._power.process(acceleration**2) / weights[:, None]
+            mean = np.maximum(powers.mean(axis=1), TINY)
+            added = np.maximum(1.0 - (self._healthy * ratio) ** 2 / mean, 0.0)  # its share in either axis
+            noise *= np.sqrt(power[:, None] + self._floor * added[:, None] * powers)
         else:
             noise *= np.sqrt(power)[:, None]
         if self._line_level > 0.0:

@@ -13,8 +13,9 @@ from hypothesis import strategies as st
 from dcrb_ros import Refusal, Simulation, load_configuration
 from dcrb_ros.bearing.runtime_change import altered
 from dcrb_ros.measurement.stage import Span
-from dcrb_ros.measurement.stages.machine_background import MachineBackground
+from dcrb_ros.measurement.stages.machine_background import MachineBackground, MachineBackgroundParameters
 from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.simulation.scenario import starting_configuration
 
 RATE = 102400.0
 LEVEL = 2.0
@@ -100,6 +101,34 @@ def test_the_floor_rises_with_the_added_power(floor: float, added: float) -> Non
     assert rms(extra) ** 2 == pytest.approx(expected, rel=0.1, abs=0.005 * floor * LEVEL**2)
 
 
+@pytest.mark.parametrize("added", [0.0, 3.0])
+def test_the_floor_is_that_of_both_axes_together_from_the_first_second_on(added: float) -> None:
+    """Axes of a healthy bearing with 1.6 and 0.4 times its power have no floor, and no axis of a damaged one waits for it."""
+    shares = np.array([1.6, 0.4])
+    ring = np.random.default_rng(5).normal(0.0, LEVEL * np.sqrt(1.0 + added), (round(0.5 * RATE), 2)) * np.sqrt(shares)
+    extra = after(stage(background=-60.0, floor=0.7), ring) - ring
+    floor = (extra**2).mean(axis=0) / (0.7 * LEVEL**2)  # with some 8 % of it above 20 kHz
+    assert floor == pytest.approx(added * shares, rel=0.15, abs=0.03)
+
+
+def test_the_level_holds_at_its_own_speed() -> None:
+    half = rms(after(stage(healthy_speed=0.5 * SPEED), still(1.0)))
+    assert half == pytest.approx(2.0 * rms(after(stage(), still(1.0))), rel=1e-9)
+
+
+def test_a_scenario_that_starts_slowly_keeps_the_speed_of_the_level() -> None:
+    bench = load_configuration("healthy", {"structure.healthy_level": LEVEL, "structure.housing": "axle_box"})
+    slow = starting_configuration({"start": {"operating": {"speed": -31.0}}}, bench, "run-up")
+    level = slow.measurement.parameters[MachineBackgroundParameters]
+    assert (level.healthy_speed, slow.operating.speed) == (bench.operating.speed, -31.0)
+    given = {"start": {"operating": {"speed": 31.0}, "structure": {"healthy_speed": 60.0}}}
+    assert starting_configuration(given, bench, "own").model_dump()["structure"]["healthy_speed"] == 60.0
+    without = load_configuration("healthy", {"structure.healthy_level": 0.0})
+    assert (
+        starting_configuration({"start": {"operating": {"speed": 31.0}}}, without, "off").model_dump()["structure"]["healthy_speed"] == 0.0
+    )
+
+
 @settings(deadline=None, max_examples=15)
 @given(st.lists(st.integers(1, 1500), min_size=1, max_size=6))
 def test_no_split_changes_a_bit(cuts: list[int]) -> None:
@@ -117,6 +146,7 @@ def test_no_split_changes_a_bit(cuts: list[int]) -> None:
     [
         ({"structure.background": 3.0}, "structure.background = 3 needs structure.healthy_level"),
         ({"structure.floor": 0.2}, "structure.floor = 0.2 needs structure.healthy_level"),
+        ({"structure.healthy_speed": 60.0}, "structure.healthy_speed = 60 needs structure.healthy_level"),
         ({"structure.healthy_level": 1.0, "structure.housing": "none"}, "needs a housing of the background"),
         (
             {"structure.healthy_level": 1.0, "structure.housing": "axle_box", "structure.bearing_share": 0.5},
@@ -133,4 +163,5 @@ def test_a_level_needs_a_speed_at_the_start_and_the_shaft_may_stop_later() -> No
     level = {"structure.healthy_level": 1.0, "structure.housing": "axle_box"}
     with pytest.raises(Refusal, match=r"a level at operating\.speed, which is 0: give the speed at which it was measured"):
         Simulation(load_configuration("healthy", {**level, "operating.speed": 0.0}))
+    Simulation(load_configuration("healthy", {**level, "operating.speed": 0.0, "structure.healthy_speed": 60.0}))
     assert altered(load_configuration("healthy", level), {"operating.speed": 0.0}).operating.speed == 0.0
