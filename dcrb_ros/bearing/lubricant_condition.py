@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import functools
 from typing import Any
 
 from dcrb_ros.core.laws import LUBRICATION_LAWS, lugre
 from dcrb_ros.core.laws.film import MICRO_SLIP
 from dcrb_ros.core.laws.lubricants import LAYERS, OIL_SHARES, lubricant_of
 from dcrb_ros.core.laws.site import Material
-from dcrb_ros.core.laws.viscosity import COLDEST, HOTTEST, Lubricant, dynamic_viscosity
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.oil_limits import most_viscosity
+from dcrb_ros.settings.oil_limits import held
 
 LAST_LAYER = 0.02e-6
 """Layer of a bearing that has lost all lubricant [m] (a choice)."""
@@ -21,24 +19,6 @@ DRY_FRICTION = 0.30
 """Friction coefficient of steel without lubricant, at asperities, bars and lands [-] (a choice)."""
 SMEARING = 0.016
 """Slip of asperities in rolling that smearing and skew add without lubricant [-] (a choice)."""
-
-
-@functools.lru_cache(maxsize=64)
-def coldest_flow(lubricant: Lubricant, law: str) -> float:
-    """Return the lowest temperature at which a law of lubrication takes a lubricant [deg C], within the range of the formulas."""
-    low, high = COLDEST, HOTTEST
-    most = most_viscosity(law)
-    if dynamic_viscosity(lubricant, low) <= most:
-        return low
-    for _ in range(50):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if dynamic_viscosity(lubricant, middle) > most else (low, middle)
-    return high
-
-
-def held(lubricant: Lubricant, law: str, temperature: float) -> float:
-    """Return a temperature within the range of the formulas for a lubricant and a law of lubrication [deg C]."""
-    return min(max(temperature, coldest_flow(lubricant, law)), HOTTEST)
 
 
 def remaining(configuration: Configuration, loss: float) -> dict[str, Any]:

@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterator
 
 from dcrb_ros.core.laws.calls import film_at, film_offset
 from dcrb_ros.core.laws.film import build
 from dcrb_ros.core.laws.lubricants import CUSTOM, lubricant_of
 from dcrb_ros.core.laws.site import Material
-from dcrb_ros.core.laws.viscosity import LEAST_VISCOSITY, dynamic_viscosity, pressure_coefficient, roelands_exponent
+from dcrb_ros.core.laws.viscosity import (
+    COLDEST,
+    HOTTEST,
+    LEAST_VISCOSITY,
+    Lubricant,
+    dynamic_viscosity,
+    pressure_coefficient,
+    roelands_exponent,
+)
 from dcrb_ros.settings.groups import ParameterGroups
 
 MOST_VISCOSITY = 100.0
@@ -25,6 +34,24 @@ PROPERTIES = ("viscosity_40", "viscosity_100", "density", "pressure_coefficient"
 def most_viscosity(law: str) -> float:
     """Return the largest viscosity that a law of lubrication takes [Pa s]."""
     return STIFFEST.get(law, MOST_VISCOSITY)
+
+
+@functools.lru_cache(maxsize=64)
+def coldest_flow(lubricant: Lubricant, law: str) -> float:
+    """Return the lowest temperature at which a law of lubrication takes a lubricant [deg C], within the range of the formulas."""
+    low, high = COLDEST, HOTTEST
+    most = most_viscosity(law)
+    if dynamic_viscosity(lubricant, low) <= most:
+        return low
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if dynamic_viscosity(lubricant, middle) > most else (low, middle)
+    return high
+
+
+def held(lubricant: Lubricant, law: str, temperature: float) -> float:
+    """Return a temperature within the range of the formulas for a lubricant and a law of lubrication [deg C]."""
+    return min(max(temperature, coldest_flow(lubricant, law)), HOTTEST)
 
 
 def oil_limits(c: ParameterGroups, material: Material) -> Iterator[str]:
@@ -79,13 +106,17 @@ def _state_of_oil(c: ParameterGroups) -> Iterator[str]:
 
 
 def _thick_films(c: ParameterGroups, material: Material) -> Iterator[str]:
-    """Compare the films at the speed of the shaft in pure rolling with the radial gap."""
-    b, oil = c.bearing, build(dict(c.lubrication), material)
+    """Compare the films at the speed of the shaft in pure rolling and the temperature of the start with the radial gap."""
+    b, values = c.bearing, dict(c.lubrication)
+    key, temperature = "lubrication.temperature", c.lubrication.temperature
+    if c.thermal.law == "network" and c.thermal.start == "cold":
+        key, temperature = "thermal.ambient", held(lubricant_of(values), c.lubrication.law, c.thermal.ambient)
+    oil = build(values | {"temperature": temperature}, material)
     surface = 0.5 * abs(c.operating.speed) * b.inner_raceway_radius
     speed = surface * b.outer_raceway_radius / (b.inner_raceway_radius + b.roller_radius)
     films = [film_offset(film_at(oil, number, speed)) for number in (0, 1)]
     if sum(films) >= b.radial_gap:
         yield (
-            f"bearing: films of {films[0]:.3g} m, {films[1]:.3g} m at lubrication.temperature = {c.lubrication.temperature:g} deg C fill "
+            f"bearing: films of {films[0]:.3g} m, {films[1]:.3g} m at {key} = {temperature:g} deg C fill "
             f"the radial gap of {b.radial_gap:.3g} m: raise the temperature, or take a thinner oil or layer"
         )

@@ -10,7 +10,6 @@ import numpy as np
 from dcrb_ros.bearing.axle_heat import ALONE, BoxTemperatures, Surroundings, box_temperatures
 from dcrb_ros.bearing.film_observation import friction_losses
 from dcrb_ros.bearing.heat_network import Conductances, Vector
-from dcrb_ros.bearing.lubricant_condition import held
 from dcrb_ros.bearing.quasi_steady import QuasiSteady, air_speed, lost_in_grease, raceway_conductance, seal_heat, vehicle_speed
 from dcrb_ros.bearing.thermal_fit import Growth, OilState, expansion, oil_state, oiled, resized, rounded, work_of_growth
 from dcrb_ros.core.contacts.films import entrainment_speeds
@@ -21,6 +20,7 @@ from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.simulated_time import nanoseconds
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.loaded_contacts import material_of
+from dcrb_ros.settings.oil_limits import held
 from dcrb_ros.simulation.failure import failure_at
 from dcrb_ros.simulation.opposite_box import OppositeBox
 from dcrb_ros.simulation.temperature_sensors import TemperatureSensors
