@@ -17,6 +17,7 @@ from dcrb_ros.calibration.simulated_bearing import rollers_of
 from dcrb_ros.core.laws import NORMAL_LAWS
 from dcrb_ros.core.laws.site import Material, inner_site, outer_site
 from dcrb_ros.core.solver.bodies import drift
+from dcrb_ros.core.solver.bound import push_share
 from dcrb_ros.prognosis.rating_life import dynamic_load_rating
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
@@ -54,6 +55,16 @@ def test_the_spherical_bearing_has_the_published_orders_of_its_type() -> None:
     # Of a FAG 22205-E1-K (doi:10.3390/s20123493; config/about/upm.yaml).
     orders = characteristic_orders(load_configuration("spherical_22205").bearing)
     assert tuple(orders.as_dict().values()) == pytest.approx((0.4123, 6.1852, 8.8148, 2.7015), rel=1e-3)
+
+
+@pytest.mark.parametrize("name", BENCHES)
+def test_rolling_resistance_pushes_by_the_radii_of_the_plane(name: str) -> None:
+    """2 R/r_R - 1 with both in the plane, so that a raceway takes the power 2 F_R |V|."""
+    bearing, payload = load_configuration(name).bearing, build_payload(load_configuration(name))
+    share = getattr(push_share, "py_func", push_share)
+    for site, raceway in ((payload.inner, bearing.inner_raceway_radius), (payload.outer, -bearing.outer_raceway_radius)):
+        reduced = 1.0 / (1.0 / bearing.roller_radius + 1.0 / raceway)
+        assert share(payload, site) == pytest.approx(2.0 * reduced / bearing.roller_radius - 1.0, rel=1e-9)
 
 
 @pytest.mark.parametrize("name", BENCHES)

@@ -16,8 +16,11 @@ from dcrb_ros.core.payload import Payload
 
 @piece
 def push_share(payload: Payload, site: Site) -> float:
-    """Return by how much the film's resistance to rolling F_R pushes a roller along the raceway, 2 R/r_R - 1 [-]."""
-    share: float = 2.0 * site.reduced_radius / payload.roller_radius - 1.0
+    """Return by how much the film's resistance to rolling F_R pushes a roller along the raceway, 2 R cos(alpha)/r_R - 1 [-].
+
+    R is the reduced radius along the line of contact, r_R that of the roller in the plane.
+    """
+    share: float = 2.0 * site.reduced_radius * payload.spin_share / payload.roller_radius - 1.0
     return share
 
 
