@@ -20,8 +20,10 @@ class Notch(Fault):
         """Whether the notch has a width."""
         return self.width > 0.0
 
-    def too_wide(self, key: str, limit: float, what: str) -> Iterator[str]:
-        """Yield a sentence if the width is not below a ``limit`` [m], the size of ``what``."""
+    def without_place(self, key: str, limit: float, what: str) -> Iterator[str]:
+        """Yield a sentence if there is a width without a depth, and if the width is not below a ``limit`` [m], the size of ``what``."""
+        if self.depth == 0.0:
+            yield f"faults.{key}.depth = 0 m is no damage, but faults.{key}.width = {self.width:g} m: give a depth above 0, or a width of 0"
         if self.width >= limit:
             yield f"faults.{key}.width = {self.width:g} m is not below the {what} of {limit:.4g} m: {LENGTH_REMEDY}"
 

@@ -59,8 +59,8 @@ class RacewayDefect(Notch):
     )
 
     def problems(self, key: str, bearing: Dimensions) -> Iterator[str]:
-        """Refuse a notch wider than the pitch of the rollers, and one in a missing row."""
-        yield from self.too_wide(key, 2.0 * math.pi * self._raceway(bearing) / bearing.rollers_per_row, "pitch")
+        """Refuse a notch without depth or wider than the pitch of the rollers, and one in a missing row."""
+        yield from self.without_place(key, 2.0 * math.pi * self._raceway(bearing) / bearing.rollers_per_row, "pitch")
         if self.row > bearing.rows:
             yield f"faults.{key}.row = {self.row} is outside 0 .. {bearing.rows}: the bearing has {bearing.rows} row(s), 0 means all"
 
@@ -68,7 +68,7 @@ class RacewayDefect(Notch):
         """Yield the width of the notch on its raceway, or the reach of other damage at each of its places."""
         shape = SHAPES.get(self.kind)
         width = 2.0 * shape.reach(self) if shape else self.width
-        for copy in (shape.places if shape else one_place)(self.azimuth, 2.0 * math.pi / bearing.rollers_per_row):
+        for copy in (shape.places if shape else one_place)(2.0 * math.pi / bearing.rollers_per_row):
             yield Footprint(self.component, self.row, 0, self.azimuth + copy.angle, width, self._raceway(bearing))
 
     def described(self, key: str) -> dict[str, dict[str, float]]:
@@ -94,7 +94,7 @@ class RacewayDefect(Notch):
         x = np.asarray(SAMPLING * np.arange(-half, half + 1), np.float64)
         heights = np.where(np.abs(x) <= shape.reach(self), shape.heights(x, self, np.random.default_rng(self.seed)), 0.0)
         share = self.share or shape.share(self, bearing.roller_length)
-        for copy in shape.places(self.azimuth, 2.0 * math.pi / bearing.rollers_per_row):
+        for copy in shape.places(2.0 * math.pi / bearing.rollers_per_row):
             at = self.azimuth + copy.angle
             yield SurfaceHeights(self.component, self.row - 1, (copy.scale * heights).tolist(), at, SAMPLING, min(share, 1.0))
 

@@ -20,7 +20,7 @@ def heights(x: Floats, marks: Marks, random: np.random.Generator) -> Floats:
     return np.asarray(np.where(inside, -0.5 * marks.depth * (1.0 + np.cos(2.0 * math.pi * x / marks.width)), 0.0))
 
 
-def places(azimuth: float, pitch: float) -> Iterator[Place]:
+def places(pitch: float) -> Iterator[Place]:
     """Yield every roller's place within a quarter turn of the azimuth."""
     for k in range(-int(0.5 * math.pi / pitch), int(0.5 * math.pi / pitch) + 1):
         scale = math.cos(k * pitch) ** LOAD_EXPONENT if abs(k * pitch) < 0.5 * math.pi else 0.0

@@ -35,7 +35,7 @@ class Place(NamedTuple):
     """Factor on the depth [-]."""
 
 
-def one_place(azimuth: float, pitch: float) -> Iterator[Place]:
+def one_place(pitch: float) -> Iterator[Place]:
     """Yield the defect's azimuth."""
     yield Place(0.0, 1.0)
 
@@ -55,8 +55,8 @@ class Shape:
     """Function (marks, length): share of a roller's length [m] that the damage takes, unless the user gives one [-]."""
     reach: Callable[[Marks], float]
     """Function (marks): distance from the middle at which the damage ends [m]."""
-    places: Callable[[float, float], Iterator[Place]] = one_place
-    """Function (azimuth, pitch): the places of the shape, for a defect at an azimuth and rollers a pitch apart [rad]."""
+    places: Callable[[float], Iterator[Place]] = one_place
+    """Function (pitch): the places of the shape, for rollers a pitch apart [rad]."""
 
 
 def half_width(marks: Marks) -> float:
