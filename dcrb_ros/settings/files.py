@@ -168,7 +168,7 @@ def _in_other_unit(key: str, value: object) -> str:
     unit = key.lower().rpartition(".")[2].removeprefix("speed_")
     if unit not in OTHER_UNITS:
         return ""
-    number = float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else 1.0
+    number = float(value) if isinstance(value, (int, float)) and abs(value) < sys.float_info.max and not isinstance(value, bool) else 1.0
     return f"; speeds are in rad/s: {number:g} {unit.replace('hz', 'Hz')} is {SPEED}={number * OTHER_UNITS[unit]:.6g}"
 
 

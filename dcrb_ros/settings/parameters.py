@@ -13,7 +13,7 @@ from typing import Any, Literal
 from pydantic import model_validator
 
 from dcrb_ros.schema.fields import LENGTH_REMEDY, Group, choice, length, quantity
-from dcrb_ros.settings.vehicle_speed import FASTEST_KMH, with_shaft_speed
+from dcrb_ros.settings.vehicle_speed import FASTEST_KMH, LARGEST_WHEEL, with_shaft_speed
 
 COMMANDED = {"operating.speed": "command/speed", "operating.load": "command/load", "operating.lateral_load": "command/load"}
 """Parameters that are changed by commands while a node runs, and the topics of these commands."""
@@ -181,9 +181,11 @@ class Operating(Group):
         -FASTEST_KMH,
         FASTEST_KMH,
     )
-    wheel_diameter: float = quantity(0.92, "m", "Diameter of the wheels on the shaft", 0.05, 5.0, symbol="D", remedy=LENGTH_REMEDY)
-    speed_ramp: float = quantity(50.0, "rad/s^2", "Rate at which the speed changes to a commanded one", 0.001, 1e5, run_time=True)
-    load_ramp: float = quantity(2e5, "N/s", "Rate at which the load changes to a commanded one, per axis", 1.0, 1e9, run_time=True)
+    wheel_diameter: float = quantity(
+        0.92, "m", "Diameter of the wheels on the shaft", 0.05, LARGEST_WHEEL, symbol="D", remedy=LENGTH_REMEDY
+    )
+    speed_ramp: float = quantity(50.0, "rad/s^2", "Rate at which the speed changes to a commanded one", 1e-6, 1e5, run_time=True)
+    load_ramp: float = quantity(2e5, "N/s", "Rate at which the load changes to a commanded one, per axis", 0.001, 1e9, run_time=True)
     speed_fluctuation: float = quantity(
         0.0,
         "-",

@@ -11,6 +11,8 @@ from typing import Any
 SPEED, SPEED_KMH, WHEEL_DIAMETER = "operating.speed", "operating.speed_kmh", "operating.wheel_diameter"
 FASTEST_KMH = 1000.0
 """Largest speed of a vehicle [km/h]."""
+LARGEST_WHEEL = 5.0
+"""Largest diameter of a wheel [m]."""
 
 
 def shaft_speed(kmh: float, wheel_diameter: float) -> float:
@@ -41,4 +43,4 @@ def converted(kmh: Any, wheel_diameter: Any) -> float | None:
     """Return the shaft's speed [rad/s], or None without a speed in km/h, or with values that are not numbers within their ranges."""
     if not all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in (kmh, wheel_diameter)):
         return None
-    return shaft_speed(kmh, wheel_diameter) if 0.0 < abs(kmh) <= FASTEST_KMH and wheel_diameter > 0.0 else None
+    return shaft_speed(kmh, wheel_diameter) if 0.0 < abs(kmh) <= FASTEST_KMH and 0.0 < wheel_diameter <= LARGEST_WHEEL else None

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from dcrb_ros.bearing.runtime_change import altered
-from dcrb_ros.measurement.stages.machine_background import MachineBackgroundParameters
+from dcrb_ros.measurement.stages.machine_background import MachineBackgroundParameters, speed_of_level
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import changed, flatten
@@ -126,7 +126,7 @@ def starting_configuration(tree: Any, configuration: Configuration, source: str)
     A level of the healthy bearing keeps the speed of ``configuration``.
 
     Raises:
-        Refusal: a key is not in one of `START_GROUPS`, or a value is invalid.
+        Refusal: a key is not in one of `START_GROUPS`, a value is invalid, or a bench at rest has a level without a speed.
     """
     start = tree.get("start", {}) if isinstance(tree, Mapping) else {}
     if not isinstance(start, Mapping):
@@ -140,10 +140,10 @@ def starting_configuration(tree: Any, configuration: Configuration, source: str)
     if not values:
         return configuration
     starting = changed(configuration, values, f"{source}: start")
-    structure = starting.measurement.parameters[MachineBackgroundParameters]
-    if structure.healthy_level == 0.0 or structure.healthy_speed > 0.0:
+    background = starting.measurement.parameters[MachineBackgroundParameters]
+    if background.healthy_level == 0.0:
         return starting
-    return changed(starting, {"structure.healthy_speed": abs(configuration.operating.speed)}, source)
+    return changed(starting, {"structure.healthy_speed": speed_of_level(background, configuration.operating.speed)}, source)
 
 
 def _values(tree: Mapping[Any, Any], configuration: Configuration, source: str) -> dict[str, Any]:
@@ -263,9 +263,14 @@ def _steps(entry: Entry) -> int:
 
 
 def _refuse_overlaps(entries: Sequence[Entry]) -> None:
-    """Refuse an entry that sets a key which another entry is still changing: one of the two would have no effect."""
+    """Refuse an entry that sets a key which another entry sets at the same time or is still changing: one would have no effect."""
     changing: dict[str, Entry] = {}
+    changed_at: dict[tuple[str, int], Entry] = {}
     for entry in entries:
+        for key in entry.values if not entry.gradual else ():
+            if other := changed_at.get((key, entry.first)):
+                raise Refusal(f"{entry.source}: it sets {key} at {entry.at:g} s, as {other.source} does; leave out one of them")
+            changed_at[key, entry.first] = entry
         for key in sorted(entry.keys & set(changing)):
             other = changing[key]
             if entry.first < other.last:

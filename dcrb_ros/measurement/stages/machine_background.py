@@ -56,6 +56,20 @@ class MachineBackgroundParameters(Group):
     )
 
 
+def speed_of_level(background: MachineBackgroundParameters, speed: float) -> float:
+    """Return the speed at which the level of the healthy bearing holds, for a bench that starts at ``speed`` [rad/s].
+
+    Raises:
+        Refusal: none is given, and the bench starts at rest.
+    """
+    if background.healthy_speed == speed == 0.0:  # the shaft may stop later
+        raise Refusal(
+            f"structure.healthy_level = {background.healthy_level:g} m/s^2 is a level at operating.speed, which is 0: give the speed "
+            "at which it was measured as structure.healthy_speed, or a level of 0"
+        )
+    return background.healthy_speed or abs(speed)
+
+
 class MachineBackground(Stage):
     r"""Adds noise and lines to the acceleration a behind the path.
 
@@ -75,12 +89,7 @@ class MachineBackground(Stage):
         self._active = background.healthy_level > 0.0 and structure.housing != "none"
         if not self._active:
             return
-        self._speed = background.healthy_speed or abs(setup.speed)
-        if self._speed == 0.0:  # at the start; the shaft may stop later
-            raise Refusal(
-                f"structure.healthy_level = {background.healthy_level:g} m/s^2 is a level at operating.speed, which is 0: give the speed "
-                "at which it was measured as structure.healthy_speed, or a level of 0"
-            )
+        self._speed = speed_of_level(background, setup.speed)
         level = background.healthy_level * 10.0 ** (background.background / 20.0)
         self._healthy, self._floor = background.healthy_level, background.floor
         self._noise_power = (1.0 - background.background_lines) * level**2

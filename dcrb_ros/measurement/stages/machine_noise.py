@@ -60,8 +60,14 @@ class MachineNoise(Stage):
 
     @classmethod
     def problems(cls, parameters: Parameters, step_rate: int) -> Iterator[str]:
-        for key, text in _paths(parameters[MachineNoiseParameters]).items():
+        noise = parameters[MachineNoiseParameters]
+        for key, text in _paths(noise).items():
             yield from problems_of(key, text, step_rate)
+        if noise.bearing_share < 1.0 and noise.noise_x == noise.noise_y == 0.0:
+            yield (
+                f"structure.bearing_share = {noise.bearing_share:g} leaves the rest to noise of the machine, which has no level: give "
+                "structure.noise_x and noise_y, or a share of 1"
+            )
 
     @property
     def active(self) -> bool:

@@ -34,9 +34,10 @@ class SignalFault(Stage):
         before, self._sensor = self._sensor, parameters[Accelerometer]
         if self._sensor.present_fault != self._fault:
             self._onset, self._spike_shape = tick, self._new_spike_shape()
-        elif self._sensor.fault_time != before.fault_time:  # a drift continues from the share that it has reached
-            reached = min((tick - self._onset) / (before.fault_time * self.rate), 1.0)
-            self._onset = tick - reached * self._sensor.fault_time * self.rate
+        elif (self._sensor.fault_time, self._sensor.fault_severity) != (before.fault_time, before.fault_severity):
+            lost = before.fault_severity * min((tick - self._onset) / (before.fault_time * self.rate), 1.0)
+            reached = min(lost / self._sensor.fault_severity, 1.0) if self._sensor.fault_severity > 0.0 else 1.0
+            self._onset = tick - reached * self._sensor.fault_time * self.rate  # a drift continues from the loss that it has reached
         self._fault = self._sensor.present_fault
 
     @property

@@ -77,8 +77,11 @@ def test_a_drifting_gain_falls_in_a_straight_line_from_its_onset() -> None:
     late = stage(SignalFault)
     late.set_parameters(changed(chain(), fault="gain_drift", fault_time=0.01), 300)
     assert through(late, np.ones((10, 2)), 300)[:, 0] == pytest.approx(1.0 - np.arange(10) / 512.0)
-    late.set_parameters(changed(chain(), fault="gain_drift", fault_time=0.01, fault_severity=0.5), 310)  # the onset stays
-    assert through(late, np.ones((10, 2)), 310)[:, 0] == pytest.approx(1.0 - 0.5 * np.arange(10, 20) / 512.0)
+    # The loss stays, a fiftieth, and grows with the slope of the new severity.
+    late.set_parameters(changed(chain(), fault="gain_drift", fault_time=0.01, fault_severity=0.5), 310)
+    assert through(late, np.ones((10, 2)), 310)[:, 0] == pytest.approx(1.0 - (10.0 + 0.5 * np.arange(10)) / 512.0)
+    late.set_parameters(changed(chain(), fault="gain_drift", fault_time=0.01, fault_severity=0.01), 320)  # less than is lost already
+    assert through(late, np.ones((10, 2)), 320)[:, 0] == pytest.approx(np.full(10, 0.99))
 
 
 @pytest.mark.parametrize(("axis", "gains"), [("both", [0.75, 0.75]), ("x", [0.75, 1.0]), ("y", [1.0, 0.75])])

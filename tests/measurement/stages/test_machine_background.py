@@ -123,10 +123,11 @@ def test_a_scenario_that_starts_slowly_keeps_the_speed_of_the_level() -> None:
     assert (level.healthy_speed, slow.operating.speed) == (bench.operating.speed, -31.0)
     given = {"start": {"operating": {"speed": 31.0}, "structure": {"healthy_speed": 60.0}}}
     assert starting_configuration(given, bench, "own").model_dump()["structure"]["healthy_speed"] == 60.0
-    without = load_configuration("healthy", {"structure.healthy_level": 0.0})
-    assert (
-        starting_configuration({"start": {"operating": {"speed": 31.0}}}, without, "off").model_dump()["structure"]["healthy_speed"] == 0.0
-    )
+    off = starting_configuration({"start": {"operating": {"speed": 31.0}}}, load_configuration("healthy"), "off")
+    assert off.model_dump()["structure"]["healthy_speed"] == 0.0
+    resting = load_configuration("healthy", {"structure.healthy_level": 1.0, "structure.housing": "axle_box", "operating.speed": 0.0})
+    with pytest.raises(Refusal, match=r"a level at operating\.speed, which is 0"):
+        starting_configuration({"start": {"operating": {"speed": 31.0}}}, resting, "run-up")
 
 
 @settings(deadline=None, max_examples=15)
