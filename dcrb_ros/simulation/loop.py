@@ -95,11 +95,12 @@ class Simulation:
         of_type(Surroundings)("surroundings", surroundings)
         self._waveform_only = waveform_only
         self.configuration = configuration
-        """The present configuration, with the changes that have taken effect."""
+        """The present configuration, with the changes that have taken effect, but not the commands of speed and load."""
         self._scheduled = deque(checked_changes(scenario))
         self._truth = PresentTruth(configuration)
         self.bodies: BodyNames = body_names(configuration)
         self._heating = Heating(configuration, surroundings)
+        self._assembled = configuration.operating
         self._payload = self._heating.begin(configuration, build_payload(configuration))
         self._state = initial_state(configuration, self._payload)
         self._work = workspace(self._payload)
@@ -288,7 +289,9 @@ class Simulation:
             return Refused(request, str(refusal))
         before, self.configuration, present = self.configuration, after, self._payload.speed_ramp
         if after.faults.damaging != before.faults.damaging:
-            self._payload = self._heating.refit(after, refitted(after, self._payload, self._state), self._state)
+            # Axial preload and the width of the contacts are those of the assembly, whatever load and speed act now.
+            damaged = after.model_copy(update={"operating": self._assembled})
+            self._payload = self._heating.refit(after, refitted(damaged, self._payload, self._state), self._state)
             self._work = workspace(self._payload)
         self._truth.change(after, self._steps / after.step_rate)
         self._payload = self._drive.with_ramps(self._payload, after.operating, present)

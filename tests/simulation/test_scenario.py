@@ -11,6 +11,8 @@ import pytest
 import yaml
 from same_process import dcrb
 
+from dcrb_ros.bearing.payload import build_payload
+from dcrb_ros.core.contacts.heights import unpacked
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
@@ -106,6 +108,10 @@ def test_a_change_takes_effect_at_the_first_step_at_or_after_its_time() -> None:
             r"operating.speed_kmh = 'fast' km/h is not a number within -1000",
         ),
         ({"timeline": [{"at": 1.0, "set": {"operating.speed_kmh": 9.0, "operating.speed": 1.0}}]}, "give one of them"),
+        (
+            {"timeline": [{"at": 1.0, "set": {"operating.speed": 9.0}}, {"at": 1.0, "set": {"operating.speed": 8.0}}]},
+            "entry 2: it sets operating.speed at 1 s, as .*entry 1 does; leave out one of them",
+        ),
         ({"timeline": [{"at": 1.0, "over": 1.0, "set": {"faults.outer_1.row": 1}}]}, "cannot change gradually .* leave out 'over'"),
         (
             {
@@ -424,3 +430,24 @@ timeline:
     speed, width = ({hundredths: values[k] for hundredths, values in truth.items()} for k in range(2))
     assert (speed[4], speed[8], speed[19]) == pytest.approx((130.0, 110.0, 110.0))
     assert (width[9], width[12], width[16]) == pytest.approx((0.0015, 0.0005, 0.003))
+
+
+def test_a_change_that_takes_most_of_an_hour_is_planned() -> None:
+    entries = [{"at": 0.0, "over": 3000.0, "set": {"operating.speed": 126.0, "operating.load": 100500.0}}]
+    first, *_ = scheduled_changes({"timeline": entries}, load_configuration("healthy"), "slow")
+    assert first.changes["operating.speed_ramp"] == pytest.approx(0.336 / 3000.0)
+    assert first.changes["operating.load_ramp"] == pytest.approx(500.0 / 3000.0)
+
+
+@pytest.mark.parametrize("command", [{"operating.load": 100.0}, {"operating.speed": 60.0}])
+def test_a_defect_after_another_load_or_speed_leaves_the_preload_of_the_assembly(command: dict[str, float]) -> None:
+    """The onset of a defect of 10 um that no ball touches has no impact; the rings jumped by the change of the interference."""
+    bench = load_configuration("ball_bearing_6205", {"impacts.axial_share": 0.3})
+    timeline = [{"at": 0.01, "set": command}, {"at": 0.05, "set": {"faults.outer_1.width": 1e-5, "faults.outer_1.azimuth": 1.57}}]
+    simulation = Simulation(bench, scheduled_changes({"timeline": timeline}, bench, "assembly"), waveform_only=True)
+    list(simulation.blocks(0.04))
+    before = simulation._payload
+    list(simulation.blocks(0.02))
+    assert simulation._payload is not before
+    after, assembled = (np.median(unpacked(payload.surfaces.raceways)[0][1]) for payload in (simulation._payload, build_payload(bench)))
+    assert after == assembled
