@@ -8,11 +8,11 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from dcrb_ros.bearing.payload import cage_speed
 from dcrb_ros.core.laws.lubricants import lubricant_of
 from dcrb_ros.core.laws.viscosity import kinematic_viscosity
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.settings.loaded_contacts import cage_speed
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.text.markdown import table
 from dcrb_ros.validation.friction_moment import friction_moment

@@ -24,7 +24,7 @@ from dcrb_ros.measurement.filter_cache import cached_at_start
 from dcrb_ros.measurement.random_streams import random_stream
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.loaded_contacts import material_of
+from dcrb_ros.settings.loaded_contacts import cage_speed, material_of
 from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.stream.states import BodyNames
 
@@ -184,13 +184,6 @@ def build_payload(configuration: Configuration) -> Payload:
         speed_ramp=c.operating.speed_ramp,
         load_ramp=c.operating.load_ramp,
     )
-
-
-def cage_speed(configuration: Configuration, shaft_speed: float) -> float:
-    """Return the cage speed for pure rolling [rad/s]: with rollers pinned at the pitch radius, or free on the inner raceway."""
-    b = configuration.bearing
-    orbit = b.pitch_radius if configuration.cage.joint == "revolute" else b.inner_raceway_radius + b.roller_radius
-    return shaft_speed * b.inner_raceway_radius / (2.0 * orbit)
 
 
 def roller_spin(bearing: Bearing, shaft_speed: float) -> float:

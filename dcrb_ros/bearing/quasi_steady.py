@@ -25,7 +25,7 @@ from dcrb_ros.core.laws.viscosity import density
 from dcrb_ros.core.observation import LOADED_FORCE
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.loaded_contacts import load_and_weight, material_of
+from dcrb_ros.settings.loaded_contacts import cage_speed, load_and_weight, material_of
 
 Heat = tuple[float, float, float]
 """Of a row: at the inner raceway, at the outer one, and the rest (cage, oil about the rollers, seals) [W]."""
@@ -102,8 +102,7 @@ class QuasiSteady:
         speed = c.operating.speed if speed is None else speed
         carried = load_and_weight(c) if load is None else load
         gap = b.radial_gap - c.faults.condition.clearance if clearance is None else clearance
-        on = b.pitch_radius if c.cage.joint == "revolute" else b.inner_raceway_radius + b.roller_radius
-        orbit = speed * b.inner_raceway_radius / (2.0 * on)
+        orbit = cage_speed(c, speed)
         inner = roller_forces(c, carried, gap)
         outer = inner + b.roller_mass * orbit**2 * b.pitch_radius
         rolling = (orbit - speed) * b.inner_raceway_radius, orbit * b.outer_raceway_radius
@@ -177,6 +176,7 @@ class QuasiSteady:
         if law_of(oil).has_cage_oil and has_cage_oil(oil):
             orbit = abs(running.orbit)
             radius = c.cage.land_radius or 0.5 * (b.pitch_radius + b.outer_raceway_radius)
-            rest += churning(oil) * (orbit * b.pitch_radius) ** 3 * b.rollers_per_row
+            if c.cage.joint == "pocket":  # pinned rollers are not dragged
+                rest += churning(oil) * (orbit * b.pitch_radius) ** 3 * b.rollers_per_row
             rest += land_torque(oil, c.cage.land_clearance, radius) * orbit**2
         return float(rest)

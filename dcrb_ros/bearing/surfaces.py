@@ -236,9 +236,3 @@ def _between_packed(tables: Integers, angles: Floats) -> Floats:
     at, way = _places(angles, nodes)
     before, after = (unpacked(np.take_along_axis(tables, i, axis=-1)) for i in (at, at + 1))
     return _curve(before[0], after[0], before[1], after[1], nodes, way)
-
-
-def between_nodes(heights: Floats, slopes: Floats, angles: Floats) -> Floats:
-    """Return heights [m] at angles [rad] of heights [m] and slopes [m/rad] over a turn, its first node again at the end."""
-    at, way = _places(angles, len(heights) - 1)
-    return _curve(heights[at], heights[at + 1], slopes[at], slopes[at + 1], len(heights) - 1, way)

@@ -21,7 +21,7 @@ from dcrb_ros.measurement.random_streams import random_stream
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.impacts import OFF
-from dcrb_ros.settings.loaded_contacts import contact_stiffness, heaviest, load_and_weight, material_of
+from dcrb_ros.settings.loaded_contacts import cage_speed, contact_stiffness, heaviest, load_and_weight, material_of
 
 LEAST_FASTEST = 200.0
 """Speed of the shaft up to which errors of times are never cut off [rad/s]: they need room beside the damage before it is met."""
@@ -51,16 +51,9 @@ class UnequalDamage(NamedTuple):
     """How high damage rises [m]."""
 
 
-def orbit_ratio(c: Configuration) -> float:
-    """Return the speed of the cage over that of the shaft in pure rolling [-]."""
-    b = c.bearing
-    orbit = b.pitch_radius if c.cage.joint == "revolute" else b.inner_raceway_radius + b.roller_radius
-    return b.inner_raceway_radius / (2.0 * orbit)
-
-
 def unequal_damage(c: Configuration, damage: Sequence[Damage]) -> UnequalDamage:
     """Return damage in tables of its own."""
-    b, ratio = c.bearing, orbit_ratio(c)
+    b, ratio = c.bearing, cage_speed(c, 1.0)
     parts = np.zeros((2, b.rows, RACEWAY_NODES, 4))
     most = MOST_DEVIATION * c.impacts.time_spread * max(abs(c.operating.speed), LEAST_FASTEST)
     reach = most * np.array([1.0 - ratio, ratio])
@@ -145,7 +138,7 @@ def impacts_of(c: Configuration, damaged: UnequalDamage, raceways: Integers, rol
         by_mean=1.0 / mean_strength(elements, shaft, white),
         time_spread=i.time_spread,
         memory=i.spin_memory,
-        orbit=orbit_ratio(c),
+        orbit=cage_speed(c, 1.0),
         reach=damaged.reach,
         seed=int(random_stream(seed, "impacts").integers(2**31)),
     )
@@ -172,7 +165,7 @@ def track_of_marks(c: Configuration, marked: Sequence[RollerNotch]) -> tuple[Flo
 
 def film_thicknesses(c: Configuration) -> float:
     """Return the sum of the films by which both raceways hold a rolling element away at the configured speed [m]."""
-    b, ratio = c.bearing, orbit_ratio(c)
+    b, ratio = c.bearing, cage_speed(c, 1.0)
     oil, speed = LUBRICATION_LAWS[c.lubrication.law].build(dict(c.lubrication), material_of(b)), c.operating.speed
     speeds = (ratio - 1.0) * speed * b.inner_raceway_radius, ratio * speed * b.outer_raceway_radius
     return sum(float(film_offset(film_at(oil, raceway, entrained))) for raceway, entrained in enumerate(speeds))

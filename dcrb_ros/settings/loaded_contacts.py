@@ -1,4 +1,4 @@
-"""What presses on the contacts of a loaded bearing, and how stiff they are: estimates for the checks of a configuration."""
+"""What presses on the contacts of a bearing, how stiff they are, and how fast its cage is in pure rolling."""
 
 from __future__ import annotations
 
@@ -29,3 +29,10 @@ def contact_stiffness(c: ParameterGroups, force: float) -> float:
     """Return the stiffness [N/m] of a roller's contact with the inner raceway under a normal force [N]."""
     law = NORMAL_LAWS[c.contact.law]
     return float(law.stiffness(law.build(dict(c.contact), material_of(c.bearing)), force, inner_site(material_of(c.bearing))))
+
+
+def cage_speed(c: ParameterGroups, shaft_speed: float) -> float:
+    """Return the cage speed for pure rolling [rad/s]: with rollers pinned at the pitch radius, or free on the inner raceway."""
+    b = c.bearing
+    orbit = b.pitch_radius if c.cage.joint == "revolute" else b.inner_raceway_radius + b.roller_radius
+    return shaft_speed * b.inner_raceway_radius / (2.0 * orbit)

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.bearing.payload import cage_speed
 from dcrb_ros.schema.arrays import Floats, Samples
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.settings.loaded_contacts import cage_speed
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.stream.states import Account
 from dcrb_ros.validation.report_row import ReportRow

@@ -14,9 +14,10 @@ from scipy import signal
 
 from dcrb_ros.bearing.equilibrium import roller_forces, static_equilibrium
 from dcrb_ros.bearing.frequencies import characteristic_orders
-from dcrb_ros.bearing.payload import build_payload, cage_speed
+from dcrb_ros.bearing.payload import build_payload
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.settings.loaded_contacts import cage_speed
 from dcrb_ros.simulation.loop import Simulation
 
 JOINTS = ("revolute", "pocket")

@@ -9,9 +9,10 @@ import pytest
 
 from dcrb_ros.bearing.cage_rest import settled_cages
 from dcrb_ros.bearing.equilibrium import Rest, static_equilibrium
-from dcrb_ros.bearing.payload import build_payload, cage_speed
+from dcrb_ros.bearing.payload import build_payload
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.loaded_contacts import cage_speed
 from dcrb_ros.simulation.loop import Simulation
 
 

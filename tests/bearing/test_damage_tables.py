@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 from even_surfaces import EVEN
+from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import brentq
 
 from dcrb_ros.bearing.contact_path import envelope, reduced_radii
 from dcrb_ros.bearing.damage_tables import RACEWAY_NODES
 from dcrb_ros.bearing.payload import build_payload
-from dcrb_ros.bearing.surfaces import between_nodes
 from dcrb_ros.core.contacts.heights import TURN, interpolated, unpacked
 from dcrb_ros.core.solver.step import advance
 from dcrb_ros.schema.arrays import Floats
@@ -106,7 +106,8 @@ def test_a_spall_that_grows_under_a_roller_relieves_it_by_the_stiffness_of_its_c
     for each in (grown, same):
         # The first step: the roller gives way within the next ones.
         advance(each._payload, each._state, each._work, np.empty((1, 2)), np.empty(1))
-        heights.append(float(between_nodes(*unpacked(each._payload.surfaces.raceways[1, at[0]]), azimuths(each)[at])))
+        nodes = unpacked(each._payload.surfaces.raceways[1, at[0]])
+        heights.append(float(CubicHermiteSpline(SPACING * np.arange(RACEWAY_NODES + 1), *nodes)(azimuths(each)[at] % TURN)))
     change = float((grown._state.outer_force - same._state.outer_force)[at] / (heights[0] - heights[1]))
     assert 0.82e9 < change < 1.9e9  # [N/m]
 

@@ -9,9 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dcrb_ros.bearing.frequencies import Orders, characteristic_orders
-from dcrb_ros.bearing.payload import cage_speed, roller_spin
+from dcrb_ros.bearing.payload import roller_spin
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.loaded_contacts import cage_speed
 from dcrb_ros.settings.parameters import Bearing
 
 PAPER = Configuration.model_validate({"cage": {"joint": "revolute"}})

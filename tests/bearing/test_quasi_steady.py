@@ -10,6 +10,7 @@ import pytest
 
 from dcrb_ros.bearing.heat_network import contact_conductance
 from dcrb_ros.bearing.load_distribution import roller_forces
+from dcrb_ros.bearing.lubricant_condition import lubrication_at
 from dcrb_ros.bearing.quasi_steady import QuasiSteady, raceway_conductance
 from dcrb_ros.bearing.thermal_fit import Growth, expansion, work_of_growth
 from dcrb_ros.core.laws.site import inner_site
@@ -163,3 +164,13 @@ def test_contacts_with_a_raceway_conduct_side_by_side() -> None:
     loaded = contact_conductance(2.966e-4, 0.048, 5.75) + contact_conductance(1.712e-4, 0.048, 5.75)
     found = raceway_conductance(np.array([30e3, 10e3, 20.0, 0.0]), site, 0.048, 5.75)
     assert found == pytest.approx(loaded + 0.448 + 2.0, rel=1e-3)  # an idle contact, and grease [W/K]
+
+
+def test_pinned_rollers_lose_nothing_to_the_oil_about_them() -> None:
+    """Of oil about the cage the lands remain, docs/explanation/lubrication.md."""
+    oiled = {"lubrication.law": "film_with_cages", "thermal.law": "network"}
+    lost = []
+    for joint in ("pocket", "revolute"):
+        steady = QuasiSteady(load_configuration("dry", {**oiled, "cage.joint": joint}))
+        lost.append(steady._rest(lubrication_at(steady.configuration, steady._material, 0.0, 60.0, 60.0), steady.running(), 0.0))
+    assert 1.0 < lost[0] - lost[1] < 100.0

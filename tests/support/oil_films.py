@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from dcrb_ros.bearing.payload import cage_speed
 from dcrb_ros.core.laws.film import Film, Oil, build, film_at, film_memory, film_resistance, film_steady
 from dcrb_ros.core.laws.lugre import LuGre
 from dcrb_ros.core.laws.site import Site, inner_site, outer_site
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.loaded_contacts import material_of
+from dcrb_ros.settings.loaded_contacts import cage_speed, material_of
 
 FLOODED = 1e-3
 """A layer so thick that the contacts are flooded [m]."""

@@ -78,9 +78,3 @@ def pressure_coefficient(lubricant: Lubricant, temperature: float) -> float:
 def roelands_exponent(viscosity: float, alpha: float) -> float:
     """Return Roelands' Z [-] of a viscosity [Pa s] and a pressure coefficient [1/Pa]."""
     return alpha * ROELANDS_PRESSURE / (math.log(viscosity) + ROELANDS_OFFSET)
-
-
-def viscosity_under(viscosity: float, alpha: float, pressure: float) -> float:
-    """Return the viscosity [Pa s] under a pressure [Pa]."""
-    exponent = roelands_exponent(viscosity, alpha)
-    return viscosity * math.exp((math.log(viscosity) + ROELANDS_OFFSET) * ((1.0 + pressure / ROELANDS_PRESSURE) ** exponent - 1.0))

@@ -9,11 +9,12 @@ from documented_tables import half_unit, rows_of
 from hypothesis import given
 from hypothesis import strategies as st
 from oil_films import SHAFT, inner_film, site_of, speeds, steady
+from roelands import viscosity_under
 
 from dcrb_ros.core.laws.film import Film
 from dcrb_ros.core.laws.fluid_traction import LEAST_SLIP, characteristic_slip, fluid_coefficient
 from dcrb_ros.core.laws.lugre import Bristle, LuGre, lugre_line, lugre_update
-from dcrb_ros.core.laws.viscosity import ROELANDS_OFFSET, viscosity_under
+from dcrb_ros.core.laws.viscosity import ROELANDS_OFFSET
 
 pytestmark = pytest.mark.kernel
 

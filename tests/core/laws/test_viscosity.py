@@ -8,6 +8,7 @@ import pytest
 from documented_tables import half_unit, rows_of
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from roelands import viscosity_under
 
 from dcrb_ros.core.laws.lubricants import LUBRICANTS
 from dcrb_ros.core.laws.viscosity import (
@@ -17,7 +18,6 @@ from dcrb_ros.core.laws.viscosity import (
     pressure_coefficient,
     roelands_exponent,
     temperature_coefficient,
-    viscosity_under,
     walther_constants,
 )
 
