@@ -15,7 +15,7 @@ import urllib.parse
 import webbrowser
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import IO, TYPE_CHECKING, TypeVar
 
 from dcrb_ros.runtime.children import group_guard
 from dcrb_ros.text.writing import whole_file
@@ -33,6 +33,8 @@ POLL = 0.2
 """Interval at which the viewer is polled [s]."""
 NOTICE_TIME = 6.0
 """Time for which the viewer's start-up notices cover a corner of the picture [s]."""
+WIDTH, HEIGHT = 1600, 1000
+"""Size of a picture [pixels]."""
 BAR_HEIGHT = 37
 """Height of the empty bar above the views if the top panel is hidden [pixels]."""
 DRIVER_REMEDY = "install a Vulkan driver, such as the software driver (Debian, Ubuntu: apt-get install mesa-vulkan-drivers)"
@@ -84,12 +86,8 @@ def _environment(folder: Path) -> dict[str, str]:
 def _call(command: list[str], environment: dict[str, str]) -> int:
     """Run the viewer with a window until it is closed; where it ends with an error, a `ViewerFailure` quotes its last line."""
     with tempfile.TemporaryFile() as output:
-        # In a group of its own, which ends with this program: `rerun_cli` starts the viewer as its child.
-        viewer = subprocess.Popen(command, stdout=output, stderr=output, env=environment, start_new_session=True)
-        try:
+        with _running(command, environment, output) as viewer:
             status = viewer.wait()
-        finally:
-            _end(viewer)
         output.seek(0)
         lines = output.read().decode(errors="replace").splitlines()
     if status > 0:
@@ -110,10 +108,10 @@ def window_to_fill() -> Iterator[tuple[subprocess.Popen[bytes], str]]:
         raise ViewerFailure(f"the viewer cannot open its window: {DISPLAY_REMEDY}")
     port = _free_port()
     command = [*_command(), "--bind", LOOPBACK, "--port", str(port), "--hide-welcome-screen", "--memory-limit", MEMORY]
-    with tempfile.TemporaryFile() as output:
-        viewer = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=output, stderr=output, start_new_session=True)
-        _wait_for(viewer, "open its window", lambda: _listens(port), DISPLAY_REMEDY)
-        yield viewer, f"rerun+http://{LOOPBACK}:{port}/proxy"
+    quiet = subprocess.DEVNULL
+    viewer = subprocess.Popen(command, stdin=quiet, stdout=quiet, stderr=quiet, start_new_session=True)
+    _wait_for(viewer, "open its window", lambda: _listens(port), DISPLAY_REMEDY)
+    yield viewer, f"rerun+http://{LOOPBACK}:{port}/proxy"
 
 
 def page_address(page: str, data: str) -> str:
@@ -129,18 +127,13 @@ def _serve_page(command: list[str], document: Path, environment: dict[str, str])
     port = _free_port()
     page = f"http://{LOOPBACK}:{port}"
     serving = [*command, "--serve-web", "--web-viewer-port", str(port)]
-    with document_served(document, page) as data, group_guard(END_TIMEOUT) as guarded:
-        # In a group of its own, since `rerun_cli` starts the server as its child.
-        server = subprocess.Popen(serving, env=environment, start_new_session=True)
-        try:
-            guarded(server.pid)
-            _wait_for(server, "serve its page", lambda: _listens(port), "its messages are printed above")
-            address = page_address(page, data)
-            print(f"the viewer is at {address} until Ctrl-C", flush=True)
-            webbrowser.open(address)
-            return server.wait()
-        finally:
-            _end(server)
+    with document_served(document, page) as data, group_guard(END_TIMEOUT) as guarded, _running(serving, environment) as server:
+        guarded(server.pid)
+        _wait_for(server, "serve its page", lambda: _listens(port), "its messages are printed above")
+        address = page_address(page, data)
+        print(f"the viewer is at {address} until Ctrl-C", flush=True)
+        webbrowser.open(address)
+        return server.wait()
 
 
 def _listens(port: int) -> bool | None:
@@ -149,8 +142,8 @@ def _listens(port: int) -> bool | None:
     return None
 
 
-def save_screenshot(document: Path, picture: Path, *, at_ns: int, width: int = 1600, height: int = 1000) -> None:
-    """Write a PNG of the viewer with the cursor at ``at_ns`` [ns], without opening a window; ``width`` and ``height`` in pixels.
+def save_screenshot(document: Path, picture: Path, *, at_ns: int) -> None:
+    """Write a PNG of the viewer with the cursor at ``at_ns`` [ns], without opening a window.
 
     Temporary files of the viewer are left beside ``document``.
 
@@ -162,9 +155,10 @@ def save_screenshot(document: Path, picture: Path, *, at_ns: int, width: int = 1
     if not hasattr(ViewerClient, "get_state"):
         raise ViewerFailure("a screenshot needs rerun-sdk 0.41 or later, which needs Python 3.11 or later; --save works with any version")
     port = _free_port()
-    size = f"{width}x{height + BAR_HEIGHT}"
+    size = f"{WIDTH}x{HEIGHT + BAR_HEIGHT}"
     options = ["--headless", "--bind", LOOPBACK, "--port", str(port), "--hide-welcome-screen", "--window-size", size]
-    with _running([*_command(), *options, str(document)], document.parent) as viewer:
+    environment = {**os.environ, "RERUN_APP_ONLY": "true", "TMPDIR": str(document.parent)}
+    with _running([*_command(), *options, str(document)], environment, subprocess.DEVNULL) as viewer:
         started = time.monotonic()
         client = _wait_for(viewer, "load the recording", lambda: _client_with_recording(port))
         client.set_time(TIMELINE, timestamp=at_ns / 1e9, play_state="paused")
@@ -195,18 +189,13 @@ def _free_port() -> int:
 
 
 @contextlib.contextmanager
-def _running(command: list[str], folder: Path) -> Iterator[subprocess.Popen[bytes]]:
-    """Run the viewer in a process group of its own and kill the whole group afterwards: ``rerun_cli`` starts the viewer as its child.
-
-    It keeps its temporary files in ``folder``.
-    """
-    environment = {**os.environ, "RERUN_APP_ONLY": "true", "TMPDIR": str(folder)}
-    with tempfile.TemporaryFile() as output:
-        viewer = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=output, stderr=output, env=environment, start_new_session=True)
-        try:
-            yield viewer
-        finally:
-            _end(viewer)
+def _running(command: list[str], environment: dict[str, str], output: IO[bytes] | int | None = None) -> Iterator[subprocess.Popen[bytes]]:
+    """Run the viewer in a process group of its own and kill the whole group afterwards: ``rerun_cli`` starts the viewer as its child."""
+    viewer = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=output, stderr=output, env=environment, start_new_session=True)
+    try:
+        yield viewer
+    finally:
+        _end(viewer)
 
 
 def _end(viewer: subprocess.Popen[bytes]) -> None:

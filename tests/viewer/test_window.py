@@ -99,8 +99,9 @@ def test_the_viewer_logs_errors_only_and_no_escape_codes(tmp_path: Path, monkeyp
 
 
 def test_a_viewer_that_is_killed_leaves_its_files_beside_the_document(tmp_path: Path) -> None:
-    assert window._environment(tmp_path)["TMPDIR"] == str(tmp_path)
+    environment = window._environment(tmp_path)
+    assert environment["TMPDIR"] == str(tmp_path)
     command = [sys.executable, "-c", "import tempfile, time; tempfile.mkdtemp(prefix='viewer-'); time.sleep(1000)"]
-    with window._running(command, tmp_path):
+    with window._running(command, environment):
         wait_for(lambda: any(tmp_path.glob("viewer-*")))  # Python first tries the folder with a file of another name
     assert [path.name.startswith("viewer-") for path in tmp_path.iterdir()] == [True]
