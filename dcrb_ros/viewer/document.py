@@ -10,7 +10,6 @@ import rerun as rr
 from rerun.blueprint import Blueprint
 from rerun.chunk import McapReader
 
-from dcrb_ros.bearing.fault_lines import fault_combs
 from dcrb_ros.messages.topics import FAULT_INDICATORS, FEATURES, VIBRATION
 from dcrb_ros.viewer import bearing_picture, blueprint, load_zone, order_map, series, spectrum_picture, summary
 from dcrb_ros.viewer.content import Content
@@ -89,6 +88,5 @@ def log_detector_output(content: Content) -> None:
     series.log_verdicts(output.verdicts)
     spectra = envelope_spectra(output.diagnoses)
     if spectra is not None:
-        combs = fault_combs(content.orders, spectra.highest_order)
-        spectrum_picture.log_spectra(spectra, combs, content.start_ns)
-        order_map.log_order_map(spectra, combs)
+        spectrum_picture.log_spectra(spectra, content.orders, content.start_ns)
+        order_map.log_order_map(spectra, content.orders)

@@ -13,7 +13,6 @@ from dataclasses import replace
 import numpy as np
 import rerun as rr
 
-from dcrb_ros.bearing.fault_lines import fault_combs
 from dcrb_ros.messages.cdr import STAMP_END, stamps
 from dcrb_ros.messages.topics import Topic
 from dcrb_ros.schema.refusal import Refusal
@@ -192,7 +191,7 @@ class LiveRun:
         if spectra is None:
             return
         if self._growing.log(spectra):
-            order_map.log_fault_lines(spectra.highest_order, fault_combs(self._bench.orders, spectra.highest_order))
+            order_map.log_fault_lines(spectra.highest_order, self._bench.orders)
         before = self._spectra if self._spectra is not None and np.array_equal(self._spectra.orders, spectra.orders) else None
         self._spectra = joined(before, spectra, "time_ns", "level", "shaft_frequency", last=MOST_SPECTRA)
         order_map.log_map(self._spectra)

@@ -5,13 +5,12 @@ Orders are multiples of the shaft frequency, so the lines of a fault are vertica
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 import numpy.typing as npt
 import rerun as rr
 
-from dcrb_ros.bearing.fault_lines import Comb
+from dcrb_ros.bearing.fault_lines import fault_combs
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.content import Times
 from dcrb_ros.viewer.spectrum import Spectra
@@ -23,10 +22,10 @@ SCALE_QUANTILE = 0.9995
 """Quantile of the levels at the end of the colour scale [-]."""
 
 
-def log_order_map(spectra: Spectra, combs: Sequence[Comb]) -> None:
-    """Log the map, its axes, the fault lines and a line at the current time under `ROOT`."""
+def log_order_map(spectra: Spectra, orders: Orders) -> None:
+    """Log the map, its axes, the fault lines of some ``orders`` and a line at the current time under `ROOT`."""
     log_map(spectra)
-    log_fault_lines(spectra.highest_order, combs)
+    log_fault_lines(spectra.highest_order, orders)
     log_cursor(spectra.time_ns)
 
 
@@ -37,8 +36,9 @@ def log_map(spectra: Spectra) -> None:
     log_axes(spectra, largest)
 
 
-def log_fault_lines(highest_order: float, combs: Sequence[Comb]) -> None:
+def log_fault_lines(highest_order: float, orders: Orders) -> None:
     """Log the fault lines across the map."""
+    combs = fault_combs(orders, highest_order)
     for row, comb in enumerate(combs):
         log_comb(highest_order, comb, track(row, len(combs)), root=ROOT)
 

@@ -17,7 +17,6 @@ from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.columns import time_column
-from dcrb_ros.viewer.content import Times
 from dcrb_ros.viewer.spectrum import ORDER_STEP, Spectra
 
 ROOT = "envelope_spectrum"
@@ -50,17 +49,14 @@ class Axes:
         return np.stack(np.broadcast_arrays(x, y), axis=-1)
 
 
-def log_spectra(spectra: Spectra, combs: Sequence[Comb], start_ns: int, *, root: str = ROOT) -> None:
-    """Log the spectrum of every window, the axes and the fault lines under ``root``.
+def log_spectra(spectra: Spectra, orders: Orders, start_ns: int, *, root: str = ROOT) -> None:
+    """Log the spectrum of every window, the axes and the fault lines of some ``orders`` under ``root``.
 
     The spectrum of a window is shown from the window's end on, the first one from ``start_ns``, where the viewer opens.
     """
     times = spectra.time_ns.copy()
     times[0] = start_ns
-    axes = axes_of(spectra)
-    log_axes(axes, root=root)
-    log_combs(axes, combs, root=root)
-    log_levels(axes, combs, replace(spectra, time_ns=times), root=root)
+    GrowingSpectra(orders, root=root).log(replace(spectra, time_ns=times))
 
 
 class GrowingSpectra:
@@ -95,7 +91,7 @@ def track(row: int, count: int) -> float:
     return -TRACK * (count - row + 0.3)
 
 
-def log_combs(axes: Axes, combs: Sequence[Comb], *, root: str = ROOT) -> None:
+def log_combs(axes: Axes, combs: Sequence[Comb], *, root: str) -> None:
     """Log the fault lines and the style of curve, area and peaks."""
     for row, comb in enumerate(combs):
         log_comb(axes.highest_order, comb, track(row, len(combs)), root=root)
@@ -107,16 +103,16 @@ def log_combs(axes: Axes, combs: Sequence[Comb], *, root: str = ROOT) -> None:
     rr.log(f"{root}/curve", rr.LineStrips2D.from_fields(radii=thin, colors=[palette.CURVE], draw_order=3.0), static=True)
 
 
-def log_levels(axes: Axes, combs: Sequence[Comb], spectra: Spectra, *, root: str = ROOT) -> None:
+def log_levels(axes: Axes, combs: Sequence[Comb], spectra: Spectra, *, root: str) -> None:
     """Log the curve, the area below it, the peaks and the shaft frequency of every spectrum over time."""
     for comb in combs:
-        log_peaks(axes, comb, spectra.time_ns, spectra.orders, spectra.level, root=root)
-    log_curve(axes, spectra.time_ns, spectra.orders, spectra.level, root=root)
+        log_peaks(axes, comb, spectra, root=root)
+    log_curve(axes, spectra, root=root)
     labels = [f"multiples of the shaft frequency ({frequency:.2f} Hz)" for frequency in spectra.shaft_frequency]
     rr.send_columns(f"{root}/meaning", [time_column(spectra.time_ns)], rr.Points2D.columns(labels=labels))
 
 
-def log_axes(axes: Axes, *, root: str = ROOT) -> None:
+def log_axes(axes: Axes, *, root: str) -> None:
     """Log grid, ticks and the position of the axis label."""
     orders = order_ticks(axes.highest_order)
     levels = np.arange(0.0, axes.highest_level + 1e-9, LEVEL_TICK)
@@ -145,7 +141,7 @@ def log_texts(path: str, positions: Floats, texts: Sequence[str], colour: palett
     rr.log(path, rr.Points2D(raised, radii=0.01, labels=list(texts), show_labels=True, colors=[colour]), static=True)
 
 
-def log_comb(highest_order: float, comb: Comb, y: float, *, root: str = ROOT) -> None:
+def log_comb(highest_order: float, comb: Comb, y: float, *, root: str) -> None:
     """Log the track of one fault: its name, and for every harmonic a dot and a line down through the plot."""
     colour, path = palette.FAULT_LINES[comb.name], f"{root}/{comb.name}"
     x = np.array(comb.orders) / highest_order * WIDTH
@@ -160,10 +156,11 @@ def log_comb(highest_order: float, comb: Comb, y: float, *, root: str = ROOT) ->
     log_texts(f"{path}/name", np.array([[NAMES, y]]), [comb.name], colour)
 
 
-def log_peaks(axes: Axes, comb: Comb, time_ns: Times, orders: Floats, level: Floats, *, root: str = ROOT) -> None:
+def log_peaks(axes: Axes, comb: Comb, spectra: Spectra, *, root: str) -> None:
     """Log a dot at the peak of the spectrum near every harmonic."""
     if not comb.orders:
         return
+    orders, level = spectra.orders, spectra.level
     resolution = float(orders[1] - orders[0])
     positions = np.empty((len(level), len(comb.orders), 2))
     for k, harmonic in enumerate(comb.orders):
@@ -171,14 +168,14 @@ def log_peaks(axes: Axes, comb: Comb, time_ns: Times, orders: Floats, level: Flo
         best = near[np.argmax(level[:, near], axis=1)]
         positions[:, k] = axes.points(orders[best], level[np.arange(len(level)), best])
     path = f"{root}/{comb.name}/peaks"
-    columns.send(path, time_ns, columns.vectors(rr.Points2D.descriptor_positions(), positions))
+    columns.send(path, spectra.time_ns, columns.vectors(rr.Points2D.descriptor_positions(), positions))
 
 
-def log_curve(axes: Axes, time_ns: Times, orders: Floats, level: Floats, *, root: str = ROOT) -> None:
+def log_curve(axes: Axes, spectra: Spectra, *, root: str) -> None:
     """Log the curve of the spectrum and the area below it."""
-    curve = axes.points(orders, level)
+    curve = axes.points(spectra.orders, spectra.level)
     foot = curve.copy()
     foot[..., 1] = HEIGHT
     area = np.stack([foot, curve], axis=2)
-    columns.send(f"{root}/area", time_ns, columns.strips(area))
-    columns.send(f"{root}/curve", time_ns, columns.strips(curve[:, None]))
+    columns.send(f"{root}/area", spectra.time_ns, columns.strips(area))
+    columns.send(f"{root}/curve", spectra.time_ns, columns.strips(curve[:, None]))

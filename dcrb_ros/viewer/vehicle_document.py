@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import rerun as rr
 
-from dcrb_ros.bearing.fault_lines import fault_combs
 from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.messages.statuses import ERROR, OK
 from dcrb_ros.viewer import palette, plan_view, series, spectrum_picture
@@ -104,8 +103,8 @@ def log_spectra(content: VehicleContent) -> None:
     for box in content.description.boxes:
         spectra = envelope_spectra(content.judgements.get(box.name, ()))
         if spectra is not None:
-            combs = fault_combs(Orders.from_dict(dict(box.orders)), spectra.highest_order)
-            spectrum_picture.log_spectra(spectra, combs, content.start_ns, root=f"{SPECTRA}/{box.name}")
+            orders = Orders.from_dict(dict(box.orders))
+            spectrum_picture.log_spectra(spectra, orders, content.start_ns, root=f"{SPECTRA}/{box.name}")
 
 
 def picture_time(content: VehicleContent) -> int:
