@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from pathlib import Path
 
 import rerun as rr
-from rerun.blueprint import Blueprint
 from rerun.chunk import McapReader
 
 from dcrb_ros.messages.topics import FAULT_INDICATORS, FEATURES, VIBRATION
@@ -28,16 +28,15 @@ def write_document(content: Content, path: Path, *, native: tuple[Path, ...] = (
         OSError: not all of it was written.
     """
     drawing = bearing_picture.drawing_of(content, content.motion) if content.motion else None
-
-    def log() -> None:
+    with written(path, native) as recording:
         log_content(content, drawing)
         log_detector_output(content)
+        recording.send_blueprint(blueprint.compose(content, drawing, picture_only=picture_only))
 
-    write_logged(path, log, lambda: blueprint.compose(content, drawing, picture_only=picture_only), native)
 
-
-def write_logged(path: Path, log: Callable[[], None], compose: Callable[[], Blueprint], native: Iterable[Path]) -> None:
-    """Write to a Rerun file what ``log`` logs, the arrangement of its views, and the other topics of MCAP files.
+@contextmanager
+def written(path: Path, native: Iterable[Path]) -> Iterator[rr.RecordingStream]:
+    """Write to a Rerun file what is logged in the context, and the other topics of the MCAP files ``native``.
 
     Raises:
         OSError: not all of it was written.
@@ -46,12 +45,11 @@ def write_logged(path: Path, log: Callable[[], None], compose: Callable[[], Blue
         # To a file, Rerun would only log a failed write, or wait without end.
         stream = recording.binary_stream()
         try:
-            # Rerun reads the files in threads of its own, parallel to the logging below.
+            # Rerun reads the files in threads of its own, parallel to the logging in the context.
             with ThreadPoolExecutor(1, "native") as pool:
                 reading = pool.submit(log_native, recording, native)
-                log()
+                yield recording
                 reading.result()
-            recording.send_blueprint(compose())
         finally:
             written = stream.read()  # Rerun would report what remains
         recording.disconnect()

@@ -13,7 +13,7 @@ from dcrb_ros.messages.statuses import ERROR, OK
 from dcrb_ros.viewer import palette, plan_view, series, spectrum_picture
 from dcrb_ros.viewer.columns import TIMELINE
 from dcrb_ros.viewer.content import TimedWaveform
-from dcrb_ros.viewer.document import write_logged
+from dcrb_ros.viewer.document import written
 from dcrb_ros.viewer.spectrum import envelope_spectra
 from dcrb_ros.viewer.vehicle_blueprint import ALIGNED, SPECTRA, compose
 from dcrb_ros.viewer.vehicle_content import TrackEvent, VehicleContent, Verdicts, lead_times
@@ -28,12 +28,10 @@ def write_vehicle_document(content: VehicleContent, path: Path, *, native: tuple
     Raises:
         OSError: not all of it was written.
     """
-
-    def log() -> None:
+    with written(path, native) as recording:
         log_vehicle(content)
         log_spectra(content)
-
-    write_logged(path, log, lambda: compose(content, picture_only=picture_only), native)
+        recording.send_blueprint(compose(content, picture_only=picture_only))
 
 
 def log_vehicle(

@@ -16,7 +16,6 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 import rerun as rr
-import rerun.blueprint as rrb
 from dry_benches import dry_bench
 from mcap.writer import IndexType, Writer
 from rerun_documents import chunks
@@ -43,7 +42,7 @@ from dcrb_ros.stream.block import Truth
 from dcrb_ros.viewer import order_map, palette
 from dcrb_ros.viewer.blueprint import level_axis, speed_varies, waveform_axis, whole_time
 from dcrb_ros.viewer.content import BenchInfo, Content, DetectorOutput, Series, TimedWaveform
-from dcrb_ros.viewer.document import write_document, write_logged
+from dcrb_ros.viewer.document import write_document, written
 from dcrb_ros.viewer.drawing import Drawing, on_circle, quaternions, rounded_up
 from dcrb_ros.viewer.live_run import completed
 from dcrb_ros.viewer.reader import content_of, read_content
@@ -469,12 +468,13 @@ def test_files_that_rerun_does_not_read_are_shown_with_all_their_topics(form: st
 
 
 def test_nothing_is_printed_about_a_document_that_is_given_up(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    def log() -> None:
-        rr.log("waveform", rr.Scalars([1.0]))
-        raise Refusal("the rest is damaged")
+    def write() -> None:
+        with written(tmp_path / "a.rrd", ()):
+            rr.log("waveform", rr.Scalars([1.0]))
+            raise Refusal("the rest is damaged")
 
     with pytest.raises(Refusal, match="the rest is damaged"):
-        write_logged(tmp_path / "a.rrd", log, rrb.Blueprint, ())
+        write()
     assert capfd.readouterr().err == ""
 
 
