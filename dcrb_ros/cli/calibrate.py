@@ -101,7 +101,7 @@ def compare(
         check_file("-o", output, PICTURES, force=force)
     from dcrb_ros.calibration.comparison import STEPS
     from dcrb_ros.calibration.comparison import compare as compared
-    from dcrb_ros.plots.comparison import write_comparison
+    from dcrb_ros.plots.comparison import comparison_figure
     from dcrb_ros.recordings.reader import Recording
 
     recordings = Recording(first), Recording(second)
@@ -110,7 +110,8 @@ def compare(
     with steps(STEPS, quiet=quiet) as begin:
         comparison = compared(*recordings, names=(str(first), str(second)), progress=begin)
     if output is not None:
-        write_comparison(comparison, output)
+        with whole_file(output) as drawn:
+            comparison_figure(comparison).savefig(drawn)
     if as_json:
         print(json.dumps(comparison.as_dict(), indent=2))
         return

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +11,6 @@ from matplotlib.figure import Figure
 
 from dcrb_ros.plots.style import AXES_COLOURS, labelled, legend_above
 from dcrb_ros.schema.printable import printable
-from dcrb_ros.text.writing import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,16 +21,6 @@ if TYPE_CHECKING:
 DASHED = (0.0, (4.0, 2.0))
 LONGEST_LABEL, LONGEST_LINE = 24, 110
 """Characters of a name in a legend, and of a line above the figure [-]."""
-
-
-def write_comparison(comparison: RecordingComparison, file: Path, *, title: str = "", calibration: Calibration | None = None) -> None:
-    """Write `comparison_figure` to a file.
-
-    Raises:
-        Refusal: the file cannot be written.
-    """
-    with whole_file(file) as temporary:
-        comparison_figure(comparison, title=title, calibration=calibration).savefig(temporary)
 
 
 def comparison_figure(comparison: RecordingComparison, *, title: str = "", calibration: Calibration | None = None) -> Figure:
