@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated
 
@@ -68,13 +69,12 @@ def import_(
     """
     from dcrb_ros.exchange.importing import WaveformImport
     from dcrb_ros.exchange.plausibility import implausible, summary
-    from dcrb_ros.exchange.public_sets import listed
     from dcrb_ros.settings.shipped import find_shipped
 
     if list_ or show:
         if (list_ and show) or files or about or output or settings or force:
             raise Refusal("--list and --show print descriptions and import nothing: leave out everything else")
-        print("\n".join(listed()) if list_ else find_shipped("description", show).read_text(encoding="utf-8"), end="\n" if list_ else "")
+        print("\n".join(_listed()) if list_ else find_shipped("description", show).read_text(encoding="utf-8"), end="\n" if list_ else "")
         return
     if not files or not about or output is None:
         missing = "FILE" if not files else "--about" if not about else "-o"
@@ -92,3 +92,15 @@ def import_(
         typer.echo(f"dcrb: warning: {sentence}", err=True)
     for remark in waveform.remarks():
         print(remark)
+
+
+def _listed() -> Iterator[str]:
+    """Yield a line for each public data set: its name, its title and its address."""
+    from dcrb_ros.settings.shipped import shipped
+    from dcrb_ros.text.yaml import read_yaml
+
+    sets = shipped("description")
+    width = max(map(len, sets), default=0)
+    for name, path in sets.items():
+        source = read_yaml(path)["source"]
+        yield f"{name:{width}}  {source['title']}; {source['where']}"

@@ -12,7 +12,6 @@ from separate_process import dcrb
 
 from dcrb_ros.bearing.order_check import order_mistake
 from dcrb_ros.exchange.importing import WaveformImport
-from dcrb_ros.exchange.public_sets import listed
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.shipped import find_shipped, shipped
 from dcrb_ros.text.yaml import read_yaml
@@ -100,9 +99,11 @@ def test_the_speed_of_a_slower_channel_is_followed(tmp_path: Path) -> None:
 
 
 def test_names_are_listed_shown_and_corrected() -> None:
-    assert len(listed()) == len(shipped("description")) == len(FILES)
+    assert shipped("description").keys() == FILES.keys()
     done = dcrb("import", "--list")
-    assert done.stdout.splitlines() == listed()
+    for (name, path), line in zip(shipped("description").items(), done.stdout.splitlines(), strict=True):
+        source = read_yaml(path)["source"]
+        assert line.split() == [name, *f"{source['title']}; {source['where']}".split()]
     assert dcrb("import", "--show", "cwru-48k").stdout == find_shipped("description", "cwru-48k").read_text(encoding="utf-8")
     wrong = dcrb("import", "--show", "cwru48")
     assert (wrong.returncode, wrong.stderr.count("\n")) == (2, 1)
