@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
+from runs import record
 from scipy.io import loadmat
 
 import dcrb_ros
@@ -18,7 +19,6 @@ from dcrb_ros.exchange.importing import WaveformImport
 from dcrb_ros.exchange.plausibility import implausible
 from dcrb_ros.messages.topics import AMBIENT_TEMPERATURE, BOX_TEMPERATURE, FEATURES, OUTER_RING_TEMPERATURE, SENSOR, TACHO, VIBRATION
 from dcrb_ros.recordings.reader import Recording
-from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.simulation.loop import Simulation
 
@@ -31,11 +31,8 @@ ORDERS = {"FTF": 0.39828, "BPFO": 3.5848, "BPFI": 5.4152, "BSF": 2.35695}  # SKF
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a recording of a warm bearing with a tacho, over two readings of temperature."""
-    path, simulation = tmp_path_factory.mktemp("warm") / "bag", Simulation(dcrb_ros.load_configuration("healthy", WARM))
-    with Recorder(path, simulation.configuration, simulation.bodies) as recorder:
-        for block in simulation.blocks(1.05):
-            recorder.write(block)
-    return path
+    configuration = dcrb_ros.load_configuration("healthy", WARM)
+    return record(tmp_path_factory.mktemp("warm") / "bag", configuration, Simulation(configuration).blocks(1.05))
 
 
 def sent(recording: Recording) -> list[tuple[str, int, bytes]]:

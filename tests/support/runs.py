@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Iterable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from dcrb_ros.bearing.payload import body_names
+from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.stream.block import Block
@@ -57,3 +61,11 @@ def simulated(
 ) -> Run:
     """Return a noiseless run; runs with the same arguments are simulated once."""
     return _simulated(duration, fault, width, speed, start, state_rate)
+
+
+def record(path: Path, configuration: Configuration, blocks: Iterable[Block]) -> Path:
+    """Write the blocks of a bench to a recording, and return its path."""
+    with Recorder(path, configuration, body_names(configuration)) as recorder:
+        for block in blocks:
+            recorder.write(block)
+    return path

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 import rerun as rr
 from rerun_documents import rows
+from runs import record
 
 import dcrb_ros
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.topics import TACHO
 from dcrb_ros.recordings.reader import Recording
-from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.stream.block import Block
 from dcrb_ros.viewer.live import LiveView
@@ -26,11 +26,8 @@ WARM = {"thermal.law": "network", "tacho.pulses_per_turn": 60}
 
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path, simulation = tmp_path_factory.mktemp("warm") / "bag", Simulation(dcrb_ros.load_configuration("healthy", WARM))
-    with Recorder(path, simulation.configuration, simulation.bodies) as recorder:
-        for block in simulation.blocks(0.3):
-            recorder.write(block)
-    return path
+    configuration = dcrb_ros.load_configuration("healthy", WARM)
+    return record(tmp_path_factory.mktemp("warm") / "bag", configuration, Simulation(configuration).blocks(0.3))
 
 
 def test_a_recording_shows_the_speed_between_pulses_and_the_temperatures(bag: Path) -> None:

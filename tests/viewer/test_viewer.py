@@ -20,7 +20,7 @@ from dry_benches import dry_bench
 from mcap.writer import IndexType, Writer
 from rerun_documents import chunks
 from ros2_bag_record import bag_of
-from runs import PAPER_SPEED, Run, simulated
+from runs import PAPER_SPEED, Run, record, simulated
 
 from dcrb_ros.bearing import load_zone
 from dcrb_ros.bearing.fault_lines import fault_combs
@@ -66,7 +66,7 @@ def run() -> Run:
 
 @pytest.fixture(scope="module")
 def bag(run: Run, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return recorded(run, tmp_path_factory.mktemp("bags") / "outer")
+    return record(tmp_path_factory.mktemp("bags") / "outer", run.configuration, run.blocks)
 
 
 @pytest.fixture(scope="module")
@@ -78,13 +78,6 @@ def content(bag: Path) -> Content:
 def document(bag: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("documents") / "outer.rrd"
     view(bag, save=path)
-    return path
-
-
-def recorded(run: Run, path: Path) -> Path:
-    with Recorder(path, run.configuration, body_names(run.configuration)) as recorder:
-        for block in run.blocks:
-            recorder.write(block)
     return path
 
 
@@ -242,7 +235,7 @@ def test_content_has_every_sample_and_state(run: Run, content: Content) -> None:
 
 
 def test_the_title_is_the_name_of_the_recording(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = recorded(run, tmp_path / "run.v1")
+    path = record(tmp_path / "run.v1", run.configuration, run.blocks)
     monkeypatch.chdir(path)
     for given, title in ((path, "run.v1"), (path / "run.v1_0.mcap", "run.v1_0"), (Path(), "run.v1")):
         assert read_content(Recording(given)).title == title
@@ -311,11 +304,7 @@ def test_faults_are_assigned_to_their_rows() -> None:
 
 def test_summary_contains_every_fault(tmp_path: Path) -> None:
     configuration = dry_bench("compound")
-    path, simulation = tmp_path / "compound", Simulation(configuration)
-    with Recorder(path, configuration, simulation.bodies) as recorder:
-        for block in simulation.blocks(0.2):
-            recorder.write(block)
-    content = read_content(Recording(path))
+    content = read_content(Recording(record(tmp_path / "compound", configuration, Simulation(configuration).blocks(0.2))))
     found = markdown(content, content.truths[-1])
     for words in ("outer_1: 2 mm wide, row 1", "inner_1: 2 mm wide, row 2", "bar 15 broken, row 1"):
         assert words in found
@@ -415,8 +404,8 @@ def test_rollers_in_the_file_are_at_their_azimuths(run: Run, document: Path) -> 
 
 
 def test_a_recording_without_states_shows_its_waveform(run: Run, tmp_path: Path) -> None:
-    bare = Run(run.configuration, [dataclasses.replace(block, states=(), truths=()) for block in run.blocks[:30]])
-    view(recorded(bare, tmp_path / "bare"), save=tmp_path / "bare.rrd")
+    bare = (dataclasses.replace(block, states=(), truths=()) for block in run.blocks[:30])
+    view(record(tmp_path / "bare", run.configuration, bare), save=tmp_path / "bare.rrd")
     rows = Counter(chunk.entity_path for chunk in chunks(tmp_path / "bare.rrd"))
     assert rows["/waveform"] > 0
     assert not any(entity.startswith("/bearing") for entity in rows)
@@ -513,9 +502,9 @@ def test_a_recording_without_manifest_is_refused(tmp_path: Path) -> None:
 
 
 def test_recording_without_waveform_is_refused(tmp_path: Path) -> None:
-    empty = Run(Configuration(), [])
+    empty = record(tmp_path / "empty", Configuration(), [])
     with pytest.raises(Refusal, match=r"no block on /dcrb/outer_ring/vibration"):
-        view(recorded(empty, tmp_path / "empty"), save=tmp_path / "empty.rrd")
+        view(empty, save=tmp_path / "empty.rrd")
     assert not (tmp_path / "empty.rrd").exists()
 
 

@@ -17,11 +17,9 @@ from pathlib import Path
 import chromium
 import numpy as np
 import pytest
-from runs import simulated
+from runs import record, simulated
 from waiting import wait_for
 
-from dcrb_ros.bearing.payload import body_names
-from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.viewer import palette
 from dcrb_ros.viewer.window import page_address
 
@@ -31,11 +29,8 @@ PATIENCE = 300.0
 
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path, run = tmp_path_factory.mktemp("bags") / "short", simulated(0.6, fault="outer_1", state_rate=100)
-    with Recorder(path, run.configuration, body_names(run.configuration)) as recorder:
-        for block in run.blocks:
-            recorder.write(block)
-    return path
+    run = simulated(0.6, fault="outer_1", state_rate=100)
+    return record(tmp_path_factory.mktemp("bags") / "short", run.configuration, run.blocks)
 
 
 @contextmanager
