@@ -10,7 +10,7 @@ import typer
 
 from dcrb_ros.cli import completion
 from dcrb_ros.cli.first_start import announce_compilation
-from dcrb_ros.cli.options import Bag, Force, JsonOutput, Quiet, Settings, warn_of_digest
+from dcrb_ros.cli.options import Bag, Force, JsonOutput, Quiet, Settings, warn_of_digests
 from dcrb_ros.cli.output_file import PICTURES, check_file, check_force, check_output
 from dcrb_ros.runtime.terminal import console, steps, table
 from dcrb_ros.schema.printable import printable
@@ -60,7 +60,7 @@ def calibrate(
     figure = output.with_suffix(".png")
     opened = [Recording(path) for path in recordings]
     for path, recording in zip(recordings, opened, strict=True):
-        warn_of_digest(recording, str(path))
+        warn_of_digests(path, recording)
     for file in (output, intervals_beside(output), figure):
         check_file("-o", file, force=force)
     announce_compilation(quiet=quiet)
@@ -106,7 +106,7 @@ def compare(
 
     recordings = Recording(first), Recording(second)
     for path, recording in zip((first, second), recordings, strict=True):
-        warn_of_digest(recording, str(path))
+        warn_of_digests(path, recording)
     with steps(STEPS, quiet=quiet) as begin:
         comparison = compared(*recordings, names=(str(first), str(second)), progress=begin)
     if output is not None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from dcrb_ros.cli.detect_vehicle import INCOMPLETE, diagnosed_vehicle, print_vehicle, vehicle_as_object
-from dcrb_ros.cli.options import DetectorFile, Force, JsonOutput, detector_parameters, warn_of_digest
+from dcrb_ros.cli.options import DetectorFile, Force, JsonOutput, detector_parameters, warn_of_digests
 from dcrb_ros.cli.output_file import check_file, check_force
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.counts import counted
@@ -86,7 +86,7 @@ def detect(
         # A program gets an answer in any case, and a page has all recordings; otherwise the reason for no verdict is the error message.
         if report is None and not as_json:
             check_verdict(result, str(bag))
-        warn_of_digest(recording, str(bag))
+        warn_of_digests(bag, recording)
         diagnosed.append((bag, recording, result))
         if not as_json:
             _print_table(bag, recording, result, parameters, learned=known is not None or bool(parameters.baseline))
@@ -189,7 +189,7 @@ def _learned(
         check_file("--save-baseline", save, (".yaml", ".yml"), force=force)
     recording = Recording(healthy)
     learned = learn_baseline(recording, name=healthy.resolve().name, parameters=parameters)
-    warn_of_digest(recording, str(healthy))
+    warn_of_digests(healthy, recording)
     if save is not None:
         learned.save(save)
     return learned

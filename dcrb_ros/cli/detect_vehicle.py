@@ -31,7 +31,7 @@ def diagnosed_vehicle(bag: Path, parameters: DetectorParameters) -> tuple[Vehicl
 
     recording = VehicleRecording(bag)
     result = detect_vehicle(recording, box_parameters=parameters)
-    warn_of_digests(bag, list(recording.boxes.values()))
+    warn_of_digests(bag, *recording.boxes.values())
     return recording, result
 
 

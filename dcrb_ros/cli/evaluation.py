@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import typer
 
 from dcrb_ros.cli.first_start import announce_compilation
-from dcrb_ros.cli.options import detector_parameters, warn_of_digest
+from dcrb_ros.cli.options import detector_parameters, warn_of_digests
 from dcrb_ros.schema.refusal import Refusal, repeated
 
 if TYPE_CHECKING:
@@ -139,7 +139,7 @@ def evaluate_bags(bags: Sequence[Path], options: DetectorOptions, *, run_detecto
         for damage in case.damage:
             typer.echo(f"{case.path}: {damage}; the readable part is scored", err=True)
         with suppress(Refusal):  # recorded diagnoses are scored without reading the waveform
-            warn_of_digest(Recording(case.path), str(case.path))
+            warn_of_digests(case.path, Recording(case.path))
     if not run_detector:
         return evaluate(RecordedDiagnoses(), diagnosed_scenarios(cases))
     return evaluate(options.candidate(), recorded_scenarios(cases), workers=workers, progress=partial(progress_of, quiet=quiet))

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from dcrb_ros.cli.options import Bag, Force, each_once, warn_of_digest
+from dcrb_ros.cli.options import Bag, Force, each_once, warn_of_digests
 from dcrb_ros.cli.output_file import check_file, check_free, replacing
 from dcrb_ros.runtime.terminal import stages
 from dcrb_ros.schema.refusal import Refusal
@@ -35,7 +35,7 @@ def export(
     recording, notes = Recording(bag), list[str]()
     with stages() as show:
         described = exported(recording, output, notes=notes, force=force, show=show)
-    warn_of_digest(recording, str(bag))
+    warn_of_digests(bag, recording)
     for sentence in [*recording.damage, *notes]:
         typer.echo(f"dcrb: {sentence}", err=True)
     print(f"{output}, described by {described}")

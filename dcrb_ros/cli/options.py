@@ -151,41 +151,32 @@ def refuse_node_settings(settings: Sequence[str] | None) -> None:
             raise Refusal(f"--set {key} has no effect without nodes: leave it out, {OF_NODES[key]}")
 
 
-def warn_of_digest(recording: Recording, name: str, *, samples: bool = True) -> None:
+def warn_of_digests(bag: Path, *opened: Recording, samples: bool = True) -> None:
     """Warn if the samples of a recording do not match the digest that it states, and note if it states none, or was recovered.
 
     The samples are read unless the waveform was; without ``samples``, they are not compared. A mismatch that was found while it was read is
     not printed a second time.
+
+    Args:
+        bag: the recording, or that of a vehicle.
+        opened: the same recording, or the boxes of the vehicle; by default they are opened.
+        samples: whether to compare the samples.
     """
-    from dcrb_ros.recordings.verification import recovered
-
-    _warn_of_digest(recording, name, samples=samples)
-    _note(name, recovered(recording.stored))
-
-
-def warn_of_digests(bag: Path, boxes: Sequence[Recording] = (), *, samples: bool = True) -> None:
-    """Do the same as `warn_of_digest` for a recording, or for each box in that of a vehicle, which is opened unless ``boxes`` are given."""
     from dcrb_ros.recordings.reader import Recording
     from dcrb_ros.recordings.vehicle_folder import vehicle_boxes
-    from dcrb_ros.recordings.verification import recovered
+    from dcrb_ros.recordings.verification import digest_mismatch, recovered, unsigned
 
-    recordings = boxes or [Recording(path) for path in [bag / name for name in vehicle_boxes(bag)] or [bag]]
+    recordings = opened or [Recording(path) for path in [bag / name for name in vehicle_boxes(bag)] or [bag]]
     for recording in recordings:
-        _warn_of_digest(recording, str(recording.path), samples=samples)
-    _note(str(bag), recovered(recordings[0].stored))
+        if samples and (sentence := digest_mismatch(recording)):
+            warnings.warn(f"{recording.path}: {sentence}", AlteredSamples, stacklevel=2)
+        _note(recording.path, unsigned(recording))
+    _note(bag, recovered(recordings[0].stored))
 
 
-def _warn_of_digest(recording: Recording, name: str, *, samples: bool) -> None:
-    from dcrb_ros.recordings.verification import digest_mismatch, unsigned
-
-    if samples and (sentence := digest_mismatch(recording)):
-        warnings.warn(f"{name}: {sentence}", AlteredSamples, stacklevel=3)
-    _note(name, unsigned(recording))
-
-
-def _note(name: str, sentence: str) -> None:
+def _note(bag: Path, sentence: str) -> None:
     if sentence:
-        typer.echo(f"note: {name}: {sentence}", err=True)
+        typer.echo(f"note: {bag}: {sentence}", err=True)
 
 
 def size_text(size: float) -> str:

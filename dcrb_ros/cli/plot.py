@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dcrb_ros.cli.options import Bag, Force, warn_of_digest
+from dcrb_ros.cli.options import Bag, Force, warn_of_digests
 from dcrb_ros.cli.output_file import PICTURES, check_file
 from dcrb_ros.schema.numbers import duration_within
 from dcrb_ros.schema.refusal import Refusal
@@ -64,7 +64,7 @@ def plot(
     check_gaps(waveform)
     readings = recording.temperatures().between(begin, begin + duration)
     over_orders = write_overview(waveform, output, title=title_of(recording.path), order=order, readings=readings)
-    warn_of_digest(recording, str(bag))
+    warn_of_digests(bag, recording)
     if not recording.complete:
         typer.echo(f"dcrb: {bag} is truncated or damaged; its readable part was drawn", err=True)
     if order and not over_orders:
