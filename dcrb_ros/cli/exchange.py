@@ -34,7 +34,7 @@ def export(
     check_file("-o", description_of(output), force=force)
     recording, notes = Recording(bag), list[str]()
     with stages() as show:
-        described = exported(recording, output, notes=notes, force=force, show=show)
+        described = exported(recording, output, notes=notes, show=show)
     warn_of_digests(bag, recording)
     for sentence in [*recording.damage, *notes]:
         typer.echo(f"dcrb: {sentence}", err=True)

@@ -25,7 +25,6 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.axes import AXES
 from dcrb_ros.stream.block import Truth
 from dcrb_ros.text.counts import counted
-from dcrb_ros.text.files import checked_path, special_kind
 from dcrb_ros.text.writing import whole_files
 from dcrb_ros.text.yaml import yaml_text
 
@@ -44,32 +43,24 @@ def description_of(path: Path) -> Path:
     return path.with_name(f"{path.name}.yaml")
 
 
-def export(recording: Recording, path: Path, *, notes: list[str] | None = None, force: bool = False, show: Show = unseen) -> Path:
-    """Write the waveform to ``path`` and its description to `description_of` it; return the path of the latter.
+def export(recording: Recording, path: Path, *, notes: list[str] | None = None, show: Show = unseen) -> Path:
+    """Write the waveform to ``path``, whose suffix is one of `WRITERS`, and its description to `description_of` it, which is returned.
 
-    Existing files are replaced with ``force``. Blocks that came twice or too late are written once, in their place. A sentence on them, and
-    one on what the format leaves out, is appended to ``notes``.
+    The caller has checked the paths: existing files are replaced. Blocks that came twice or too late are written once, in their place. A
+    sentence on them, and one on what the format leaves out, is appended to ``notes``.
 
     Raises:
-        Refusal: the suffix is unknown, a file exists without ``force``, the recording has no waveform, or a file cannot be written.
+        Refusal: the recording has no waveform, or a file cannot be written.
     """
-    writer = WRITERS.get(path.suffix.lower())
-    if writer is None:
-        raise Refusal(f"{path} has an unknown file type: its name must end in one of {', '.join(WRITERS)}")
-    described = description_of(path)
-    for file in (path, described):
-        if checked_path(file).exists() and not force and not special_kind(file):
-            raise Refusal(f"{file} exists: give another name or remove it")
-    if not path.absolute().parent.is_dir():
-        raise Refusal(f"{path} cannot be written: there is no folder {path.absolute().parent}; create it or give another path")
+    suffix, described = path.suffix.lower(), description_of(path)
     notes = [] if notes is None else notes
-    rate = recording.sampling_rate if path.suffix.lower() == ".wav" else _measured_rate(recording)
-    columns, extra, labels, block_size = _collect(recording, notes, rate, path.suffix.lower(), show)
+    rate = recording.sampling_rate if suffix == ".wav" else _measured_rate(recording)
+    columns, extra, labels, block_size = _collect(recording, notes, rate, suffix, show)
     about = {"manifest": recording.manifest, "outcome": recording.outcome, "labels": labels}
     description = _description(recording, path, rate, {**columns, **extra}, labels, block_size)
     with whole_files(path, described) as (waveform, text):
         show(WRITING, 0, 0)
-        writer(waveform, columns, extra, rate, about, show)
+        WRITERS[suffix](waveform, columns, extra, rate, about, show)
         text.write_bytes(yaml_text(description).encode())
     return described
 
