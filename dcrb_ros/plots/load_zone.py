@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,17 +18,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.projections.polar import PolarAxes
 
-
-class HasStates(Protocol):
-    """A run."""
-
-    @property
-    def states(self) -> StateHistory:
-        """The bodies over time."""
+    from dcrb_ros.simulation.run import SimulationResult
 
 
 @checked_arguments(ax=MATPLOTLIB_AXES)
-def plot_load_zone(source: HasStates | StateHistory | Recording, *, ax: Axes | None = None) -> Axes:
+def plot_load_zone(source: SimulationResult | StateHistory | Recording, *, ax: Axes | None = None) -> Axes:
     """Plot the mean normal force at the inner raceway over the azimuth, a curve for each row.
 
     The load line points down, azimuths are counted counter-clockwise from it. Each value is the mean over the rollers that passed a
