@@ -1,4 +1,4 @@
-"""Memory and processor time of a process, from Linux's /proc, and a ROS domain for this process."""
+"""Memory and processor time of a process, on Linux, and a ROS domain for this process."""
 
 from __future__ import annotations
 
@@ -8,9 +8,6 @@ from collections import defaultdict
 from pathlib import Path
 
 import psutil
-
-TICK = os.sysconf("SC_CLK_TCK")
-"""Ticks of processor time per second [Hz]."""
 
 
 def resident(pid: int) -> float:
@@ -23,19 +20,12 @@ def resident(pid: int) -> float:
 
 def processor_times(pid: int) -> dict[str, float]:
     """Return the processor time of a process's threads by name [s]; that of ended threads has the key ``ended``."""
-    seconds_of: defaultdict[str, float] = defaultdict(float)
-    for task in Path(f"/proc/{pid}/task").iterdir():
-        name, seconds = _processor_time(task / "stat")
-        seconds_of[name] += seconds
-    seconds_of["ended"] = max(0.0, _processor_time(Path(f"/proc/{pid}/stat"))[1] - sum(seconds_of.values()))
+    process, seconds_of = psutil.Process(pid), defaultdict[str, float](float)
+    for thread in process.threads():
+        name = Path(f"/proc/{pid}/task/{thread.id}/comm").read_text().rstrip("\n")
+        seconds_of[name] += thread.user_time + thread.system_time
+    seconds_of["ended"] = max(0.0, sum(process.cpu_times()[:2]) - sum(seconds_of.values()))
     return seconds_of
-
-
-def _processor_time(stat: Path) -> tuple[str, float]:
-    """Return the name and the processor time [s] in a file ``stat``."""
-    name, _, rest = stat.read_text().partition("(")[2].rpartition(")")
-    user, system = rest.split()[11:13]
-    return name, (int(user) + int(system)) / TICK
 
 
 def take_own_domain() -> None:
