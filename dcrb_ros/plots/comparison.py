@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from dcrb_ros.plots.style import AXES_COLOURS, labelled, legend_above
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.printable import printable
 
 if TYPE_CHECKING:
@@ -53,11 +54,16 @@ def _labels(comparison: RecordingComparison) -> tuple[tuple[str, str], list[str]
 
 def _levels(ax: Axes, axes: Sequence[AxisComparison], names: tuple[str, str]) -> None:
     for pair in axes:
-        for name, values, style in zip(names, pair.levels, ("solid", DASHED), strict=True):
-            ax.semilogx(pair.frequency, values, color=AXES_COLOURS[pair.axis], linestyle=style, label=f"{pair.axis.upper()}, {name}")
+        _both(ax, pair.axis, pair.frequency, pair.levels, names)
     legend_above(ax)
     apart = ", ".join(f"{pair.axis.upper()} {pair.level_distance:.1f} dB" for pair in axes)
     labelled(ax, "Frequency in Hz", "Level in dB over 1 (m/s²)²", f"Third octaves, {apart} apart")
+
+
+def _both(ax: Axes, axis: str, frequency: Floats, values: tuple[Floats, Floats], names: tuple[str, str], **look: Any) -> None:
+    """Draw a quantity of an axis of both recordings over the frequency [Hz], that of the second one dashed."""
+    for name, each, style in zip(names, values, ("solid", DASHED), strict=True):
+        ax.semilogx(frequency, each, color=AXES_COLOURS[axis], linestyle=style, label=f"{axis.upper()}, {name}", **look)
 
 
 def _envelope(ax: Axes, pair: AxisComparison, names: tuple[str, str]) -> None:
@@ -78,16 +84,7 @@ def _envelope(ax: Axes, pair: AxisComparison, names: tuple[str, str]) -> None:
 
 def _kurtosis(ax: Axes, axes: Sequence[AxisComparison], names: tuple[str, str]) -> None:
     for pair in axes:
-        for name, values, style in zip(names, pair.kurtosis, ("solid", DASHED), strict=True):
-            ax.semilogx(
-                pair.octaves,
-                values,
-                color=AXES_COLOURS[pair.axis],
-                linestyle=style,
-                marker="o",
-                markersize=4.0,
-                label=f"{pair.axis.upper()}, {name}",
-            )
+        _both(ax, pair.axis, pair.octaves, pair.kurtosis, names, marker="o", markersize=4.0)
     ax.axhline(3.0, color="#808080", linewidth=0.8)
     octaves = axes[0].octaves
     ax.set_xticks(octaves, [f"{octave:g}" for octave in octaves])
