@@ -70,7 +70,7 @@ class WaveformImport:
         channels, factor = self.description.channels, self._factor()
         parts = {name: self._files.parts(channel) for name, channel in channels.axes.items()}
         self._lengths = [len(part) for part in parts["ax"]]
-        self.index = self._index(self._lengths)
+        self.index = self._index()
         self._check_lengths({**{name: sum(map(len, numbers)) for name, numbers in parts.items()}, "index": len(self.index)})
         self.acceleration: Samples = np.empty((len(self.index), max(2, len(parts))), np.float32)
         for axis, name in enumerate(parts):
@@ -149,14 +149,25 @@ class WaveformImport:
                 self.acceleration[begin : begin + len(values), axis] = values
                 begin += len(values)
 
-    def _index(self, lengths: Sequence[int]) -> npt.NDArray[np.int64]:
+    def _consecutive_index(self) -> npt.NDArray[np.int64]:
+        """Return the index of each sample of files with the described gap between them, shape (samples,)."""
+        first, gap, lengths = self.description.first_index, self.description.gap, self._lengths
+        # A long gap must not overflow the index before it is checked.
+        last = first + sum(lengths) + (gap or 0.0) * self.rate * (len(lengths) - 1) - 1
+        self._check_stamp(last, f"{self._about}: first_index = {first}" + (f" and gap = {gap:g} s" if gap else ""))
+        if gap is None and len(lengths) > 1:
+            raise Refusal(f"{self._about} has no gap between {len(lengths)} files: add gap [s], 0 if each continues the one before it")
+        if gap is not None and len(lengths) == 1:
+            raise Refusal(f"{self._about} gives gap = {gap:g} s, but there is one file: give the others, too, or leave it out")
+        between = round((gap or 0.0) * self.measured_rate)
+        begins = first + np.concatenate([[0], np.cumsum(np.asarray(lengths[:-1], np.int64) + between)]).astype(np.int64)
+        return np.concatenate([begin + np.arange(length, dtype=np.int64) for begin, length in zip(begins, lengths, strict=True)])
+
+    def _index(self) -> npt.NDArray[np.int64]:
         d = self.description
         name, first = d.channels.index, d.first_index
         if name is None:
-            # A long gap must not overflow the index before it is checked.
-            last = first + sum(lengths) + (d.gap or 0.0) * self.rate * (len(lengths) - 1) - 1
-            self._check_stamp(last, f"{self._about}: first_index = {first}" + (f" and gap = {d.gap:g} s" if d.gap else ""))
-            return self._files.index(lengths, first, d.gap, self.measured_rate, self._about)
+            return self._consecutive_index()
         if d.gap is not None:
             raise Refusal(f"{self._about} gives gap and the channel index, which contains the gaps: leave out gap")
         index = np.concatenate(self._files.numbers(name))

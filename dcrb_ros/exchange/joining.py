@@ -8,7 +8,6 @@ from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
 from dcrb_ros.exchange.files import ExternalFile, channel, read_external
 from dcrb_ros.exchange.text_table import Array
@@ -115,20 +114,6 @@ class JoinedFiles:
     def numbers(self, name: str | int, *, nan: bool = False) -> list[Floats]:
         """Return a channel of each file in double precision; see `parts`."""
         return [part.astype(np.float64, copy=False) for part in self.parts(name, nan=nan)]
-
-    def index(self, lengths: Sequence[int], first: int, gap: float | None, rate: float, about: Path) -> npt.NDArray[np.int64]:
-        """Return the index of each sample of files of ``lengths``, from ``first``, with a ``gap`` [s] between them, shape (samples,).
-
-        Raises:
-            Refusal: there are several files and no gap is given, or the other way around.
-        """
-        if gap is None and len(lengths) > 1:
-            raise Refusal(f"{about} has no gap between {len(lengths)} files: add gap [s], 0 if each continues the one before it")
-        if gap is not None and len(lengths) == 1:
-            raise Refusal(f"{about} gives gap = {gap:g} s, but there is one file: give the others, too, or leave it out")
-        between = round((gap or 0.0) * rate)
-        begins = first + np.concatenate([[0], np.cumsum(np.asarray(lengths[:-1], np.int64) + between)]).astype(np.int64)
-        return np.concatenate([begin + np.arange(length, dtype=np.int64) for begin, length in zip(begins, lengths, strict=True)])
 
 
 def matching(external: ExternalFile, file: Path, name: str | int) -> str | int:
