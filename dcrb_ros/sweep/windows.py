@@ -54,29 +54,20 @@ def window_labels(begin: npt.NDArray[np.int64], first_index: int, rate: int, win
     """
     times = [truth.time_ns for truth in truths]
     begin_ns = [(first_index + int(sample)) * 1_000_000_000 // rate for sample in begin]
-    first = [index_at(times, time_ns) for time_ns in begin_ns]
+    end_ns = [(first_index + int(sample) + windows.length) * 1_000_000_000 // rate - 1 for sample in begin]
+    # The last instant that is not after the time, the first one if there is none.
+    first, last = ([truths[max(bisect_right(times, time_ns) - 1, 0)] for time_ns in instants] for instants in (begin_ns, end_ns))
     # Speed and load change gradually between two instants of the ground truth.
     speed, across, along = (np.interp(begin_ns, times, values) for values in zip(*((t.speed, *t.load) for t in truths), strict=True))
-    ends = [index_at(times, (first_index + int(sample) + windows.length) * 1_000_000_000 // rate - 1) for sample in begin]
     return {
         "start": begin + first_index,
         "time": (begin + first_index) / rate,
-        "fault": np.array([class_of(truths[k].faults) for k in first], dtype=str),
-        "width": np.array([max((f.get("width", 0.0) for f in truths[k].faults.values()), default=0.0) for k in first]),
+        "fault": np.array([class_of(truth.faults) for truth in first], dtype=str),
+        "width": np.array([max((fault.get("width", 0.0) for fault in truth.faults.values()), default=0.0) for truth in first]),
         "speed": speed,
         "load": np.hypot(across, along),
-        "mixed": np.array([fault_fields(truths[k]) != fault_fields(truths[end]) for k, end in zip(first, ends, strict=True)], dtype=bool),
+        "mixed": np.array([before.faults != after.faults for before, after in zip(first, last, strict=True)], dtype=bool),
     }
-
-
-def index_at(times: list[int], time_ns: int) -> int:
-    """Return the index of the last time that is not after ``time_ns``, 0 if there is none [ns]."""
-    return max(bisect_right(times, time_ns) - 1, 0)
-
-
-def fault_fields(truth: Truth) -> dict[str, Any]:
-    """Return the faults of a ground truth with their fields."""
-    return {name: dict(fault) for name, fault in truth.faults.items()}
 
 
 def parquet_bytes(table: Any, **options: Any) -> bytes:
