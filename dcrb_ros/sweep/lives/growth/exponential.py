@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import quantity
 from dcrb_ros.sweep.lives.growth.law import STEPS, Growth, GrowthPath, stepped
 from dcrb_ros.sweep.lives.growth.paris import grown
@@ -22,9 +21,5 @@ class ExponentialGrowth(Growth):
     def path(self, first: float, last: float, random: np.random.Generator) -> GrowthPath:
         """Return the growth of a defect; see `Growth.path`."""
         factor = np.exp(self.scatter * random.standard_normal())
-
-        def rates(_: int, random: np.random.Generator) -> Floats:
-            return np.full(STEPS, factor)
-
-        time, done = stepped(rates, random)
+        time, done = stepped(lambda _: np.full(STEPS, factor))
         return GrowthPath(time, grown(done, first, last, 1.0))

@@ -25,9 +25,9 @@ class GammaGrowth(Growth):
         """Return the growth of a defect; see `Growth.path`."""
         factor = np.exp(self.scatter * random.standard_normal())
 
-        def rates(begin: int, random: np.random.Generator) -> Floats:
+        def rates(begin: int) -> Floats:
             mean = np.diff((factor * np.arange(begin, begin + STEPS + 1) / STEPS) ** self.power)
             return np.asarray(STEPS * random.gamma(self.jumps * mean) / self.jumps)
 
-        time, done = stepped(rates, random)
+        time, done = stepped(rates)
         return GrowthPath(time, first + (last - first) * done)

@@ -41,16 +41,10 @@ class Growth(Group):
         """Return the growth of a defect from its ``first`` to its ``last`` width [m]; equal random numbers give equal paths."""
 
 
-def progress(rates: list[Floats]) -> tuple[Floats, Floats]:
-    """Return times and progress from 0 to exactly 1 of steps that progress by ``rates`` / `STEPS` each, as chunks, shape (points,) [-]."""
-    done = np.concatenate([[0.0], np.cumsum(np.concatenate(rates)) / STEPS])
-    end = int(np.argmax(done >= 1.0))
-    part = (1.0 - done[end - 1]) / (done[end] - done[end - 1])
-    return np.append(np.arange(end), end - 1 + part) / STEPS, np.append(done[:end], 1.0)
+def stepped(chunk_of: Callable[[int], Floats]) -> tuple[Floats, Floats]:
+    """Return times and progress from 0 to exactly 1, shape (points,) [-]; each step progresses by its rate over `STEPS`.
 
-
-def stepped(chunk_of: Callable[[int, np.random.Generator], Floats], random: np.random.Generator) -> tuple[Floats, Floats]:
-    """Return times and progress; ``chunk_of`` (first, random) gives the rates of `STEPS` steps from ``first`` on.
+    ``chunk_of`` (first) gives the rates of `STEPS` steps from the ``first`` on.
 
     Raises:
         Refusal: the damage does not reach its last width.
@@ -63,6 +57,9 @@ def stepped(chunk_of: Callable[[int, np.random.Generator], Floats], random: np.r
                 f"a life cannot end: after {LONGEST} times the median of growth its damage has made {total / STEPS:.2g} of the way to "
                 "failure; give a smaller growth.scatter or a larger growth.jumps"
             )
-        rates.append(chunk_of(len(rates) * STEPS, random))
+        rates.append(chunk_of(len(rates) * STEPS))
         total += float(rates[-1].sum())
-    return progress(rates)
+    done = np.concatenate([[0.0], np.cumsum(np.concatenate(rates)) / STEPS])
+    end = int(np.argmax(done >= 1.0))
+    part = (1.0 - done[end - 1]) / (done[end] - done[end - 1])
+    return np.append(np.arange(end), end - 1 + part) / STEPS, np.append(done[:end], 1.0)

@@ -28,11 +28,7 @@ class ParisGrowth(Growth):
     def path(self, first: float, last: float, random: np.random.Generator) -> GrowthPath:
         """Return the growth of a defect; see `Growth.path`."""
         factor = np.exp(self.scatter * random.standard_normal())
-
-        def rates(_: int, random: np.random.Generator) -> Floats:
-            return np.asarray(factor * np.exp(self.noise * random.standard_normal(STEPS) - 0.5 * self.noise**2))
-
-        time, done = stepped(rates, random)
+        time, done = stepped(lambda _: factor * np.exp(self.noise * random.standard_normal(STEPS) - 0.5 * self.noise**2))
         return GrowthPath(time, grown(done, first, last, self.exponent))
 
 
