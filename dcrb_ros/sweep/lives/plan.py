@@ -26,6 +26,7 @@ COLDEST_AND_HOTTEST = (-40.0, 60.0)
 class LifePlan(Plan):
     """The runs of a sweep of lives; a bearing is in one split with all its inspections."""
 
+    sweep: LifeSweep
     unit, remedy = "bearing", "increase lives"
     truth = TRUTH
     split_text = "All inspections of a bearing are in one split. All bearings are on one machine, that of the base."
@@ -34,7 +35,6 @@ class LifePlan(Plan):
         # The parts of the sweep are lives, not points.
         super().__init__(replace(sweep, file=sweep.file.model_copy(update={EXTENDED: []})))
         self.sweep = sweep
-        self.lives = sweep
         # Neither the version nor the model is part of these hashes, so that splits and noise stay what they are.
         self._bearings = [digest([sweep.recipe.numbers.seed, number]) for number in range(sweep.recipe.numbers.lives)]
         parts = batches(sweep.file.extended, len(self._bearings))
@@ -49,8 +49,8 @@ class LifePlan(Plan):
     def groups(self) -> Iterator[Task]:
         """Yield the inspections one by one."""
         position = 0
-        for life in self.lives.population.lives():
-            hours = list(life.inspections(self.lives.recipe.inspection.every))
+        for life in self.sweep.population.lives():
+            hours = list(life.inspections(self.sweep.recipe.inspection.every))
             conditions = zip(hours, self._sections(life, len(hours)), self._ambient(life, hours), strict=True)
             for number, (hour, section, ambient) in enumerate(conditions):
                 yield (self._inspection(position, life, number, hour, section, ambient),)
@@ -58,11 +58,11 @@ class LifePlan(Plan):
 
     def design_text(self) -> str:
         """Return the section of the data card about the lives."""
-        return design_text(self.lives)
+        return design_text(self.sweep)
 
     def tables(self) -> Iterator[tuple[str, bytes]]:
         """Yield the table of the lives."""
-        yield "lives.parquet", lives_table(self.lives, lambda life: self._splits[self._bearings[life.number]])
+        yield "lives.parquet", lives_table(self.sweep, lambda life: self._splits[self._bearings[life.number]])
 
     def _inspection(self, position: int, life: Life, number: int, hour: float, section: Section, ambient: Point) -> PlannedRun:
         bearing, width = self._bearings[life.number], life.width(hour)
@@ -75,7 +75,7 @@ class LifePlan(Plan):
             SEED: seed,
             **ambient,
         }
-        changes = {**healthy, **dict(self.lives.damage(life.component, life.location, life.individual, width))}
+        changes = {**healthy, **dict(self.sweep.damage(life.component, life.location, life.individual, width))}
         return PlannedRun(
             position,
             digest([self._common, self._difference(changes), None]),
@@ -100,18 +100,18 @@ class LifePlan(Plan):
 
     def _sections(self, life: Life, count: int) -> list[Section]:
         """Return the sections on which the inspections of a life are made, drawn by the hours at constant speed."""
-        seed = self.lives.recipe.numbers.seed
+        seed = self.sweep.recipe.numbers.seed
         shares = random_stream(seed, f"life {life.number} sections").random(count)
         numbers = np.minimum(np.searchsorted(self._shares, shares, side="right"), len(self._shares) - 1)
-        return [self.lives.sections[number] for number in numbers]
+        return [self.sweep.sections[number] for number in numbers]
 
     def _ambient(self, life: Life, hours: list[float]) -> Iterator[Point]:
         """Yield the temperature of the surroundings at the inspections of a life as a parameter; none without a climate."""
-        climate = self.lives.recipe.climate
+        climate = self.sweep.recipe.climate
         if climate is None:
             yield from ({} for _ in hours)
             return
-        random = random_stream(self.lives.recipe.numbers.seed, f"life {life.number} climate")
+        random = random_stream(self.sweep.recipe.numbers.seed, f"life {life.number} climate")
         turns = float(random.random()) + np.array(hours) / climate.hours_per_year
         drawn = climate.mean + climate.season * np.sin(2.0 * np.pi * turns) + climate.day * random.standard_normal(len(hours))
         yield from ({AMBIENT: value} for value in np.clip(drawn, *COLDEST_AND_HOTTEST).tolist())

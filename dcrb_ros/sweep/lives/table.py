@@ -45,7 +45,7 @@ def lives_table(sweep: LifeSweep, split: Callable[[Life], str]) -> bytes:
             **{name: getattr(life, name) for name in LIVES if hasattr(life, name)},
             **life.location,
             "split": split(life),
-            "inspections": sum(1 for _ in life.inspections(every)),
+            "inspections": life.count(every),
         }
         for life in sweep.population.lives()
     ]

@@ -36,7 +36,7 @@ def test_the_vibration_of_a_life_grows_to_its_end(plan: LifePlan, tmp_path: Path
     store = Store(str(tmp_path))
     short = plan.sweep.file.model_copy(update={"duration": 0.1, "settle": 0.05})
     common = replace(common_settings(plan.sweep, store), file=short)
-    failed = next(life.bearing_id for life in plan.lives.population.lives() if not life.censored)
+    failed = next(life.bearing_id for life in plan.sweep.population.lives() if not life.censored)
     inspections = [run for run in plan.runs() if run.truth["bearing_id"] == failed]
     assert inspections[-1].truth["remaining_life"] == 0.0
     levels = []
