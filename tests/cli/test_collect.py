@@ -11,17 +11,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from data_sets import made
 from pyarrow import parquet
 from typer.testing import CliRunner
 
 from dcrb_ros import DataSet, Refusal, Waveform
 from dcrb_ros.cli.app import app
 from dcrb_ros.exchange.run_list import decimated
-from dcrb_ros.sweep.data_set import open_data_set
-from dcrb_ros.sweep.execution import run_task
-from dcrb_ros.sweep.loader import sweep_of
-from dcrb_ros.sweep.plan import Plan
-from dcrb_ros.sweep.store import Store
 
 ABOUT = {"channels": {"ax": "a"}, "unit": "g", "sampling_rate": 12000, "orders": {"FTF": 0.398, "BPFO": 3.585, "BPFI": 5.415, "BSF": 2.357}}
 SWEEP = {
@@ -33,16 +29,6 @@ SWEEP = {
     "duration": 0.02,
     "windows": {"length": 256, "kind": "parquet"},
 }
-
-
-class Here:
-    """A worker in this process."""
-
-    count = 1
-
-    def dispatched(self, common: object, tasks: object) -> object:
-        for task in tasks:  # type: ignore[attr-defined]
-            yield task, run_task(common, task)  # type: ignore[arg-type]
 
 
 @pytest.fixture(scope="module")
@@ -76,8 +62,7 @@ def measured(files: Path) -> Path:
 def simulated(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A data set of a sweep with windows in Parquet."""
     folder = tmp_path_factory.mktemp("simulated") / "set"
-    with open_data_set(Plan(sweep_of(SWEEP, "sweep.yaml", text=yaml.safe_dump(SWEEP))), Store(str(folder))) as made:
-        made.make(Here(), lambda _: None)  # type: ignore[arg-type]
+    made(SWEEP, folder)
     return folder
 
 

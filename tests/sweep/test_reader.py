@@ -17,18 +17,16 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from attacked_files import ATTACKS
+from attacked_files import ATTACKS, flip
+from data_sets import made
 from folder_contents import contents
 from typer.testing import CliRunner
 
 from dcrb_ros import DataSet, Refusal
 from dcrb_ros.cli.app import app
-from dcrb_ros.sweep.data_set import open_data_set
-from dcrb_ros.sweep.execution import run_task
 from dcrb_ros.sweep.extension import _with_history
 from dcrb_ros.sweep.kinds import plan_of
 from dcrb_ros.sweep.loader import read_sweep, sweep_of
-from dcrb_ros.sweep.store import Store
 from dcrb_ros.sweep.sums import SUMS
 
 TREE: dict[str, Any] = {
@@ -41,28 +39,6 @@ TREE: dict[str, Any] = {
     "duration": 0.02,
     "windows": {"length": 256, "overlap": 0.5},
 }
-
-
-class Here:
-    """A worker in this process that counts its runs."""
-
-    count = 1
-
-    def __init__(self) -> None:
-        self.runs: list[str] = []
-
-    def dispatched(self, common: Any, tasks: Any) -> Any:
-        for task in tasks:
-            self.runs += [run.name for run in task]
-            yield task, run_task(common, task)
-
-
-def made(tree: dict[str, Any], folder: Path) -> list[str]:
-    """Make or extend a data set; return the runs that were simulated."""
-    worker = Here()
-    with open_data_set(plan_of(sweep_of(tree, "sweep.yaml", text=yaml.safe_dump(tree, sort_keys=False))), Store(str(folder))) as data_set:
-        data_set.make(worker, lambda _: None)  # type: ignore[arg-type]
-    return worker.runs
 
 
 def read(folder: Path) -> DataSet:
@@ -207,16 +183,12 @@ def edited_table(folder: Path, column: str, value: Any) -> None:
     table.to_parquet(folder / "labels.parquet")
 
 
-def flip_a_bit(folder: Path, pattern: str) -> None:
-    path = sorted(folder.glob(pattern))[0]
-    data = bytearray(path.read_bytes())
-    data[len(data) // 2] ^= 1
-    path.write_bytes(bytes(data))
-
-
 DAMAGE: dict[str, tuple[Callable[[Path], object], str]] = {
     "an edited fault": (lambda folder: edited_table(folder, "fault", "healthy"), "labels.parquet has been changed"),
-    "a flipped bit in the windows": (lambda folder: flip_a_bit(folder, "windows/train/*"), "has been changed: its SHA-256 is not the one"),
+    "a flipped bit in the windows": (
+        lambda folder: flip(next(folder.glob("windows/train/*"))),
+        "has been changed: its SHA-256 is not the one",
+    ),
     "missing windows": (lambda folder: [path.unlink() for path in folder.glob("windows/train/*")], "is missing"),
     "damaged hashes": (lambda folder: (folder / SUMS).write_text("none"), f"{SUMS} is damaged"),
     "no table": (lambda folder: (folder / "labels.parquet").unlink(), "has no labels.parquet"),
@@ -334,10 +306,7 @@ def test_more_points_add_runs_and_keep_the_others(design: str, tmp_path: Path) -
     assert made({**TREE, "design": design, "seeds": 2, "points": 7}, tmp_path / "set") == []
     assert contents(tmp_path / "set") == after
     kept = read_sweep(tmp_path / "set" / "sweep.yaml")
-    worker = Here()
-    with open_data_set(plan_of(kept), Store(str(tmp_path / "again"))) as data_set:
-        data_set.make(worker, lambda _: None)  # type: ignore[arg-type]
-    assert len(worker.runs) == 28
+    assert len(made(plan_of(kept), tmp_path / "again")) == 28
     assert contents(tmp_path / "again") == after
 
 
@@ -364,10 +333,7 @@ def test_more_values_of_a_grid_add_runs_and_keep_the_others(tmp_path: Path) -> N
     assert len(more) == 4
     kept = read_sweep(tmp_path / "set" / "sweep.yaml")
     assert kept.file.extended == [{"operating.speed": 3, "operating.load": 1}, {"operating.speed": 4, "operating.load": 2}]
-    worker = Here()
-    with open_data_set(plan_of(kept), Store(str(tmp_path / "again"))) as data_set:
-        data_set.make(worker, lambda _: None)  # type: ignore[arg-type]
-    assert len(worker.runs) == 20
+    assert len(made(plan_of(kept), tmp_path / "again")) == 20
     assert contents(tmp_path / "again") == contents(tmp_path / "set")
     read(tmp_path / "again")
 

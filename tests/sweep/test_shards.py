@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 import pytest
 from attacked_files import ATTACKS
+from data_sets import made
 
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.sweep.data_set import open_data_set
-from dcrb_ros.sweep.execution import run_task
 from dcrb_ros.sweep.kinds import plan_of
 from dcrb_ros.sweep.loader import read_sweep, sweep_of
 from dcrb_ros.sweep.plan import Plan
@@ -38,24 +38,11 @@ TREE: dict[str, Any] = {
 }
 
 
-class Here:
-    """A worker in this process."""
-
-    count = 1
-
-    def dispatched(self, common: Any, tasks: Any) -> Any:
-        for task in tasks:
-            yield task, run_task(common, task)
-
-
 @pytest.fixture(scope="module")
 def data_set(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a small data set."""
     folder = tmp_path_factory.mktemp("data") / "set"
-    import yaml
-
-    with open_data_set(Plan(sweep_of(TREE, "sweep.yaml", text=yaml.safe_dump(TREE))), Store(str(folder))) as made:
-        made.make(Here(), lambda _: None)  # type: ignore[arg-type]
+    made(TREE, folder)
     return folder
 
 
@@ -184,8 +171,7 @@ def test_a_data_set_keeps_its_own_base_and_scenarios(tmp_path: Path) -> None:
     (own / "grows.yaml").write_text("timeline: [{at: 0.01, set: {faults.outer_1.width: 0.002}}]\n")
     (own / "sweep.yaml").write_text("base: mine.yaml\ncases: {grows: {scenario: grows.yaml}}\nduration: 0.02\n")
     plan = plan_of(read_sweep(own / "sweep.yaml"))
-    with open_data_set(plan, Store(str(folder))) as made:
-        made.make(Here(), lambda _: None)  # type: ignore[arg-type]
+    made(plan, folder)
     shutil.rmtree(own)
     assert plan_of(read_sweep(folder / "sweep.yaml")).name == plan.name
     write_shards(folder, tmp_path / "shards", 1)
@@ -277,18 +263,13 @@ def test_a_changed_run_is_not_packed(data_set: Path, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_shards_of_vehicles_are_made_again_without_the_file_of_the_vehicle(tmp_path: Path) -> None:
-    import yaml
-
-    from dcrb_ros.sweep.kinds import plan_of
-
     own = tmp_path / "bogie.yaml"
     own.write_text("vehicle: {bench: dry}\naxle_1: {left: {}, right: {}}\n")
     cases = {"healthy": {}, "outer": {"box": "axle_1.left", "box.faults.outer_1.width": 0.002}}
     split = {"train": 0.5, "validation": 0.0, "test": 0.5}
     vary = {"vehicle.seed": [1, 2]}
     tree = {"vehicle": str(own), "design": "grid", "vary": vary, "cases": cases, "duration": 0.5, "settle": 0.0, "split": split}
-    with open_data_set(plan_of(sweep_of(tree, "sweep.yaml", text=yaml.safe_dump(tree))), Store(str(tmp_path / "set"))) as made:
-        made.make(Here(), lambda _: None)  # type: ignore[arg-type]
+    made(tree, tmp_path / "set")
     name, *others = write_shards(tmp_path / "set", tmp_path / "shards", 100)
     assert [name, *others] == ["train-000000.tar", "test-000000.tar"]
     own.unlink()

@@ -17,6 +17,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import data_sets
 import numpy as np
 import pytest
 from folder_contents import contents
@@ -80,12 +81,9 @@ def made(tree: dict[str, Any], folder: Path, client: Client) -> pd.DataFrame:
 
 def run_alone(tree: dict[str, Any], folder: Path) -> list[tuple[PlannedRun, dict[str, Any]]]:
     """Run a plan in this process and return its runs with their labels."""
-    plan, store = plan_of(tree), Store(str(folder))
-    found = []
-    for task in plan.groups():
-        run_task(common_settings(plan.sweep, store), task)
-        found += [(run, json.loads((folder / "labels" / f"{run.name}.json").read_text())) for run in task]
-    return found
+    plan = plan_of(tree)
+    data_sets.made(plan, folder)
+    return [(run, json.loads((folder / "labels" / f"{run.name}.json").read_text())) for run in plan.runs()]
 
 
 @pytest.fixture(scope="module")

@@ -8,21 +8,14 @@ from typing import Any
 
 import pandas as pd
 import pytest
+from data_sets import made
 
-from dcrb_ros.sweep.execution import common_settings, run_task
 from dcrb_ros.sweep.label import TEMPERATURES, temperatures
-from dcrb_ros.sweep.loader import sweep_of
-from dcrb_ros.sweep.plan import Plan
-from dcrb_ros.sweep.store import Store
-from dcrb_ros.sweep.table import write_table
 
 
 def table(folder: Path, **changes: Any) -> pd.DataFrame:
     """Simulate a sweep in this process and return its labels."""
-    plan, store = Plan(sweep_of({"base": "dry", "duration": 0.02, **changes}, "sweep.yaml")), Store(str(folder))
-    for task in plan.groups():
-        run_task(common_settings(plan.sweep, store), task)
-    write_table(plan, store)
+    made({"base": "dry", "duration": 0.02, **changes}, folder)
     return pd.read_parquet(folder / "labels.parquet")
 
 

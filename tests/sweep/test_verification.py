@@ -13,6 +13,8 @@ from typing import Any
 
 import pandas as pd
 import pytest
+from attacked_files import flip
+from data_sets import made
 
 from dcrb_ros.cli.app import app
 from dcrb_ros.cli.sweep import _report_flaws
@@ -37,21 +39,12 @@ SWEEP = "set: {cage.joint: revolute}\nduration: 0.02\nvary: {operating.speed: [1
 def simulated(folder: Path, **changed: object) -> tuple[Plan, Store, list[str]]:
     """Make a data set in this process; return its plan, its store and the names of its runs."""
     plan, store = Plan(sweep_of({**TREE, **changed}, "sweep.yaml", text=SWEEP)), Store(str(folder))
-    with open_data_set(plan, store) as data_set:
-        for task in plan.groups():
-            run_task(common_settings(plan.sweep, store), task)
-        data_set.finish()
+    made(plan, folder)
     return plan, store, [run.name for run in plan.runs()]
 
 
 def truncate(path: Path) -> None:
     path.write_bytes(path.read_bytes()[:-100])
-
-
-def flip_a_bit(path: Path) -> None:
-    data = bytearray(path.read_bytes())
-    data[len(data) // 2] ^= 1
-    path.write_bytes(bytes(data))
 
 
 def edit(key: str, value: object, *, sign: bool = False) -> Callable[[Path], None]:
@@ -105,7 +98,7 @@ DAMAGE: dict[str, tuple[str, Callable[[Path], object], str]] = {
     ),
     "a deleted waveform": ("runs/{}.npz", Path.unlink, "runs/{}.npz is missing"),
     "a truncated waveform": ("runs/{}.npz", truncate, "bytes instead of"),
-    "a waveform with a flipped bit": ("runs/{}.npz", flip_a_bit, "runs/{}.npz has been changed: its SHA-256 is not the one in its label"),
+    "a waveform with a flipped bit": ("runs/{}.npz", flip, "runs/{}.npz has been changed: its SHA-256 is not the one in its label"),
     "deleted windows": ("windows/train/{}.npz", Path.unlink, "windows/train/{}.npz is missing"),
 }
 
@@ -282,7 +275,7 @@ def test_only_the_first_of_many_damaged_runs_are_named(tmp_path: Path, capsys: p
 def test_every_table_and_description_has_a_hash(name: str, tmp_path: Path) -> None:
     simulated(tmp_path)
     subprocess.run(["sha256sum", "-c", "--quiet", "SHA256SUMS"], cwd=tmp_path, check=True)
-    flip_a_bit(tmp_path / name)
+    flip(tmp_path / name)
     done = subprocess.run(["sha256sum", "-c", "--quiet", "SHA256SUMS"], cwd=tmp_path, check=False, capture_output=True, text=True)
     assert f"{name}: FAILED" in done.stdout
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from data_sets import made
 from folder_contents import contents
 from hypothesis import given
 from hypothesis import strategies as st
@@ -21,7 +22,6 @@ from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.settings.shipped import shipped_folder
 from dcrb_ros.sweep.cluster import ClusterWorkers
 from dcrb_ros.sweep.data_set import open_data_set
-from dcrb_ros.sweep.execution import common_settings, run_task
 from dcrb_ros.sweep.kinds import plan_of
 from dcrb_ros.sweep.lives.plan import LifePlan
 from dcrb_ros.sweep.lives.sweep import LifeSweep
@@ -50,16 +50,6 @@ def sweep(**changes: Any) -> LifeSweep:
     found = sweep_of({**QUICK, **changes}, "life.yaml")
     assert isinstance(found, LifeSweep)
     return found
-
-
-def made(folder: Path, **changes: Any) -> Path:
-    """Make a data set in this process."""
-    plan, store = plan_of(sweep(**changes)), Store(str(folder))
-    with open_data_set(plan, store) as data_set:
-        for task in plan.tasks(data_set.done, 1.0):
-            run_task(common_settings(plan.sweep, store), task)
-        data_set.finish()
-    return folder
 
 
 # Lives
@@ -215,7 +205,8 @@ def test_a_spall_spreads_along_the_rollers() -> None:
 
 
 def test_a_data_set_of_lives_has_its_truth_and_is_the_same_in_parts(tmp_path: Path) -> None:
-    folder = made(tmp_path / "whole")
+    folder, plan = tmp_path / "whole", plan_of(sweep())
+    made(plan, folder)
     table, lives = pd.read_parquet(folder / "labels.parquet"), pd.read_parquet(folder / "lives.parquet")
     assert (table["status"] == "done").all()
     assert list(lives["inspections"]) == list(table.groupby("bearing_id").size())
@@ -236,25 +227,26 @@ def test_a_data_set_of_lives_has_its_truth_and_is_the_same_in_parts(tmp_path: Pa
     whole = contents(folder)
     missing = json.loads((folder / "labels" / f"{table['run'].iloc[3]}.json").read_text())
     (folder / missing["file"]).unlink()
-    made(folder)
+    made(plan, folder)
     assert contents(folder) == whole
 
 
 def test_two_workers_of_a_cluster_make_the_same_bits(tmp_path: Path) -> None:
     distributed = pytest.importorskip("distributed")
-    alone = contents(made(tmp_path / "alone", lives=2))
+    plan = plan_of(sweep(lives=2))
+    made(plan, tmp_path / "alone")
     with (
         distributed.Client(processes=False, n_workers=2, threads_per_worker=1, dashboard_address=None) as client,
-        open_data_set(plan_of(sweep(lives=2)), Store(str(tmp_path / "cluster"))) as data_set,
+        open_data_set(plan, Store(str(tmp_path / "cluster"))) as data_set,
     ):
         data_set.make(ClusterWorkers(client), lambda _: None)
-    assert contents(tmp_path / "cluster") == alone
+    assert contents(tmp_path / "cluster") == contents(tmp_path / "alone")
 
 
 def test_another_growth_is_another_data_set(tmp_path: Path) -> None:
-    folder = made(tmp_path / "set", lives=1)
+    made(plan_of(sweep(lives=1)), tmp_path)
     with pytest.raises(Refusal, match=r"growth differs?"):
-        made(folder, lives=1, growth={"law": "gamma"})
+        made(plan_of(sweep(lives=1, growth={"law": "gamma"})), tmp_path)
 
 
 @pytest.mark.parametrize("path", sorted((shipped_folder() / "sweeps").glob("*.yaml")), ids=lambda path: path.stem)
