@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 from collections.abc import Iterator
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 from xml.etree import ElementTree
 
@@ -15,6 +13,7 @@ import yaml
 
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
+import mqtt_bridge
 from made_up_blocks import blocks
 
 from dcrb_ros.messages.joints import encode_features
@@ -101,35 +100,24 @@ def test_the_policy_allows_the_nodes_their_topics_and_services() -> None:
     )
 
 
-def mqtt_bridge() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("mqtt_bridge", EXAMPLES / "mqtt_bridge.py")
-    assert spec is not None
-    assert spec.loader is not None
-    bridge = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(bridge)
-    return bridge
-
-
 def test_the_mqtt_example_encodes_diagnoses_and_features_as_json() -> None:
     from rclpy.serialization import deserialize_message
 
-    bridge = mqtt_bridge()
     data = encode_diagnosis(Diagnosis(51200, 1.0, "outer_ring", "BPFO 20 dB over its limit", confidence=0.9))
-    found = json.loads(bridge.diagnosis_json(deserialize_message(data, bridge.DiagnosticArray)))
+    found = json.loads(mqtt_bridge.diagnosis_json(deserialize_message(data, mqtt_bridge.DiagnosticArray)))
     assert (found["time"], found["verdict"], found["confidence"]) == (1.0, "outer_ring", 0.9)
     block = next(blocks(1))
-    features = json.loads(bridge.features_json(deserialize_message(encode_features(block), bridge.JointState)))
+    features = json.loads(mqtt_bridge.features_json(deserialize_message(encode_features(block), mqtt_bridge.JointState)))
     assert {"time", "rms", "peak", "crest", "kurtosis", "clipped"} == features.keys()
     assert features["rms"] == pytest.approx(10.0, rel=0.1)
     assert (DIAGNOSIS.name, FEATURES.name) == ("diagnosis", "outer_ring/features")
 
 
 def test_the_mqtt_example_takes_messages_of_other_publishers() -> None:
-    bridge = mqtt_bridge()
-    assert bridge.diagnosis_json(bridge.DiagnosticArray()) is None
+    assert mqtt_bridge.diagnosis_json(mqtt_bridge.DiagnosticArray()) is None
 
     def refuse(constant: str) -> None:
         raise AssertionError(f"{constant} is no JSON")
 
-    features = bridge.features_json(bridge.JointState(name=["rms", "peak", "crest"], position=[1.5, float("nan")]))
+    features = mqtt_bridge.features_json(mqtt_bridge.JointState(name=["rms", "peak", "crest"], position=[1.5, float("nan")]))
     assert json.loads(features, parse_constant=refuse) == {"time": 0.0, "rms": 1.5, "peak": "nan"}

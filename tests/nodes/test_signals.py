@@ -2,34 +2,19 @@
 
 from __future__ import annotations
 
-import importlib.util
 import signal
-import sys
 from pathlib import Path
-from types import ModuleType
 
 import pytest
 
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
+import signals as random_signals
 from node_arguments import parameters
 from ros_bench import PATIENCE, domain, environment, node
 from waiting import wait_for
 
 pytestmark = [pytest.mark.node, pytest.mark.slow]
-
-
-def loaded() -> ModuleType:
-    """Return benchmarks/signals.py as a module."""
-    spec = importlib.util.spec_from_file_location("random_signals", Path(__file__).parents[2] / "benchmarks" / "signals.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = sys.modules["random_signals"] = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-random_signals = loaded()
 
 
 @pytest.mark.parametrize(

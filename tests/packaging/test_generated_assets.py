@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import importlib.util
 import re
-import sys
 from pathlib import Path
-from types import ModuleType
 
+import picture_stamps
+import pictures
 import pytest
 
 from dcrb_ros.exam.exam_file import read_exam
@@ -18,19 +17,6 @@ ROOT = Path(__file__).parents[2]
 IMAGES, LEADERBOARD = ROOT / "docs/images", ROOT / "docs/leaderboard"
 
 
-def script(name: str) -> ModuleType:
-    """Return a module of benchmarks/."""
-    spec = importlib.util.spec_from_file_location(name, ROOT / "benchmarks" / f"{name}.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    spec.loader.exec_module(module)
-    return module
-
-
-drawings, picture_stamps = script("picture_drawings"), script("picture_stamps")
-pictures = script("pictures")
 STAMPS = picture_stamps.stamps()
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import subprocess
 import sys
@@ -21,16 +20,6 @@ from dcrb_ros.sweep.store import record_of
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
-def loaded(name: str) -> Any:
-    """Return an example as a new module."""
-    description = importlib.util.spec_from_file_location(name, EXAMPLES / f"{name}.py")
-    assert description is not None
-    assert description.loader is not None
-    module = importlib.util.module_from_spec(description)
-    description.loader.exec_module(module)
-    return module
-
-
 def row_of(folder: Path, run: str, acceleration: Any, angle: Any, fault: str) -> dict[str, Any]:
     """Write a run and return its row in the table of labels."""
     file = f"runs/{run}.npz"
@@ -43,28 +32,32 @@ def row_of(folder: Path, run: str, acceleration: Any, angle: Any, fault: str) ->
 
 @pytest.mark.filterwarnings("ignore:.*has no SHA256SUMS")
 def test_the_loader_counts_the_windows_of_every_class(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    import load_dataset
+
     silence = np.zeros((3 * 4096, 2), np.float32)
     pd.DataFrame([row_of(tmp_path, fault, silence, silence[:, 0], fault) for fault in ("lubrication", "cage")]).to_parquet(
         tmp_path / "labels.parquet"
     )
-    loaded("load_dataset").main(tmp_path)
+    load_dataset.main(tmp_path)
     assert capsys.readouterr().out == "train: 10 windows; 5 cage, 5 lubrication\n"
 
 
 @pytest.mark.filterwarnings("ignore:.*has no SHA256SUMS")
 def test_the_classifier_of_the_twins_tells_noise_from_a_defect(tmp_path: Path) -> None:
     pytest.importorskip("sklearn")
-    example, folders = loaded("twin_classifier"), [tmp_path / "twins", tmp_path / "recordings"]
+    import twin_classifier
+
+    folders = [tmp_path / "twins", tmp_path / "recordings"]
     for seed, folder in enumerate(folders):
         rows = []
         for run, (fault, force) in enumerate([("healthy", 0.0), ("outer_ring", 80.0)] * 2):
             acceleration, angle = synthetic(outer=force, seconds=2.0, rate=12800, seed=10 * seed + run)
             rows.append(row_of(folder, str(run), acceleration, angle, fault))
         pd.DataFrame(rows).to_parquet(folder / "labels.parquet")
-    features, truth = example.windows(folders[0])
+    features, truth = twin_classifier.windows(folders[0])
     assert len(features) == len(truth) == 12
     assert not any("rms" in name or "peak" in name or "level" in name for name in features)
-    assert example.main(*folders) == 1.0
+    assert twin_classifier.main(*folders) == 1.0
 
 
 @pytest.mark.filterwarnings("ignore:.*has no SHA256SUMS")
@@ -77,32 +70,38 @@ def test_the_classifier_of_the_twins_tells_noise_from_a_defect(tmp_path: Path) -
 )
 def test_the_classifier_of_the_twins_refuses_recordings_that_give_no_score(faults: tuple[str, ...], sentence: str, tmp_path: Path) -> None:
     pytest.importorskip("sklearn")
+    import twin_classifier
+
     folders = [tmp_path / "twins", tmp_path / "recordings"]
     for folder, named in zip(folders, (("healthy", "outer_ring"), faults), strict=True):
         rows = [row_of(folder, fault, *synthetic(outer=0.0, seconds=1.0, rate=12800, seed=1), fault) for fault in named]
         pd.DataFrame(rows).to_parquet(folder / "labels.parquet")
     with pytest.raises(Refusal, match=sentence):
-        loaded("twin_classifier").main(*folders)
+        twin_classifier.main(*folders)
 
 
 @pytest.mark.filterwarnings("ignore:.*has no SHA256SUMS")
 def test_the_features_of_the_baseline_do_not_depend_on_the_direction_of_rotation(tmp_path: Path) -> None:
     pytest.importorskip("sklearn")
+    import baseline
+
     acceleration, angle = synthetic(outer=80.0, seconds=2.0, rate=12800, seed=1)
     rows = [row_of(tmp_path, name, acceleration, sign * angle, "outer_ring") for name, sign in (("forwards", 1.0), ("backwards", -1.0))]
     rows[1]["speed"] *= -1.0
     pd.DataFrame(rows).to_parquet(tmp_path / "labels.parquet")
-    example, data_set = loaded("baseline"), DataSet(tmp_path)
-    forwards, backwards = (example.features(data_set, row) for _, row in data_set.labels().iterrows())
+    data_set = DataSet(tmp_path)
+    forwards, backwards = (baseline.features(data_set, row) for _, row in data_set.labels().iterrows())
     assert backwards == pytest.approx(forwards, abs=0.02)
 
 
 @pytest.mark.filterwarnings("ignore:.*has no SHA256SUMS")
 def test_remaining_lives_need_a_data_set_of_lives(tmp_path: Path) -> None:
+    import remaining_life
+
     silence = np.zeros((3 * 4096, 2), np.float32)
     pd.DataFrame([row_of(tmp_path, "0", silence, silence[:, 0], "cage")]).to_parquet(tmp_path / "labels.parquet")
     with pytest.raises(Refusal, match="has no operating hours: give a data set of lives"):
-        loaded("remaining_life").main(tmp_path)
+        remaining_life.main(tmp_path)
 
 
 @pytest.mark.slow

@@ -500,7 +500,6 @@ def test_a_killed_sweep_continues_to_the_same_data_set(
         example = subprocess.run(run, env=environment, capture_output=True, text=True, timeout=400, check=False)
         assert words in example.stdout, example.stderr
     # Each condition in turn is the test, since one split of twelve conditions says little.
-    monkeypatch.syspath_prepend(str(EXAMPLES))
     import baseline
     from sklearn.ensemble import RandomForestClassifier
 

@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import itertools
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-from dcrb_ros.bearing.quasi_steady import QuasiSteady
-from dcrb_ros.settings.files import load_configuration
-
-sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
-
 from hot_box_fleet import Fleet, Temperatures
 from hot_box_heat import heat_table
 from hot_boxes import wayside_alarm
+
+from dcrb_ros.bearing.quasi_steady import QuasiSteady
+from dcrb_ros.settings.files import load_configuration
 
 AMBIENT = 20.0
 

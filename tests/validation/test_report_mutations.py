@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
+import report_mutations
 
 from dcrb_ros.validation.report_row import ReportRow
-
-sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
-import report_mutations
 
 
 def test_a_row_that_falls_short_without_a_change_does_not_notice_one(

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
+import drawn_machines
 import numpy as np
 import pytest
-
-sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
-
-import drawn_machines
 import signal_machines
 import signal_page
 from signal_statistics import SignalStatistics

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
-
 from impact_trains import Scatter, delays, scatter_of, shared_jitter, train_of
 from line_ratio import HARMONICS, WINDOW, kurtogram_bands, kurtogram_ratio, line_ratio
 from signal_machines import measured_rows

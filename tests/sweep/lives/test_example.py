@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pandas as pd
@@ -16,17 +14,7 @@ from dcrb_ros.sweep.store import record_of
 
 pytest.importorskip("matplotlib")
 
-EXAMPLE = Path(__file__).parents[3] / "examples" / "remaining_life.py"
-
-
-@pytest.fixture(scope="module")
-def example() -> ModuleType:
-    description = importlib.util.spec_from_file_location("remaining_life_example", EXAMPLE)
-    assert description is not None
-    assert description.loader is not None
-    module = importlib.util.module_from_spec(description)
-    description.loader.exec_module(module)
-    return module
+import remaining_life
 
 
 def bearing(failure: float, seed: int, name: str) -> pd.DataFrame:
@@ -44,46 +32,46 @@ def train() -> pd.DataFrame:
     return rows.assign(damage=np.where(rows["remaining_life"] < 2000.0, 0.001, 0.0), censored=False)
 
 
-def test_no_estimate_uses_later_inspections(example: ModuleType, train: pd.DataFrame) -> None:
+def test_no_estimate_uses_later_inspections(train: pd.DataFrame) -> None:
     whole = bearing(4300.0, 11, "a")
     changed = whole.assign(severity=whole["severity"].where(whole["hours"] < 3500.0, 1.0))
-    before, after = (example.estimates(rows, train) for rows in (whole, changed))
+    before, after = (remaining_life.estimates(rows, train) for rows in (whole, changed))
     early = before["hours"] < 3500.0
     assert early.sum() >= 2
     assert before[early].equals(after[after["hours"] < 3500.0])
 
 
-def test_an_early_estimate_does_not_use_the_inspection_after_it(example: ModuleType, train: pd.DataFrame) -> None:
+def test_an_early_estimate_does_not_use_the_inspection_after_it(train: pd.DataFrame) -> None:
     """Two high inspections at the start are a trend before there are five inspections, which tell what is normal."""
     whole = bearing(4300.0, 11, "a").assign(severity=lambda rows: [2.0, 2.0, 1.0, 1.0, *rows["severity"][4:]])
     changed = whole.assign(severity=whole["severity"].where(whole.index != 4, 3.0))
-    before, after = (example.estimates(rows, train).iloc[0] for rows in (whole, changed))
+    before, after = (remaining_life.estimates(rows, train).iloc[0] for rows in (whole, changed))
     assert before["hours"] == whole["hours"][3]
     assert before.equals(after)
 
 
-def test_the_constant_estimate_uses_no_life_of_a_censored_bearing(example: ModuleType, train: pd.DataFrame) -> None:
+def test_the_constant_estimate_uses_no_life_of_a_censored_bearing(train: pd.DataFrame) -> None:
     censored = bearing(90000.0, 3, "censored").head(20).assign(damage=0.001, censored=True)
-    tables = [example.estimates(bearing(4700.0, 12, "a"), lives) for lives in (train, pd.concat([train, censored]))]
+    tables = [remaining_life.estimates(bearing(4700.0, 12, "a"), lives) for lives in (train, pd.concat([train, censored]))]
     assert tables[0].equals(tables[1])
 
 
-def test_both_methods_estimate_a_trend_of_their_form(example: ModuleType, train: pd.DataFrame) -> None:
-    table = example.estimates(bearing(4700.0, 12, "a"), train)
+def test_both_methods_estimate_a_trend_of_their_form(train: pd.DataFrame) -> None:
+    table = remaining_life.estimates(bearing(4700.0, 12, "a"), train)
     assert np.allclose(table["trend"], table["true"], atol=150.0)
     assert np.allclose(table["update"], table["true"], atol=150.0)
 
 
-def test_a_trend_begins_at_the_first_of_two_high_inspections(example: ModuleType) -> None:
-    assert example.begin(np.array([1.0, 1.0, 1.2, 1.0, 1.0, 1.0, 1.2, 1.3, 1.4])) == 6
-    assert example.begin(np.ones(9)) == 9
+def test_a_trend_begins_at_the_first_of_two_high_inspections() -> None:
+    assert remaining_life.begin(np.array([1.0, 1.0, 1.2, 1.0, 1.0, 1.0, 1.2, 1.3, 1.4])) == 6
+    assert remaining_life.begin(np.ones(9)) == 9
 
 
 def test_without_three_estimates_of_a_bearing_no_figure_is_drawn(
-    example: ModuleType, train: pd.DataFrame, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    train: pd.DataFrame, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    table = example.estimates(bearing(4700.0, 12, "a"), train).head(2)
-    example.plot_estimates(table, str(tmp_path / "lives.png"))
+    table = remaining_life.estimates(bearing(4700.0, 12, "a"), train).head(2)
+    remaining_life.plot_estimates(table, str(tmp_path / "lives.png"))
     assert capsys.readouterr().out.endswith("lives.png is not drawn: no bearing has three estimates\n")
     assert not (tmp_path / "lives.png").exists()
 
@@ -108,11 +96,11 @@ def written_set(folder: Path) -> None:
 
 @pytest.mark.filterwarnings("ignore:.*has no SHA256SUMS")
 def test_the_script_prints_the_scores_and_draws_its_figures(
-    example: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     written_set(tmp_path / "set")
     monkeypatch.chdir(tmp_path)
-    example.main(tmp_path / "set")
+    remaining_life.main(tmp_path / "set")
     printed = capsys.readouterr().out
     assert "3 failures of training bearings" in printed
     assert "bearing3: " in printed
@@ -122,9 +110,9 @@ def test_the_script_prints_the_scores_and_draws_its_figures(
 
 
 @pytest.mark.filterwarnings("ignore:.*has no SHA256SUMS")
-def test_a_changed_waveform_gives_no_estimate(example: ModuleType, tmp_path: Path) -> None:
+def test_a_changed_waveform_gives_no_estimate(tmp_path: Path) -> None:
     written_set(tmp_path / "set")
     waveform = tmp_path / "set" / "runs" / "3-5.npz"
     waveform.write_bytes(waveform.read_bytes()[:-1] + b"x")
     with pytest.raises(Refusal, match=r"3-5\.npz has been changed"):
-        example.inspections(tmp_path / "set")
+        remaining_life.inspections(tmp_path / "set")
