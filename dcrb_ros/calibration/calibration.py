@@ -20,7 +20,7 @@ from dcrb_ros.calibration.bearing_share import bearing_share_of, divide_noise
 from dcrb_ros.calibration.estimate import LEVEL, EstimatedParameter, PathLevel
 from dcrb_ros.calibration.healthy_recording import LEAST_SECONDS, HealthyRecording, check_one_machine, checked_recording
 from dcrb_ros.calibration.identified_path import identified_path
-from dcrb_ros.calibration.simulated_bearing import RingAcceleration, bench_of, individuals_of, ring_acceleration
+from dcrb_ros.calibration.simulated_bearing import bench_of, individuals_of
 from dcrb_ros.calibration.speed_and_background import background_of, hum_of, modulation_of, speed_of, tones_of, unbalance_of
 from dcrb_ros.schema.arguments import checked_arguments, texts
 from dcrb_ros.schema.numbers import duration_within
@@ -182,11 +182,11 @@ def calibrate(
     check_one_machine(machines)
     benches = [bench_of(machine, base, settings) for machine in machines]
     progress("simulating the bearing")
-    sources = _sources(machines, benches, source_seconds)
-    individuals, step_rate = individuals_of(benches, sources), float(benches[0].step_rate)
+    individuals, step_rate = individuals_of(machines, benches, source_seconds), float(benches[0].step_rate)
+    machine, source = machines[0], individuals[0][0]
     progress("identifying the path")
     path = identified_path(machines, individuals, step_rate)
-    modulation = modulation_of(machines, sources, path)
+    modulation = modulation_of(machine, source, path)
     progress("estimating the bearing's share")
     share = bearing_share_of(machines, individuals, path, step_rate)
     added = math.sqrt(1.0 + 0.5 * modulation.parameters.get("structure.modulation", 0.0) ** 2)
@@ -194,16 +194,16 @@ def calibrate(
     divide_noise(share, added)
     progress("estimating noise, speed and unbalance")
     estimates, unidentified, parameters = list[EstimatedParameter](), list[str](), dict[str, Any]()
-    hum = hum_of(machines)
+    hum = hum_of(machine)
     for part in (
         path,
         share,
         modulation,
         speed_of(machines),
         hum,
-        unbalance_of(machines, sources, path),
-        background_of(machines, path, benches[0], hum.parameters.get("background.hum_frequency", 0.0)),
-        tones_of(machines, path),
+        unbalance_of(machine, source, path),
+        background_of(machine, path, benches[0], hum.parameters.get("background.hum_frequency", 0.0)),
+        tones_of(machine, path),
     ):
         estimates += part.estimates
         unidentified += part.remarks
@@ -221,22 +221,9 @@ def calibrate(
         tuple(path.levels),
         (*unidentified, *left_out, *NOT_IDENTIFIED),
         tuple(called),
-        machines[0].waveform,
+        machine.waveform,
         tuple(path.residuals),
     )
-
-
-def _sources(machines: Sequence[HealthyRecording], benches: Sequence[Configuration], seconds: float) -> list[RingAcceleration]:
-    """Return the source of each recording; recordings whose speeds differ by less than 1 % share one."""
-    simulated: list[tuple[float, RingAcceleration]] = []
-    sources = []
-    for machine, bench in zip(machines, benches, strict=True):
-        source = next((source for speed, source in simulated if abs(machine.speed / speed - 1.0) < 0.01), None)
-        if source is None:
-            source = ring_acceleration(bench, seconds)
-            simulated.append((machine.speed, source))
-        sources.append(source)
-    return sources
 
 
 def _range(machines: Sequence[HealthyRecording]) -> dict[str, float]:

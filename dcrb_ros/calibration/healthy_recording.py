@@ -58,11 +58,6 @@ class HealthyRecording:
         return self.waveform.orders
 
     @property
-    def seconds(self) -> float:
-        """Length of the stretch [s]."""
-        return len(self.turns) / self.rate
-
-    @property
     def speed(self) -> float:
         """Mean speed of the shaft [rad/s], negative if it turns clockwise."""
         return float(self.turns[-1]) * 2.0 * math.pi * self.rate / (len(self.turns) - 1)

@@ -144,18 +144,8 @@ def speed_fluctuation(turns: Floats, rate: int) -> Fluctuation:
     return Fluctuation(random, random / math.sqrt(2.0 * max(1.0, seconds)), ripple, scatter)
 
 
-@dataclass(frozen=True)
-class EnvelopeLine:
-    """The line of the shaft in a squared envelope."""
-
-    depth: float
-    """Its amplitude over the mean of the squared envelope, without the share of noise [-]."""
-    error: float
-    """Standard deviation [-]."""
-
-
-def shaft_modulation(signal: Floats, turns: Floats, rate: int, low: float, high: float) -> EnvelopeLine:
-    """Return the line of the shaft in the squared envelope of a band [Hz].
+def shaft_modulation(signal: Floats, turns: Floats, rate: int, low: float, high: float) -> tuple[float, float]:
+    """Return the line of the shaft in the squared envelope of a band [Hz] over the mean of that envelope, and its standard deviation [-].
 
     The noise of the orders around it is subtracted from its power.
     """
@@ -164,4 +154,4 @@ def shaft_modulation(signal: Floats, turns: Floats, rate: int, low: float, high:
     line = float(spectrum.lines(np.array([1.0]))[0]) / mean
     around = spectrum.lines(np.concatenate([np.linspace(0.75, 0.92, 12), np.linspace(1.08, 1.25, 12)])) / mean
     noise = float(np.mean(around**2))
-    return EnvelopeLine(math.sqrt(max(0.0, line**2 - noise)), math.sqrt(0.5 * noise))
+    return math.sqrt(max(0.0, line**2 - noise)), math.sqrt(0.5 * noise)

@@ -97,8 +97,6 @@ class PathFit:
     """Density of the white noise [m/s^2/sqrt(Hz)]."""
     covariance: Floats
     """Of the parameters: log W^2, log g^2 of each recording, and log p, log b, log z and log a of each pair."""
-    misfit: float
-    """Root mean square of the residuals over their standard deviations [-]; 1 is what chance gives."""
     parameters: Floats
 
     def log_path(self, frequency: Floats | None = None) -> Floats:
@@ -164,7 +162,6 @@ def _result(parameters: Floats, data: PathSpectra, known: bool) -> PathFit:
         tuple(Pair(*map(float, factor)) for factor in factors[np.argsort(factors[:, 0])]),
         math.exp(0.5 * float(parameters[0])),
         covariance,
-        misfit,
         parameters,
     )
 

@@ -130,12 +130,19 @@ def ring_acceleration(bench: Configuration, seconds: float) -> RingAcceleration:
     return RingAcceleration(clean - clean.mean(axis=1, keepdims=True), unwrapped_turns(angle))
 
 
-def individuals_of(benches: Sequence[Configuration], sources: Sequence[RingAcceleration]) -> list[list[RingAcceleration]]:
-    """Return individuals of the bearing at the speed of each recording, the source first: the surfaces of the machine's are unknown."""
-    made: dict[int, list[RingAcceleration]] = {}
-    for bench, source in zip(benches, sources, strict=True):
-        if id(source) not in made:
+def individuals_of(machines: Sequence[HealthyRecording], benches: Sequence[Configuration], seconds: float) -> list[list[RingAcceleration]]:
+    """Return individuals of the bearing at the speed of each recording: the source, simulated over a time [s], and others.
+
+    The surfaces of the machine's bearing are unknown. Recordings whose speeds differ by less than 1 % share the individuals.
+    """
+    simulated: list[tuple[float, list[RingAcceleration]]] = []
+    individuals = []
+    for machine, bench in zip(machines, benches, strict=True):
+        bearings = next((bearings for speed, bearings in simulated if abs(machine.speed / speed - 1.0) < 0.01), None)
+        if bearings is None:
             seeds = [(bench.surfaces.seed + 7919 * k) % (2**31 - 1) for k in range(1, INDIVIDUALS)]
             others = [load_configuration(bench, {"surfaces.seed": seed}) for seed in seeds]
-            made[id(source)] = [source, *(ring_acceleration(bench, INDIVIDUAL_SECONDS) for bench in others)]
-    return [made[id(source)] for source in sources]
+            bearings = [ring_acceleration(bench, seconds), *(ring_acceleration(other, INDIVIDUAL_SECONDS) for other in others)]
+            simulated.append((machine.speed, bearings))
+        individuals.append(bearings)
+    return individuals

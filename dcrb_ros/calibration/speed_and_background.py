@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.calibration.estimate import QUANTILE, EstimatedParameter, by_difference
+from dcrb_ros.calibration.estimate import QUANTILE, EstimatedParameter, by_difference, by_factor
 from dcrb_ros.calibration.healthy_recording import HealthyRecording
 from dcrb_ros.calibration.identified_path import COLUMNS, LOWEST, IdentifiedPath, Part
 from dcrb_ros.calibration.lines import mains_hum, order_line, shaft_modulation, speed_fluctuation, without_lines
@@ -66,9 +66,9 @@ def speed_of(machines: Sequence[HealthyRecording]) -> Part:
     return part
 
 
-def hum_of(machines: Sequence[HealthyRecording]) -> Part:
+def hum_of(machine: HealthyRecording) -> Part:
     """Return frequency and level of the mains hum, the mean of the axes."""
-    part, machine = Part(), machines[0]
+    part = Part()
     seen = [mains_hum(signal, machine.rate, abs(machine.speed) / (2.0 * math.pi)) for signal in machine.acceleration]
     lines = [hum for hum, _ in seen if hum is not None]
     if not lines:
@@ -82,9 +82,9 @@ def hum_of(machines: Sequence[HealthyRecording]) -> Part:
     return part
 
 
-def unbalance_of(machines: Sequence[HealthyRecording], sources: Sequence[RingAcceleration], path: IdentifiedPath) -> Part:
+def unbalance_of(machine: HealthyRecording, source: RingAcceleration, path: IdentifiedPath) -> Part:
     """Return the unbalance from the line of the shaft; that of the source has an unknown phase to it."""
-    part, machine, source = Part(), machines[0], sources[0]
+    part = Part()
     squares, errors, benches = [], [], []
     for row, axis in enumerate(machine.axes):
         gain = path.gain(axis)
@@ -110,12 +110,12 @@ def unbalance_of(machines: Sequence[HealthyRecording], sources: Sequence[RingAcc
     return part
 
 
-def modulation_of(machines: Sequence[HealthyRecording], sources: Sequence[RingAcceleration], path: IdentifiedPath) -> Part:
+def modulation_of(machine: HealthyRecording, source: RingAcceleration, path: IdentifiedPath) -> Part:
     """Return the modulation by the shaft from the squared envelope of the band in which the bearing rises above the noise.
 
     The line at order 1 is 2 m / (1 + m^2/2) of the mean; noise in the band lowers it by its share of the power.
     """
-    part, machine, source = Part(), machines[0], sources[0]
+    part = Part()
     depths, errors, benches = [], [], []
     for row, axis in enumerate(machine.axes):
         fit = path.fits[axis]
@@ -126,11 +126,11 @@ def modulation_of(machines: Sequence[HealthyRecording], sources: Sequence[RingAc
         inside = (fit.data.frequency >= band[0]) & (fit.data.frequency <= band[1])
         power = np.exp(fit.data.measured[0][inside]) * np.gradient(fit.data.frequency)[inside]
         share = float(np.sum(power * fit.share()[0][inside]) / np.sum(power))
-        line = shaft_modulation(machine.acceleration[row], machine.turns, machine.rate, *band)
-        bench = shaft_modulation(source.acceleration[COLUMNS[axis]], source.turns, machine.rate, *band)
-        depths.append(line.depth / share)
-        errors.append(line.error / share)
-        benches.append(bench.depth)
+        depth, error = shaft_modulation(machine.acceleration[row], machine.turns, machine.rate, *band)
+        simulated, _ = shaft_modulation(source.acceleration[COLUMNS[axis]], source.turns, machine.rate, *band)
+        depths.append(depth / share)
+        errors.append(error / share)
+        benches.append(simulated)
     if not depths:
         part.remarks.append("the modulation by the shaft is unknown: the bearing stands out of the noise in no octave")
         return part
@@ -158,9 +158,9 @@ def _heard_band(frequency: Floats, share: Floats) -> tuple[float, float] | None:
     return widest if widest[1] >= 2.0 * widest[0] else None
 
 
-def tones_of(machines: Sequence[HealthyRecording], path: IdentifiedPath) -> Part:
+def tones_of(machine: HealthyRecording, path: IdentifiedPath) -> Part:
     """Return a remark on the third octaves whose power is in lines, for which the bench has no source."""
-    part, machine = Part(), machines[0]
+    part = Part()
     for row, axis in enumerate(machine.axes):
         spectrum, fit = power_density(machine.acceleration[row], machine.rate), path.fits[axis]
         middle, level = third_octaves(spectrum, machine.rate)
@@ -175,12 +175,12 @@ def tones_of(machines: Sequence[HealthyRecording], path: IdentifiedPath) -> Part
     return part
 
 
-def background_of(machines: Sequence[HealthyRecording], path: IdentifiedPath, bench: Configuration, hum_frequency: float) -> Part:
+def background_of(machine: HealthyRecording, path: IdentifiedPath, bench: Configuration, hum_frequency: float) -> Part:
     """Return what is below the band of the path beyond source and white noise: 1/f noise, or a background of the machine.
 
     ``hum_frequency`` is that of the mains hum [Hz], 0 for none.
     """
-    part, machine = Part(), machines[0]
+    part = Part()
     quiet = {
         axis: without_lines(signal, machine.turns, machine.rate, hum_frequency)
         for axis, signal in zip(machine.axes, machine.acceleration, strict=True)
@@ -239,8 +239,7 @@ def _pink_noise(excesses: Sequence[Excess]) -> EstimatedParameter | None:
         levels.append(float(np.mean(np.log(density[heard] * frequency[heard]))))
         deviations.append(scatter / math.sqrt(count))
     value = math.exp(0.5 * float(np.mean(levels))) / MICRO_G
-    factor = math.exp(0.5 * QUANTILE * max(deviations))
-    return EstimatedParameter("sensor.pink_noise_ug", value, value / factor, value * factor, "ug/sqrt(Hz)", log=True)
+    return by_factor("sensor.pink_noise_ug", value, 0.5 * max(deviations), "ug/sqrt(Hz)")
 
 
 def _add_background(part: Part, excesses: Sequence[Excess], path: IdentifiedPath, vehicle_speed: float) -> None:

@@ -48,7 +48,6 @@ def test_a_pair_gain_and_noise_are_found(pair: Pair, gain: float, noise: float) 
     error = 4.343 * (2.0 * np.log(found.gains[0]) + found.log_path() - true)[heard]
     assert np.sqrt(np.mean(error**2)) < 0.7
     assert found.white == pytest.approx(white, rel=0.1)
-    assert found.misfit < 1.4
 
 
 def test_recordings_of_one_machine_share_the_path_and_have_gains_of_their_own() -> None:
