@@ -36,7 +36,7 @@ def collect(
     from dcrb_ros.exchange.run_list import listed_runs, read_list
     from dcrb_ros.sweep.measured_set import MeasuredRun, RunNames, write_measured_set
     from dcrb_ros.sweep.reader import DataSet
-    from dcrb_ros.sweep.store import Store, local_folder
+    from dcrb_ros.sweep.store import local_folder
     from dcrb_ros.sweep.sweep_file import Windows
     from dcrb_ros.sweep.table import LABELS
 
@@ -65,7 +65,7 @@ def collect(
 
     shape = Windows(length=window, overlap=overlap, kind="parquet")
     with stages() as show:
-        counts = write_measured_set(runs(show), Store(str(output)), title=title, licence=licence, windows=shape)
+        counts = write_measured_set(runs(show), output, title=title, licence=licence, windows=shape)
     with catch_warnings(record=True) as warned:
         simplefilter("always")
         DataSet(output)  # reads what was written, and compares it with its hashes

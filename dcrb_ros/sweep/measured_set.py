@@ -89,23 +89,21 @@ class RunNames:
 
 
 def write_measured_set(
-    runs: Iterable[MeasuredRun], store: Store, *, title: str, licence: str, windows: Windows
+    runs: Iterable[MeasuredRun], folder: Path, *, title: str, licence: str, windows: Windows
 ) -> Counter[tuple[str, str]]:
-    """Write a data set to an empty store; return the number of its runs by split and fault. The windows are written as Parquet.
+    """Write a data set to an empty folder; return the number of its runs by split and fault. The windows are written as Parquet.
 
     Raises:
-        Refusal: the store is not empty, there is no run, or `RunNames` refuses one.
+        Refusal: the folder is not empty, there is no run, or `RunNames` refuses one.
+        StoreFailed: the folder cannot be written.
     """
-    if store.folder is None:
-        if any(True for _ in store.names("")):
-            raise Refusal(f"{store.address} contains files: give an empty or a new folder")
-        return _write(runs, store, title, licence, windows)
-    check_empty(store.folder)
-    with whole_folder(store.folder, LABELS) as written:
+    folder = folder.absolute()
+    check_empty(folder)
+    with whole_folder(folder, LABELS) as written:
         try:
             return _write(runs, Store(str(written)), title, licence, windows)
         except StoreFailed as failure:
-            raise StoreFailed(str(failure).replace(str(written), store.address).removesuffix(" to continue")) from None  # nothing is kept
+            raise StoreFailed(str(failure).replace(str(written), str(folder)).removesuffix(" to continue")) from None  # nothing is kept
 
 
 def _write(runs: Iterable[MeasuredRun], store: Store, title: str, licence: str, windows: Windows) -> Counter[tuple[str, str]]:

@@ -13,7 +13,7 @@ from full_disk import files_of_at_most
 from dcrb_ros import DataSet, Refusal
 from dcrb_ros.bearing.waveform import Waveform
 from dcrb_ros.sweep.measured_set import MeasuredRun, write_measured_set
-from dcrb_ros.sweep.store import Store, StoreFailed
+from dcrb_ros.sweep.store import StoreFailed
 from dcrb_ros.sweep.sweep_file import Windows
 
 STEP = 0.1
@@ -30,7 +30,7 @@ def recorded(*stretches: tuple[int, int]) -> Waveform:
 
 def stored(waveform: Waveform, folder: Path) -> DataSet:
     run = MeasuredRun("run", waveform, "healthy")
-    write_measured_set([run], Store(str(folder)), title="set", licence="CC0-1.0", windows=Windows(length=500, kind="parquet"))
+    write_measured_set([run], folder, title="set", licence="CC0-1.0", windows=Windows(length=500, kind="parquet"))
     return DataSet(folder)
 
 
@@ -82,7 +82,7 @@ def test_a_set_on_a_full_disk_leaves_nothing_that_could_be_continued(tmp_path: P
 
 def test_a_recording_that_is_shorter_than_a_window_has_none(tmp_path: Path) -> None:
     runs = [MeasuredRun(name, recorded((0, samples)), "healthy") for name, samples in (("short", 499), ("long", 1000))]
-    write_measured_set(runs, Store(str(tmp_path)), title="set", licence="CC0-1.0", windows=Windows(length=500, kind="parquet"))
+    write_measured_set(runs, tmp_path, title="set", licence="CC0-1.0", windows=Windows(length=500, kind="parquet"))
     assert DataSet(tmp_path).windows("test").arrays()[0].shape == (2, 2, 500)
 
 
