@@ -38,24 +38,11 @@ class Bodies:
 
     ``broken_bars`` contains pairs of row and bar, counted from zero; bar k is between the rollers k and k + 1, the last bar between
     the last roller and roller 0.
-
-    Raises:
-        ValueError: a bar is given twice or does not exist.
     """
 
     rows: int
     rollers_per_row: int
     broken_bars: tuple[tuple[int, int], ...] = ()
-
-    def __post_init__(self) -> None:
-        if len(set(self.broken_bars)) < len(self.broken_bars):
-            raise ValueError(f"broken bars {self.broken_bars} contain a bar twice: give each bar once")
-        for row, bar in self.broken_bars:
-            if not (0 <= row < self.rows and 0 <= bar < self.rollers_per_row):
-                raise ValueError(
-                    f"broken bar ({row}, {bar}) is outside (0, 0) .. ({self.rows - 1}, {self.rollers_per_row - 1}): "
-                    "rows and bars are counted from zero here"
-                )
 
     @property
     def count(self) -> int:

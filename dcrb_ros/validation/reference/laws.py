@@ -13,8 +13,8 @@ from dcrb_ros.settings.contact import Friction
 FLOOR_SPEED = 1e-3
 """Smallest impact speed used in the damping of a bar contact [m/s]."""
 
-SMALL_CLEARANCE, LARGE_CLEARANCE = 0.005, 0.34954
-"""Range of clearances in which the first branch of Pereira's exponent applies [mm]."""
+LARGE_CLEARANCE = 0.34954
+"""Largest clearance to which the first branch of Pereira's exponent applies [mm]."""
 
 
 def johnson(penetration: Floats, modulus: float, radius_difference: float) -> tuple[Floats, Floats]:
@@ -61,14 +61,9 @@ def relaxation_rate(slip: Floats, steady: Floats, friction: Friction) -> Floats:
 def pereira_exponent(clearance: float) -> float:
     """Return the exponent n = Y dR^-0.005 of Eq. 22 at a clearance dR [m]; Pereira et al. 2015 give both branches of Y.
 
-    Y = 1.51 [ln(1000 dR)]^-0.151 up to 0.34954 mm and Y = 0.0151 dR + 1.151 above, with dR in mm.
-
-    Raises:
-        ValueError: the clearance is below the range of the law.
+    Y = 1.51 [ln(1000 dR)]^-0.151 from 0.005 to 0.34954 mm and Y = 0.0151 dR + 1.151 above, with dR in mm.
     """
     gap = clearance * 1e3
-    if gap < SMALL_CLEARANCE:
-        raise ValueError(f"pocket clearance {clearance:g} m is below {SMALL_CLEARANCE * 1e-3:g} m, the range of Pereira's law: increase it")
     factor = 1.51 * np.log(1e3 * gap) ** -0.151 if gap <= LARGE_CLEARANCE else 0.0151 * gap + 1.151
     return float(factor * gap**-0.005)
 
