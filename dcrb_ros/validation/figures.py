@@ -22,6 +22,12 @@ COLUMNS = {
     "inner ring defect": "inner ring defect",
     "outer ring defect": "outer ring defect",
 }
+TITLES = {
+    8: "Rotation of the bearing components from a cold start at 124.8 rad/s",
+    9: "Roller and inner raceway at 100 kN and 124.8 rad/s, healthy",
+    10: "Contact of a roller with the raceways at 100 kN, without and with faults",
+    11: "Acceleration of the outer ring and its envelope spectrum at 124.8 rad/s",
+}
 SHOWN = 0.5
 """Duration of the waveform in Fig. 11 [s]."""
 MOST_POINTS = 5000
@@ -34,15 +40,11 @@ def write_figures(runs: PaperRuns, folder: Path) -> list[str]:
     for joint in JOINTS:
         for number, draw in ((8, speeds), (9, roller), (10, contacts), (11, vibration)):
             figure = draw(runs, joint)
+            figure.suptitle(f"{TITLES[number]}, {joint} (Fig. {number})", fontsize=11)
             name = f"figure_{number}_{joint}.png"
             figure.savefig(folder / name)
             names.append(name)
     return names
-
-
-def _titled(figure: Figure, text: str) -> Figure:
-    figure.suptitle(text, fontsize=11)
-    return figure
 
 
 def _label(axes: Axes, x: str, y: str, title: str = "") -> None:
@@ -67,7 +69,7 @@ def speeds(runs: PaperRuns, joint: str) -> Figure:
         _label(axes, "time [s]", "rotation [rad/s]")
     whole.legend(loc="center right", fontsize=8)
     start.set_title("the start", fontsize=10)
-    return _titled(figure, f"Rotation of the bearing components from a cold start at 124.8 rad/s, {joint} (Fig. 8)")
+    return figure
 
 
 def tracked(run: PaperRun) -> int:
@@ -113,13 +115,15 @@ def roller(runs: PaperRuns, joint: str) -> Figure:
     a.legend(fontsize=8)
     d.axhline(-0.5 * 124.8 * 78.86 / 15.0, color=GREY, lw=0.8, ls="--", label="pure rolling")
     d.legend(fontsize=8)
-    return _titled(figure, f"Roller and inner raceway at 100 kN and 124.8 rad/s, healthy, {joint} (Fig. 9)")
+    return figure
 
 
 def contacts(runs: PaperRuns, joint: str) -> Figure:
     """Return Fig. 10: total force, and force and friction torque of a roller, without and with each fault."""
     figure = Figure(figsize=(15, 8.5), dpi=110, layout="constrained")
     panels = figure.subplots(3, 4, sharex=True)
+    for total in panels[0, 1:]:
+        total.sharey(panels[0, 0])
     for letter, (name, title), (total, normal, torque) in zip("abcd", COLUMNS.items(), panels.T, strict=True):
         run = runs[name, joint]
         stretch, column = shown_pass(run), tracked(run)
@@ -133,15 +137,7 @@ def contacts(runs: PaperRuns, joint: str) -> Figure:
         _label(normal, "", "normal force, outer [kN]" if outer else "normal force, inner [kN]")
         _label(torque, "azimuth from the load line [deg]", "friction torque [N m]")
         torque.set_xlim(-90.0, 90.0)
-    for total in panels[0]:
-        total.set_ylim(*_common([line.get_ydata() for axes in panels[0] for line in axes.lines]))
-    return _titled(figure, f"Contact of a roller with the raceways at 100 kN, without and with faults, {joint} (Fig. 10)")
-
-
-def _common(series: list[npt.ArrayLike]) -> tuple[float, float]:
-    values = np.concatenate([np.asarray(line, np.float64) for line in series])
-    margin = 0.05 * float(np.ptp(values))
-    return float(values.min()) - margin, float(values.max()) + margin
+    return figure
 
 
 def vibration(runs: PaperRuns, joint: str) -> Figure:
@@ -165,4 +161,4 @@ def vibration(runs: PaperRuns, joint: str) -> Figure:
         lower.set_xlim(0.0, most)
         _label(lower, "frequency [Hz]", "envelope [m/s^2]")
         lower.legend(fontsize=8)
-    return _titled(figure, f"Acceleration of the outer ring and its envelope spectrum at 124.8 rad/s, {joint} (Fig. 11)")
+    return figure

@@ -49,8 +49,6 @@ class OiledRun:
 
     spec: RunSpec
     configuration: Configuration
-    duration: float
-    """[s]"""
     acceleration: Floats
     """Of the outer ring in X and Y without noise, shape (samples, 2) [m/s^2]."""
     behind_box: Floats
@@ -76,7 +74,7 @@ class OiledRun:
     @property
     def drive_power(self) -> float:
         """Power of the shaft [W]."""
-        return self.change.drive / self.duration
+        return self.change.drive / self.spec.duration
 
     @property
     def rms(self) -> Floats:
@@ -116,7 +114,6 @@ def simulate_oiled(spec: RunSpec, changes: tuple[str, ...] = ()) -> OiledRun:
     return OiledRun(
         spec=spec,
         configuration=configuration,
-        duration=spec.duration,
         acceleration=np.concatenate([block.clean for block in blocks]).astype(np.float64),
         behind_box=np.concatenate([block.acceleration for block in blocks]).astype(np.float64),
         states=oils,

@@ -195,11 +195,6 @@ class PaperRun:
         return self.configuration.operating.speed / (2.0 * np.pi)
 
     @property
-    def rolling_cage_speed(self) -> float:
-        """Cage speed in pure rolling with the run's joint [rad/s]."""
-        return cage_speed(self.configuration, self.configuration.operating.speed)
-
-    @property
     def rollers_per_row(self) -> int:
         """Rollers in a row [-]."""
         return self.configuration.bearing.rollers_per_row
