@@ -13,7 +13,7 @@ from typing import Any
 
 import pandas as pd
 import pytest
-from attacked_files import flip
+from attacked_files import ATTACKS, flip
 from data_sets import made
 
 from dcrb_ros.cli.app import app
@@ -43,10 +43,6 @@ def simulated(folder: Path, **changed: object) -> tuple[Plan, Store, list[str]]:
     return plan, store, [run.name for run in plan.runs()]
 
 
-def truncate(path: Path) -> None:
-    path.write_bytes(path.read_bytes()[:-100])
-
-
 def edit(key: str, value: object, *, sign: bool = False) -> Callable[[Path], None]:
     """Return a change of a label; ``sign`` gives it the digest of its new contents."""
 
@@ -69,8 +65,8 @@ def without(key: str) -> Callable[[Path], None]:
 
 
 DAMAGE: dict[str, tuple[str, Callable[[Path], object], str]] = {
-    "an empty label": ("labels/{}.json", lambda path: path.write_bytes(b""), "labels/{}.json is empty"),
-    "a label cut off": ("labels/{}.json", truncate, "labels/{}.json is damaged: it is not JSON"),
+    "an empty label": ("labels/{}.json", ATTACKS["empty"], "labels/{}.json is empty"),
+    "a label cut off": ("labels/{}.json", ATTACKS["truncated"], "labels/{}.json is damaged: it is not JSON"),
     "a label that is text": ("labels/{}.json", lambda path: path.write_text('"done"'), "labels/{}.json is damaged (status:"),
     "a label nested without end": ("labels/{}.json", lambda path: path.write_text("[" * 100_000), "labels/{}.json is damaged"),
     "a label without files": ("labels/{}.json", without("files"), "labels/{}.json is damaged (files: field required)"),
@@ -86,18 +82,10 @@ DAMAGE: dict[str, tuple[str, Callable[[Path], object], str]] = {
         "is not a file of this run",
     ),
     "a run of 1e9 s": ("labels/{}.json", edit("samples", 51_200_000_000_000, sign=True), "1e+09 s is not above 0 and at most 1e+06 s"),
-    "a folder for a label": (
-        "labels/{}.json",
-        lambda path: (path.unlink(), path.mkdir()),
-        "labels/{}.json is a folder: give a regular file",
-    ),
-    "a link to nothing for a label": (
-        "labels/{}.json",
-        lambda path: (path.unlink(), path.symlink_to("nothing")),
-        "labels/{}.json is missing",
-    ),
+    "a folder for a label": ("labels/{}.json", ATTACKS["folder"], "labels/{}.json is a folder: give a regular file"),
+    "a link to nothing for a label": ("labels/{}.json", ATTACKS["broken link"], "labels/{}.json is missing"),
     "a deleted waveform": ("runs/{}.npz", Path.unlink, "runs/{}.npz is missing"),
-    "a truncated waveform": ("runs/{}.npz", truncate, "bytes instead of"),
+    "a truncated waveform": ("runs/{}.npz", ATTACKS["truncated"], "bytes instead of"),
     "a waveform with a flipped bit": ("runs/{}.npz", flip, "runs/{}.npz has been changed: its SHA-256 is not the one in its label"),
     "deleted windows": ("windows/train/{}.npz", Path.unlink, "windows/train/{}.npz is missing"),
 }

@@ -90,14 +90,10 @@ def test_damage_before_the_overhaul_is_drawn_from_the_same_distribution() -> Non
 def test_a_life_does_not_depend_on_the_number_of_lives() -> None:
     few, many = sweep(lives=3).population, sweep(lives=300).population
     for number in range(3):
-        one, same = few.life(number), many.life(number)
-        assert (one.individual, one.component, one.location, one.start, one.failure) == (
-            same.individual,
-            same.component,
-            same.location,
-            same.start,
-            same.failure,
+        one, same = (
+            (life.individual, life.component, life.location, life.start, life.failure) for life in (few.life(number), many.life(number))
         )
+        assert one == same
 
 
 def test_growth_takes_as_many_revolutions_as_under_the_reference_load() -> None:
@@ -132,11 +128,7 @@ def test_components_have_their_shares() -> None:
     lives = list(sweep(lives=2000, damage={"outer": 0.2, "inner": 0.5, "roller": 0.3}).population.lives())
     shares = {name: sum(life.component == name for life in lives) / 2000 for name in ("outer", "inner", "roller")}
     # Four standard errors of a share of one half are 4.5 %.
-    assert shares == {
-        "outer": pytest.approx(0.2, abs=0.045),
-        "inner": pytest.approx(0.5, abs=0.045),
-        "roller": pytest.approx(0.3, abs=0.045),
-    }
+    assert shares == pytest.approx({"outer": 0.2, "inner": 0.5, "roller": 0.3}, abs=0.045)
 
 
 # Plans
