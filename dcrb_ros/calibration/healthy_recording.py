@@ -142,6 +142,7 @@ def check_one_machine(recordings: Sequence[HealthyRecording]) -> None:
 
 
 def longest_stretch(waveform: Waveform) -> Waveform:
+    """Return the longest part of a waveform without a gap."""
     borders = [0, *(np.flatnonzero(np.diff(waveform.index) != 1) + 1).tolist(), len(waveform)]
     begin, end = max(pairwise(borders), key=lambda piece: piece[1] - piece[0])
     return waveform if (begin, end) == (0, len(waveform)) else waveform._cut(slice(begin, end))

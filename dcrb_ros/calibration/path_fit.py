@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -101,10 +101,8 @@ class PathFit:
 
     def log_path(self, frequency: Floats | None = None) -> Floats:
         """Return the logarithm of |H|^2 without the gain, in the bins or at other frequencies [Hz], of their shape."""
-        return _log_factors(self.parameters[1 + len(self.gains) :], self._at(frequency))[0]
-
-    def _at(self, frequency: Floats | None) -> PathSpectra:
-        return self.data if frequency is None else replace(self.data, frequency=frequency)
+        at = self.data.frequency if frequency is None else frequency
+        return _log_factors(self.parameters[1 + len(self.gains) :], at, self.data.step_rate)[0]
 
     def share(self) -> Floats:
         """Return the share of the bearing in the modelled density, shape (recordings, bins) [-]; the rest is noise."""
@@ -122,7 +120,7 @@ class PathFit:
         """Return the derivatives of log g^2 |H|^2 of the first recording at frequencies [Hz], shape (frequencies, parameters)."""
         gradient = np.zeros((len(frequency), len(self.parameters)))
         gradient[:, 1] = 1.0
-        gradient[:, 1 + len(self.gains) :] = _log_factors(self.parameters[1 + len(self.gains) :], self._at(frequency))[1]
+        gradient[:, 1 + len(self.gains) :] = _log_factors(self.parameters[1 + len(self.gains) :], frequency, self.data.step_rate)[1]
         return gradient
 
 
@@ -208,7 +206,7 @@ def _residuals(parameters: Floats, data: PathSpectra) -> tuple[Floats, Floats]:
     """Return the residuals and their derivatives: bins of all recordings, and the pairs over their prior."""
     recordings = len(data.measured)
     modelled, share = _evaluated(parameters, data)
-    _, by_factor = _log_factors(parameters[1 + recordings :], data)
+    _, by_factor = _log_factors(parameters[1 + recordings :], data.frequency, data.step_rate)
     values = (modelled - data.measured) / data.deviation
     jacobian = np.zeros((*data.measured.shape, len(parameters)))
     jacobian[..., 0] = np.exp(parameters[0] - modelled)
@@ -234,23 +232,24 @@ def _cost(parameters: Floats, data: PathSpectra) -> float:
 def _evaluated(parameters: Floats, data: PathSpectra) -> tuple[Floats, Floats]:
     """Return the logarithm of the modelled density and the share of the bearing in it, shape (recordings, bins)."""
     recordings = len(data.measured)
-    bearing = data.source + parameters[1 : 1 + recordings, None] + _log_factors(parameters[1 + recordings :], data)[0]
+    path, _ = _log_factors(parameters[1 + recordings :], data.frequency, data.step_rate)
+    bearing = data.source + parameters[1 : 1 + recordings, None] + path
     total = np.logaddexp(bearing, parameters[0])
     return total, np.exp(bearing - total)
 
 
-def _log_factors(factors: Floats, data: PathSpectra) -> tuple[Floats, Floats]:
-    """Return log |H|^2 in the bins and its derivatives by the parameters of each factor, shape (bins, factors).
+def _log_factors(factors: Floats, frequency: Floats, step_rate: float) -> tuple[Floats, Floats]:
+    """Return log |H|^2 at frequencies [Hz] and its derivatives by the parameters of each factor, shape (frequencies, factors).
 
     On the imaginary axis s^2/p^2 + 2 b s/p + 1 has the square (1 - v^2)^2 + (2 b v)^2 at v = tan(pi f/rate) / tan(pi p/rate), the bilinear
     transform prewarped at p.
     """
-    total = np.zeros(len(data.frequency))
-    gradient = np.zeros((len(data.frequency), len(factors)))
-    tangent = np.tan(np.pi * data.frequency / data.step_rate)
+    total = np.zeros(len(frequency))
+    gradient = np.zeros((len(frequency), len(factors)))
+    tangent = np.tan(np.pi * frequency / step_rate)
     for k in range(0, len(factors), 2):
         sign = -1.0 if k % FACTOR == 0 else 1.0
-        angle, damping = math.pi * math.exp(factors[k]) / data.step_rate, math.exp(factors[k + 1])
+        angle, damping = math.pi * math.exp(factors[k]) / step_rate, math.exp(factors[k + 1])
         v = tangent / math.tan(angle)
         damped = (2.0 * damping * v) ** 2
         square = (1.0 - v**2) ** 2 + damped
