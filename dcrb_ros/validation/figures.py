@@ -16,12 +16,7 @@ from dcrb_ros.validation.measures import passes
 from dcrb_ros.validation.runs import BROKEN_BAR, JOINTS, SETTLED, PaperRun, PaperRuns
 
 BLUE, ORANGE, GREY = "#1f6fb4", "#e07b00", "#8a8a8a"
-COLUMNS = {
-    "healthy": "defect-free",
-    "cage fracture": "cage fracture",
-    "inner ring defect": "inner ring defect",
-    "outer ring defect": "outer ring defect",
-}
+FAULTS = ("cage fracture", "inner ring defect", "outer ring defect")
 TITLES = {
     8: "Rotation of the bearing components from a cold start at 124.8 rad/s",
     9: "Roller and inner raceway at 100 kN and 124.8 rad/s, healthy",
@@ -124,7 +119,7 @@ def contacts(runs: PaperRuns, joint: str) -> Figure:
     panels = figure.subplots(3, 4, sharex=True)
     for total in panels[0, 1:]:
         total.sharey(panels[0, 0])
-    for letter, (name, title), (total, normal, torque) in zip("abcd", COLUMNS.items(), panels.T, strict=True):
+    for letter, name, (total, normal, torque) in zip("abcd", ("healthy", *FAULTS), panels.T, strict=True):
         run = runs[name, joint]
         stretch, column = shown_pass(run), tracked(run)
         azimuth = np.degrees(run.azimuth[stretch, column])
@@ -133,7 +128,7 @@ def contacts(runs: PaperRuns, joint: str) -> Figure:
         total.plot(azimuth, run.inner_ring_force[stretch] * 1e-3, color=ORANGE, lw=0.9)
         normal.plot(azimuth, force[stretch, column] * 1e-3, color=BLUE, lw=0.9)
         torque.plot(azimuth, run.torque[stretch, column], color=BLUE, lw=0.9)
-        _label(total, "", "total force [kN]", f"({letter}) {title}")
+        _label(total, "", "total force [kN]", f"({letter}) {'defect-free' if name == 'healthy' else name}")
         _label(normal, "", "normal force, outer [kN]" if outer else "normal force, inner [kN]")
         _label(torque, "azimuth from the load line [deg]", "friction torque [N m]")
         torque.set_xlim(-90.0, 90.0)
@@ -144,8 +139,8 @@ def vibration(runs: PaperRuns, joint: str) -> Figure:
     """Return Fig. 11: acceleration of the outer ring and its envelope spectrum with each fault."""
     figure = Figure(figsize=(15, 7.5), dpi=110, layout="constrained")
     panels = figure.subplots(2, 3)
-    faults = (("cage fracture", "FTF", 130.0), ("inner ring defect", "BPFI", 600.0), ("outer ring defect", "BPFO", 600.0))
-    for letter, (name, order, most), (upper, lower) in zip("abc", faults, panels.T, strict=True):
+    lines = (("FTF", 130.0), ("BPFI", 600.0), ("BPFO", 600.0))
+    for letter, name, (order, most), (upper, lower) in zip("abc", FAULTS, lines, panels.T, strict=True):
         run = runs[name, joint]
         count = round(SHOWN * run.rate)
         upper.plot(np.arange(count) / run.rate, run.steady_acceleration[:count], color=BLUE, lw=0.4)
