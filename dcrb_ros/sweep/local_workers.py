@@ -7,7 +7,7 @@ import multiprocessing
 import os
 import signal
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from multiprocessing.connection import Connection, wait
 from typing import cast
 
@@ -50,20 +50,15 @@ def parsed_memory(memory: str, count: int) -> int | None:
     return limit
 
 
-@contextmanager
-def local_workers(count: int | None, memory: str) -> Iterator[LocalWorkers]:
-    """Provide worker processes on this machine, by default one per core; they end with the block.
+def local_workers(count: int | None, memory: str) -> closing[LocalWorkers]:
+    """Return worker processes on this machine, by default one per core, for a block with which they end.
 
     ``memory`` limits each of them: a size such as ``2GB``, or ``auto`` for an equal share of the machine's memory.
 
     Raises:
         Refusal: ``memory`` is not a size, or too small.
     """
-    workers = LocalWorkers(count or cores(), parsed_memory(memory, count or cores()))
-    try:
-        yield workers
-    finally:
-        workers.close()
+    return closing(LocalWorkers(count or cores(), parsed_memory(memory, count or cores())))
 
 
 class LocalWorkers:
