@@ -150,7 +150,7 @@ def test_no_split_changes_a_bit(cuts: list[int]) -> None:
         ({"structure.healthy_speed": 60.0}, "structure.healthy_speed = 60 needs structure.healthy_level"),
         ({"structure.healthy_level": 1.0, "structure.housing": "none"}, "needs a housing of the background"),
         (
-            {"structure.healthy_level": 1.0, "structure.housing": "axle_box", "structure.bearing_share": 0.5},
+            {"structure.healthy_level": 1.0, "structure.housing": "axle_box", "structure.bearing_share": 0.5, "structure.noise_x": 1.0},
             "both add noise of the machine: give a level of 0 or a share of 1",
         ),
     ],

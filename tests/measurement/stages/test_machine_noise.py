@@ -41,7 +41,7 @@ def test_it_has_the_density_of_its_sections_and_the_share_of_the_rest() -> None:
 
 def test_the_bearing_keeps_its_share_of_the_power() -> None:
     tone = np.sin(np.arange(1000))[:, None] * np.ones(2)
-    assert noise(bearing_share=0.25, noise_x=1e-12).process(tone, span(0, 1000)) == pytest.approx(0.5 * tone)
+    assert noise(bearing_share=0.25, noise_x=1e-15).process(tone, span(0, 1000)) == pytest.approx(0.5 * tone, abs=1e-11)
     with pytest.raises(Refusal, match=r"bearing_share = 0\.25 leaves the rest to noise of the machine, which has no level: give"):
         noise(bearing_share=0.25)
 
