@@ -12,7 +12,6 @@ import numpy.typing as npt
 from dcrb_ros.schema.arrays import Floats, Samples
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
-from dcrb_ros.settings.loaded_contacts import cage_speed
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.stream.states import Account
 from dcrb_ros.validation.report_row import ReportRow
