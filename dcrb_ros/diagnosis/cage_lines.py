@@ -30,25 +30,20 @@ sixth."""
 LEAST_REACH = 0.3
 """Harmonics of FTF beyond those of the load zone over those, in the band with the least [-]: 32 simulated broken bars have 0.33 or more, 32
 damaged rollers 0.18 or less."""
-HIGHEST_CONTRAST = 60.0
-"""Contrast to which it is limited [dB]."""
 
 
-def over_the_cage(lines: LineFamily, band: BandEvidence | None, contrast: float) -> float:
-    """Return the largest amplitude of a ring's lines over that of FTF and its double, less the ``contrast`` required [dB].
+def over_the_cage(excess: float, lines: LineFamily, band: BandEvidence, contrast: float) -> float:
+    """Return the ``excess`` of a ring's lines [dB]: below 0 if they are not larger than FTF and its double by a ``contrast`` [dB].
 
     All rollers strike the defect of a ring, and the cage modulates that only as far as they are unequal. A broken bar, or a damaged roller
     that the load zone reaches once per turn, has its largest lines at FTF.
     """
-    if band is None or not lines.lines or band.orders.ftf < 2.0 * GUARD * band.step:
-        return HIGHEST_CONTRAST
+    if excess < 0.0 or not lines.lines or band.orders.ftf < 2.0 * GUARD * band.step:
+        return excess
     ftf = band.family(cage_comb(band.orders)).order
     cage = float(band.at(np.outer([1.0, 2.0], [ftf, band.orders.ftf])).max())
-    return (
-        min(decibels(math.sqrt(ratio(float(band.at(lines.lines).max()), cage))) - contrast, HIGHEST_CONTRAST)
-        if cage > 0.0
-        else HIGHEST_CONTRAST
-    )
+    lead = decibels(math.sqrt(ratio(float(band.at(lines.lines).max()), cage))) - contrast if cage > 0.0 else 0.0
+    return lead if lead < 0.0 else excess
 
 
 def rollers(orders: Orders) -> int:

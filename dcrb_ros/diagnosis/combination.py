@@ -51,14 +51,14 @@ class Combination:
             self.levels[rule.component] = max(self.levels[rule.component], finding.lines.level)
             if finding.excess >= findings[finding.component].excess:
                 findings[finding.component] = finding
-        for component in self._explained(findings, evidence):
+        for component in self._explained(findings):
             excess = findings[component].excess
             findings[component] = findings[component]._replace(excess=-max(self._margin + 1.0, abs(excess)))
         for rule in self._rules:
             findings[rule.component] = rule.settled(findings[rule.component], evidence)
         return findings
 
-    def _explained(self, findings: dict[Component, Finding], evidence: Evidence) -> set[Component]:
+    def _explained(self, findings: dict[Component, Finding]) -> set[Component]:
         """Return the suspected components whose lines those of another suspected component explain."""
         suspected = sorted(
             (finding for finding in findings.values() if finding.excess >= 0.0), key=lambda finding: -finding.lines.depth_per_line
@@ -66,16 +66,16 @@ class Combination:
         accepted: list[Finding] = []
         explained: set[Component] = set()
         for finding in suspected:
-            if any(explains(other, finding, evidence) for other in accepted):
+            if any(explains(other, finding) for other in accepted):
                 explained.add(finding.component)
             else:
                 accepted.append(finding)
         return explained
 
 
-def explains(cause: Finding, image: Finding, evidence: Evidence) -> bool:
+def explains(cause: Finding, image: Finding) -> bool:
     """Return whether the lines of a deeper finding explain those of another."""
-    band = evidence.of_band(image.band)
+    band = image.band
     if cause.rule is None or image.rule is None or cause.comb is None or image.comb is None or band is None:
         return False
     there = cause.rule.family(band, cause.comb)
@@ -85,7 +85,7 @@ def explains(cause: Finding, image: Finding, evidence: Evidence) -> bool:
         return True
     # Where the cause is faint, its order is that of noise: its lines are those of the band in which it was found.
     faint = there.depth < image.rule.p.shadow * cause.lines.depth
-    companions = cause.rule.companions(cause.lines if faint else there, evidence.orders)
+    companions = cause.rule.companions(cause.lines if faint else there, band.orders)
     remaining = band.remainder(image.comb, image.lines, companions).depth
     return bool(remaining < max(image.rule.depth, LEAST_REMAINDER * image.lines.depth))
 

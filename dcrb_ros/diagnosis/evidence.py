@@ -175,10 +175,6 @@ class Evidence:
         searches = dict.fromkeys(band.shared for band in self.bands)
         return np.concatenate([np.sqrt(shared.search.at(lines, slice(None)).sum(axis=-1)) for shared in searches])
 
-    def of_band(self, band: Band | None) -> BandEvidence | None:
-        """Return the evidence of a band, or none."""
-        return next((evidence for evidence in self.bands if evidence.band == band), None)
-
 
 @dataclass(frozen=True)
 class SampleEvidence:

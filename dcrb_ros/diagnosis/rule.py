@@ -11,7 +11,6 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.bearing.frequencies import Orders
-from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence, LevelEvidence, SampleEvidence
 from dcrb_ros.diagnosis.healthy_baseline import LEAST_DEPTH, HealthyBaseline
 from dcrb_ros.diagnosis.hysteresis import probability
@@ -71,7 +70,7 @@ class Finding(NamedTuple):
     """The evidence in words, a part of the diagnosis."""
     lines: LineFamily = NO_LINES
     """Lines of the fault in the squared envelope spectrum, if the rule looks at lines."""
-    band: Band | None = None
+    band: BandEvidence | None = None
     """Band of that spectrum."""
     comb: Comb | None = None
     """Family that was searched."""
@@ -86,7 +85,7 @@ def found_lines(finding: Finding) -> FoundLines | None:
         return None
     departure = lines.order / comb.order - 1.0
     size, chance = math.sqrt(lines.amplitude), probability(finding.excess)
-    return FoundLines(chance, lines.order, departure, lines.lines, lines.depth, size, lines.significance, (band.low, band.high))
+    return FoundLines(chance, lines.order, departure, lines.lines, lines.depth, size, lines.significance, (band.band.low, band.band.high))
 
 
 class Rule(ABC, Generic[Parameters]):
@@ -168,10 +167,10 @@ class LineRule(BearingRule[Lines]):
         """
         return sidebands(lines.order, np.arange(-2.0, 3.0))
 
-    def excess(self, lines: LineFamily, band: Band, evidence: Evidence) -> float:
+    def excess(self, lines: LineFamily, band: BandEvidence, evidence: Evidence) -> float:
         """Return the evidence of lines in one band relative to the thresholds [dB]: the smaller excess of depth and significance."""
         price = math.log10(max(1, len(self.bands(evidence)) * self.families(evidence.orders)))
-        healthy = self.baseline.of(self.component, band) if self.baseline is not None else None
+        healthy = self.baseline.of(self.component, band.band) if self.baseline is not None else None
         if healthy is None:
             return modulation_excess(lines, self.depth, self.p.false_alarm, price)
         margin = 10.0 ** (self.p.learn_margin / 20.0)
@@ -195,21 +194,21 @@ class LineRule(BearingRule[Lines]):
     def strongest(self, evidence: Evidence, combs: Sequence[Comb]) -> Finding | None:
         """Return the evidence of the band and family in which it is strongest."""
         families = [(band, comb, self.family(band, comb)) for band in self.bands(evidence) for comb in combs]
-        rated = [(max(LEAST_EXCESS, self.excess(lines, band.band, evidence)), lines, band.band, comb) for band, comb, lines in families]
+        rated = [(max(LEAST_EXCESS, self.excess(lines, band, evidence)), lines, band, comb) for band, comb, lines in families]
         if not rated:
             return None
         excess, lines, band, comb = max(rated, key=lambda rating: (rating[0], rating[1].depth))
         return Finding(self.component, excess, self.reason(lines, band, evidence), lines, band, comb, self)
 
-    def reason(self, lines: LineFamily, band: Band, evidence: Evidence) -> str:
+    def reason(self, lines: LineFamily, band: BandEvidence, evidence: Evidence) -> str:
         """Return the evidence in words."""
         return f"{self._place(lines)} modulates the squared envelope by {lines.depth:.2f} of its mean, {self._level(lines, band)}"
 
     def _place(self, lines: LineFamily) -> str:
         return f"{self.name} at {lines.order:.3f} orders"
 
-    def _level(self, lines: LineFamily, band: Band) -> str:
-        return f"{lines.level:.1f} dB over background from {band}"
+    def _level(self, lines: LineFamily, band: BandEvidence) -> str:
+        return f"{lines.level:.1f} dB over background from {band.band}"
 
 
 def sidebands(order: float, distances: npt.ArrayLike) -> Floats:

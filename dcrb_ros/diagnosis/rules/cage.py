@@ -17,7 +17,6 @@ import numpy as np
 
 from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.cage_lines import CLUSTERED, PERIODIC, beyond_load_zone, cage_comb, clusters_at_spin, rollers, spin_of_clusters
-from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence
 from dcrb_ros.diagnosis.line_search import Comb, LineFamily
 from dcrb_ros.diagnosis.order_spectrum import decibels, ratio
@@ -68,21 +67,21 @@ class Cage(LineRule[CageParameters]):
         if finding is None or finding.excess < 0.0:
             return finding
         families = [(band, band.family(cage_comb(evidence.orders))) for band in self.bands(evidence)]
-        deep = [(band, lines) for band, lines in families if super(Cage, self).excess(lines, band.band, evidence) >= 0.0]
+        deep = [(band, lines) for band, lines in families if super(Cage, self).excess(lines, band, evidence) >= 0.0]
         if min((beyond_load_zone(band, lines) for band, lines in deep), default=0.0) >= 0.0:
             return finding
         unequal = self.healthy_evidence(evidence.orders)
         return finding._replace(component="roller", excess=finding.excess - (unequal if finding.excess < unequal else 0.0))
 
-    def excess(self, lines: LineFamily, band: Band, evidence: Evidence) -> float:
+    def excess(self, lines: LineFamily, band: BandEvidence, evidence: Evidence) -> float:
         """Return the excess of depth and significance; none if the lines cluster at 2 BSF, where a roller defect puts them [dB]."""
-        excess, there = super().excess(lines, band, evidence), evidence.of_band(band)
-        if there is None or lines.order <= 0.0:
+        excess = super().excess(lines, band, evidence)
+        if lines.order <= 0.0:
             return excess
-        clusters, between = clusters_at_spin(there, lines)
+        clusters, between = clusters_at_spin(band, lines)
         contrast = decibels(ratio(clusters, CLUSTERED * between)) if between > 0.0 else -math.inf
         if excess >= 0.0 >= contrast:
-            contrast = decibels(max(spin_of_clusters(there, lines)[0], 0.0) / PERIODIC)
+            contrast = decibels(max(spin_of_clusters(band, lines)[0], 0.0) / PERIODIC)
         return min(excess, -contrast) if contrast > 0.0 else excess
 
     def healthy_evidence(self, orders: Orders) -> float:

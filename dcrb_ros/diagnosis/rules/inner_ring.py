@@ -8,8 +8,7 @@ import numpy as np
 
 from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.cage_lines import over_the_cage, rollers
-from dcrb_ros.diagnosis.demodulation import Band
-from dcrb_ros.diagnosis.evidence import Evidence
+from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence
 from dcrb_ros.diagnosis.line_search import Comb, LineFamily
 from dcrb_ros.diagnosis.rule import LineParameters, LineRule, sidebands
 from dcrb_ros.schema.arrays import Floats
@@ -42,11 +41,9 @@ class InnerRing(LineRule[InnerRingParameters]):
         """Modulation depth that is required [-]."""
         return self.p.inner_depth
 
-    def excess(self, lines: LineFamily, band: Band, evidence: Evidence) -> float:
+    def excess(self, lines: LineFamily, band: BandEvidence, evidence: Evidence) -> float:
         """Return the excess of depth and significance; none if the lines of the cage are larger [dB]."""
-        excess = super().excess(lines, band, evidence)
-        contrast = over_the_cage(lines, evidence.of_band(band), self.p.ring_contrast) if excess >= 0.0 else excess
-        return contrast if contrast < 0.0 else excess
+        return over_the_cage(super().excess(lines, band, evidence), lines, band, self.p.ring_contrast)
 
     def companions(self, lines: LineFamily, orders: Orders) -> Floats:
         """Return the harmonics of BPFI with sidebands at the shaft, which turns the defect, and at the cage with its unequal rollers."""

@@ -16,8 +16,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from dcrb_ros.bearing.frequencies import Orders
-from dcrb_ros.diagnosis.cage_lines import HIGHEST_CONTRAST, over_the_cage, rollers
-from dcrb_ros.diagnosis.demodulation import Band
+from dcrb_ros.diagnosis.cage_lines import over_the_cage, rollers
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence
 from dcrb_ros.diagnosis.healthy_baseline import HealthyBaseline
 from dcrb_ros.diagnosis.line_search import GUARD, Comb, LineFamily
@@ -41,6 +40,8 @@ PAPER_LIMITS = (38.0, 12.0)
 Healthy runs at 300 to 3820 rpm and 30 to 160 kN have up to 26 and, with a resonant mount, 10 m/s^2."""
 
 
+HIGHEST_CONTRAST = 60.0
+"""Contrast to the cage to which it is limited [dB]."""
 HIGHEST_HARMONIC = 6
 """Harmonic of BPFO up to which the lines show whether rollers strike at one place."""
 FEWEST_HARMONICS = 24.0
@@ -157,52 +158,48 @@ class OuterRing(LineRule[OuterRingParameters]):
         cage = lines.order / rollers(orders)
         return sidebands(lines.order, np.add.outer(np.arange(-2.0, 3.0), cage * np.arange(-3.0, 4.0)))
 
-    def excess(self, lines: LineFamily, band: Band, evidence: Evidence) -> float:
+    def excess(self, lines: LineFamily, band: BandEvidence, evidence: Evidence) -> float:
         """Return the excess of depth and significance; with a baseline also that of the size over the limit of the band [dB]."""
-        there = evidence.of_band(band)
-        excess = min(super().excess(lines, band, evidence), self._contrast(lines, there))
-        excess = min([excess, *(lack for lack in (self._rhythm(lines, there), self._sharpness(lines, there, evidence)) if lack < 0.0)])
-        if excess >= 0.0:
-            contrast = over_the_cage(lines, there, self.p.ring_contrast)
-            excess = contrast if contrast < 0.0 else excess
+        excess = min(super().excess(lines, band, evidence), self._contrast(lines, band))
+        excess = min([excess, *(lack for lack in (self._rhythm(lines, band), self._sharpness(lines, band, evidence)) if lack < 0.0)])
+        excess = over_the_cage(excess, lines, band, self.p.ring_contrast)
         if not self._limited:
             return excess
         return min(excess, decibels(ratio(lines.amplitude, self._limit(band, evidence) ** 2)))
 
-    def _contrast(self, lines: LineFamily, band: BandEvidence | None) -> float:
+    def _contrast(self, lines: LineFamily, band: BandEvidence) -> float:
         """Return the amplitude of BPFO lines over that of the neighbouring harmonics of FTF, less the contrast required [dB].
 
         BPFO is itself a harmonic of FTF. What the cage carries, a broken bar or a damaged roller, makes it no larger than its neighbours.
         """
-        cage = lines.order / rollers(band.orders) if band is not None else 0.0
-        if band is None or lines.depth <= 0.0 or cage < 2.0 * GUARD * band.step:
+        cage = lines.order / rollers(band.orders)
+        if lines.depth <= 0.0 or cage < 2.0 * GUARD * band.step:
             return HIGHEST_CONTRAST
         beside = band.at(np.add.outer(np.asarray(lines.lines), [-cage, cage]))
         power = ratio(float(band.at(lines.lines).mean()), float(beside.mean())) if beside.any() else math.inf
         return min(decibels(math.sqrt(power)) - self.p.cage_contrast, HIGHEST_CONTRAST)
 
-    def _rhythm(self, lines: LineFamily, band: BandEvidence | None) -> float:
-        """Return by how much the line at 2 BPFO is below its limit [dB].
+    def _rhythm(self, lines: LineFamily, band: BandEvidence) -> float:
+        """Return by how much the line at 2 BPFO is below its limit [dB]; 0 if nothing follows.
 
         One impact per pass of a roller has harmonics that fall, or stay as large. A healthy roller that enters and leaves the load zone
         excites twice per pass: strengths a and b half a pitch apart make lines of a - b at BPFO and a + b at its double. Where BPFO is
         next to a harmonic of the shaft, its line is not seen as large as it is, and nothing follows from that.
         """
-        if band is None or len(lines.lines) < 2 or abs(lines.order - round(lines.order)) <= 2.0 * GUARD * band.step:
-            return HIGHEST_CONTRAST
+        if len(lines.lines) < 2 or abs(lines.order - round(lines.order)) <= 2.0 * GUARD * band.step:
+            return 0.0
         first, second = band.at(lines.lines[:2]).tolist()
-        return min(decibels(math.sqrt(ratio(first, second))) + self.p.outer_double, HIGHEST_CONTRAST) if second > 0.0 else HIGHEST_CONTRAST
+        return decibels(math.sqrt(ratio(first, second))) + self.p.outer_double if second > 0.0 else 0.0
 
-    def _sharpness(self, lines: LineFamily, band: BandEvidence | None, evidence: Evidence) -> float:
+    def _sharpness(self, lines: LineFamily, band: BandEvidence, evidence: Evidence) -> float:
         """Return by how much harmonics 4 to 6 of BPFO exceed the least that impacts at one place make [dB]; see `LEAST_SHARPNESS`.
 
-        Nothing follows if the band is too narrow for them, or if noise would hide them. A healthy bearing whose lines are known needs no
-        such criterion.
+        It is 0 if the band is too narrow for them, or if noise would hide them. A healthy bearing whose lines are known needs no such
+        criterion.
         """
-        if self._limited or self.baseline is not None or band is None:
-            return HIGHEST_CONTRAST
-        if band.band.high - band.band.low < FEWEST_HARMONICS * lines.order * evidence.shaft_frequency:
-            return HIGHEST_CONTRAST
+        known = self._limited or self.baseline is not None
+        if known or band.band.high - band.band.low < FEWEST_HARMONICS * lines.order * evidence.shaft_frequency:
+            return 0.0
         harmonics = np.arange(1, HIGHEST_HARMONIC + 1)
         places = harmonics * lines.order
         # Next to a harmonic of the shaft, a low line is not seen as large as it is, and a high one is at most what is seen there.
@@ -211,13 +208,13 @@ class OuterRing(LineRule[OuterRingParameters]):
         power, noise = harmonics**2 * band.largest(places), harmonics**2 * band.noise(places)
         least = LEAST_SHARPNESS**2 * float(power[low].mean()) if low.any() else 0.0
         if float(noise[high].mean()) >= least:
-            return HIGHEST_CONTRAST
-        return min(decibels(math.sqrt(ratio(float(power[high].mean()), least))), HIGHEST_CONTRAST)
+            return 0.0
+        return decibels(math.sqrt(ratio(float(power[high].mean()), least)))
 
-    def _limit(self, band: Band, evidence: Evidence) -> float:
-        return self._whole_limit if band == evidence.whole else self._high_limit
+    def _limit(self, band: BandEvidence, evidence: Evidence) -> float:
+        return self._whole_limit if band.band == evidence.whole else self._high_limit
 
-    def reason(self, lines: LineFamily, band: Band, evidence: Evidence) -> str:
+    def reason(self, lines: LineFamily, band: BandEvidence, evidence: Evidence) -> str:
         """Return depth, or size and limit, in words."""
         limit = self._limit(band, evidence)
         if not self._limited or limit == 0.0:

@@ -60,7 +60,7 @@ class Roller(LineRule[RollerParameters]):
     def finding(self, evidence: Evidence) -> Finding | None:
         """Return the evidence of sharp lines that the cage modulates, or of a hump, whichever is stronger."""
         found = [self.strongest(evidence, (comb,)) for comb in self.combs(evidence.orders)]
-        modulated = [_modulated(finding, evidence) for finding in found if finding is not None]
+        modulated = [_modulated(finding) for finding in found if finding is not None]
         return max(modulated, key=lambda finding: finding.excess, default=None)
 
     def family(self, band: BandEvidence, comb: Comb) -> LineFamily:
@@ -120,12 +120,11 @@ class Roller(LineRule[RollerParameters]):
         return sidebands(lines.order, np.add.outer(np.arange(-2.0, 3.0), cage * np.arange(-13.0, 14.0)))
 
 
-def _modulated(finding: Finding, evidence: Evidence) -> Finding:
+def _modulated(finding: Finding) -> Finding:
     """Return a finding; without evidence if its sharp lines are at 2 BSF and the cage does not modulate them."""
-    band = evidence.of_band(finding.band)
-    if band is None or finding.lines.width == 1 or finding.excess < 0.0:
+    if finding.band is None or finding.lines.width == 1 or finding.excess < 0.0:
         return finding
-    contrast = _cage_modulation(finding.lines, band) - decibels(LEAST_MODULATION)
+    contrast = _cage_modulation(finding.lines, finding.band) - decibels(LEAST_MODULATION)
     return finding if contrast >= 0.0 else finding._replace(excess=max(LEAST_EXCESS, contrast))
 
 

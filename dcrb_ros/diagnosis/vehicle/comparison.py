@@ -184,7 +184,7 @@ def _orders(finding: Finding, own: Judgement) -> Floats:
     The search leaves out whole orders, which are those of the wheels. There, only sidebands are evidence. A hump has no harmonics, and is
     compared over its width.
     """
-    lines, comb, band = finding.lines, finding.comb, own.evidence.of_band(finding.band)
+    lines, comb, band = finding.lines, finding.comb, finding.band
     if not lines.lines:
         return np.asarray(lines.order + own.evidence.orders.ftf * HUMP, np.float64)
     harmonics = np.array(lines.lines)
@@ -240,7 +240,7 @@ def _of_wheel(finding: Finding, own: Judgement, judged: Mapping[str, Judgement])
     A flat makes a line at every order of its wheelset. Lines of a bearing that lie on such orders have none of that size beside them, or
     sidebands elsewhere.
     """
-    band, orders = own.evidence.of_band(finding.band), _orders(finding, own)
+    band, orders = finding.band, _orders(finding, own)
     if band is None:
         return False
     power = band.at(orders)

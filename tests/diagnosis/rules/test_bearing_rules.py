@@ -40,6 +40,13 @@ def evidence(*bands: tuple[Band, dict[float, float]], mean: float = 1.0) -> Evid
     return Evidence([BandEvidence(band, SharedSearch([spectrum(lines)], ORDERS, 0.004)) for band, lines in bands], WHOLE, HIGH, 20.0, 0.5)
 
 
+def found_by(rule: LineRule[Any], *bands: tuple[Band, dict[float, float]]) -> Finding:
+    """Return what a rule finds in bands with lines; see `evidence`."""
+    finding = rule.finding(evidence(*bands))
+    assert finding is not None
+    return finding
+
+
 def comb(order: float, amplitude: float, count: int = 6) -> dict[float, float]:
     return {k * order: amplitude for k in range(1, count + 1)}
 
@@ -96,9 +103,8 @@ def test_depth_and_significance_must_both_reach_their_thresholds() -> None:
 )
 def test_a_rule_finds_its_lines_in_the_band_where_they_are_deepest(rule: LineRule[Any], lines: dict[float, float]) -> None:
     weak = {order: 0.5 * amplitude for order, amplitude in lines.items()}
-    finding = rule.finding(evidence((WHOLE, weak), (MIDDLE, lines), (HIGH, {})))
-    assert finding is not None
-    assert (finding.component, finding.band) == (rule.component, MIDDLE)
+    finding = found_by(rule, (WHOLE, weak), (MIDDLE, lines), (HIGH, {}))
+    assert (finding.component, finding.band and finding.band.band) == (rule.component, MIDDLE)
     assert finding.lines.depth == pytest.approx(0.5, rel=0.05)
     assert 0.0 < finding.excess <= 10.0 * math.log10(finding.lines.depth / rule.depth) + 1e-9
     assert f"{rule.name} at {finding.lines.order:.3f} orders modulates the squared envelope by 0.50 of its mean" in finding.reason
@@ -106,18 +112,14 @@ def test_a_rule_finds_its_lines_in_the_band_where_they_are_deepest(rule: LineRul
 
 def test_a_band_without_lines_gives_the_least_excess() -> None:
     for rule in (OuterRing(P), InnerRing(P), Roller(P), Cage(P)):
-        finding = rule.finding(evidence((WHOLE, {})))
-        assert finding is not None
-        assert finding.excess == LEAST_EXCESS == -60.0
+        assert found_by(rule, (WHOLE, {})).excess == LEAST_EXCESS == -60.0
 
 
 @pytest.mark.parametrize(("beside", "suspected"), [(0.3, True), (0.5, False)])
 def test_bpfo_must_stand_out_of_the_harmonics_of_the_cage(beside: float, suspected: bool) -> None:
     """1.5 dB are a ratio of 1.41 of squared envelopes: 0.5 over 0.35."""
     lines = comb(6.72, 0.5) | {k * 6.72 + s * 0.42: beside for k in (1, 2, 3) for s in (-1, 1)}
-    finding = OuterRing(P).finding(evidence((WHOLE, lines)))
-    assert finding is not None
-    assert (finding.excess >= 0.0) is suspected
+    assert (found_by(OuterRing(P), (WHOLE, lines)).excess >= 0.0) is suspected
 
 
 @pytest.mark.parametrize("rule", [OuterRing(P), InnerRing(P)], ids=["outer_ring", "inner_ring"])
@@ -126,9 +128,7 @@ def test_bpfo_must_stand_out_of_the_harmonics_of_the_cage(beside: float, suspect
 def test_what_the_cage_carries_is_no_ring(rule: LineRule[Any], carrier: float, suspected: bool, harmonic: int) -> None:
     """1.5 dB are a ratio of 1.41 of squared envelopes: 0.5 over 0.354."""
     (order,) = (one.order for one in rule.combs(ORDERS))
-    finding = rule.finding(evidence((WHOLE, comb(order, 0.5) | {harmonic * 0.42: carrier})))
-    assert finding is not None
-    assert (finding.excess >= 0.0) is suspected
+    assert (found_by(rule, (WHOLE, comb(order, 0.5) | {harmonic * 0.42: carrier})).excess >= 0.0) is suspected
 
 
 @pytest.mark.parametrize("spin", [0.92, 0.97])
@@ -137,10 +137,7 @@ def test_harmonics_of_the_cage_that_cluster_at_a_slower_spin_are_a_roller(spin: 
     """A roller that slips by 3 or 8 %; its two strikes per turn may differ, which adds clusters halfway between."""
     period = 6.1 * spin / strikes
     lines = {0.42 * k: 0.35 * (1.0 + 0.9 * math.cos(2.0 * math.pi * 0.42 * k / period)) for k in range(1, 50)}
-    band = evidence((WHOLE, lines))
-    roller, cage = Roller(P).finding(band), Cage(P).finding(band)
-    assert roller is not None
-    assert cage is not None
+    roller, cage = (found_by(rule, (WHOLE, lines)) for rule in (Roller(P), Cage(P)))
     assert roller.excess > 0.0 > cage.excess
     if strikes == 2:
         assert roller.lines.order == pytest.approx(6.1 * spin, abs=0.25)
@@ -150,8 +147,7 @@ def test_harmonics_of_the_cage_that_cluster_at_a_slower_spin_are_a_roller(spin: 
 def test_a_roller_that_lost_spin_has_its_lines_beside_the_harmonics_of_the_cage(order: float, found: bool) -> None:
     """Lines with sidebands at FTF, 2.5 to 9 % below 2 BSF; on a harmonic of FTF, they may as well be those of a broken bar."""
     lines = {0.42: 0.5, 0.84: 0.45} | {h * order + k * 0.42: 0.6 for h in (1, 2, 3) for k in (-1, 0, 1)}
-    finding = Roller(P).finding(evidence((WHOLE, lines)))
-    assert finding is not None
+    finding = found_by(Roller(P), (WHOLE, lines))
     assert (finding.excess > 0.0 and finding.lines.order == pytest.approx(order, rel=1e-3)) is found
     assert Roller(P).families(ORDERS) == 3  # at 2 BSF, at a slower spin, and the hump
 
@@ -160,9 +156,7 @@ def test_a_roller_that_lost_spin_has_its_lines_beside_the_harmonics_of_the_cage(
 @pytest.mark.parametrize("harmonic", [1, 2])
 def test_the_cage_must_modulate_sharp_lines_of_a_roller(cage: float, suspected: bool, harmonic: int) -> None:
     """FTF or its double has at least 0.36 of the line at 2 BSF, 0.18 of 0.5: otherwise no load zone carries the strikes."""
-    finding = Roller(P).finding(evidence((WHOLE, comb(6.1, 0.5) | {harmonic * 0.42: cage})))
-    assert finding is not None
-    assert (finding.excess >= 0.0) is suspected
+    assert (found_by(Roller(P), (WHOLE, comb(6.1, 0.5) | {harmonic * 0.42: cage})).excess >= 0.0) is suspected
 
 
 @pytest.mark.parametrize(("rolling", "expected"), [(16, 0.31), (9, 0.4136)])
@@ -187,8 +181,7 @@ def weighted_by_the_load_zone(half: float, depth: float = 0.4) -> dict[float, fl
 @pytest.mark.parametrize(("half", "component"), [(90.0, "roller"), (75.0, "roller"), (60.0, "roller"), (22.5, "cage")])
 def test_lines_of_the_cage_that_end_with_the_load_zone_are_those_of_a_roller(half: float, component: str) -> None:
     """A damaged roller is as loud as the load zone is deep; a broken bar lets rollers go for two pitches, a pitch of 22.5 degrees each."""
-    finding = Cage(P).finding(evidence((WHOLE, weighted_by_the_load_zone(half))))
-    assert finding is not None
+    finding = found_by(Cage(P), (WHOLE, weighted_by_the_load_zone(half)))
     assert (finding.component, finding.excess > 0.0) == (component, True)
 
 
@@ -205,8 +198,7 @@ def test_the_severity_is_that_of_the_lines_that_name_the_fault() -> None:
 @pytest.mark.parametrize(("share", "component"), [(0.27, "roller"), (0.33, "cage")])
 def test_lines_beyond_the_load_zone_must_have_three_tenths_of_those_within(share: float, component: str) -> None:
     lines = {0.42 * k: 0.6 if k <= 5 else 0.6 * share for k in range(1, 14)}
-    finding = Cage(P).finding(evidence((WHOLE, lines)))
-    assert finding is not None
+    finding = found_by(Cage(P), (WHOLE, lines))
     assert (finding.component, finding.excess > 0.0) == (component, True)
 
 
@@ -219,9 +211,7 @@ def test_the_level_at_ftf_remains_that_of_ftf_if_the_lines_are_those_of_a_roller
 
 def test_one_band_in_which_the_lines_end_with_the_load_zone_suffices_for_a_roller() -> None:
     wide = comb(0.42, 0.5, 9)
-    finding = Cage(P).finding(evidence((WHOLE, wide), (BELOW, weighted_by_the_load_zone(60.0))))
-    assert finding is not None
-    assert finding.component == "roller"
+    assert found_by(Cage(P), (WHOLE, wide), (BELOW, weighted_by_the_load_zone(60.0))).component == "roller"
 
 
 @pytest.mark.parametrize("rolling", [9, 11])
@@ -237,8 +227,7 @@ def test_lines_of_few_rolling_elements_do_not_reach_beyond_the_load_zone(rolling
 def test_a_roller_needs_more_than_the_scatter_of_unequal_rollers() -> None:
     """2.6 dB with 16 rollers, a mean depth of 0.31."""
     for depth, suspected in ((0.28, False), (0.34, True)):
-        finding = Cage(P).finding(evidence((WHOLE, weighted_by_the_load_zone(60.0, depth))))
-        assert finding is not None
+        finding = found_by(Cage(P), (WHOLE, weighted_by_the_load_zone(60.0, depth)))
         assert (finding.component, finding.excess > 0.0) == ("roller", suspected)
 
 
@@ -270,25 +259,19 @@ def test_a_band_with_a_small_share_of_the_power_is_no_evidence(share: float, lou
 @pytest.mark.parametrize(("double", "suspected"), [(0.0, True), (0.5, True), (0.69, True), (0.72, False), (1.5, False)])
 def test_rollers_that_excite_twice_per_pass_are_no_outer_ring_defect(double: float, suspected: bool) -> None:
     """1.5 dB are a ratio of 1.41 of squared envelopes: 0.706 over 0.5."""
-    finding = OuterRing(P).finding(evidence((WHOLE, comb(6.72, 0.5) | {2 * 6.72: double})))
-    assert finding is not None
-    assert (finding.excess >= 0.0) is suspected
+    assert (found_by(OuterRing(P), (WHOLE, comb(6.72, 0.5) | {2 * 6.72: double})).excess >= 0.0) is suspected
 
 
 @pytest.mark.parametrize(("scatter", "suspected"), [(0.0, True), (0.03, True), (0.075, False), (0.1, False)])
 def test_strikes_that_scatter_over_the_pitch_are_no_outer_ring_defect(scatter: float, suspected: bool) -> None:
     """Strikes that scatter by a share s of the pitch have harmonics of exp(-2 (pi k s)^2); the edge of the load zone is no one place."""
     lines = {k * 6.72: 0.6 * math.exp(-2.0 * (math.pi * k * scatter) ** 2) for k in range(1, 7)}
-    finding = OuterRing(P).finding(evidence((WHOLE, lines)))
-    assert finding is not None
-    assert (finding.excess >= 0.0) is suspected
+    assert (found_by(OuterRing(P), (WHOLE, lines)).excess >= 0.0) is suspected
 
 
 def test_impacts_that_ring_long_are_an_outer_ring_defect() -> None:
     """If impacts ring much longer than a pitch, their harmonics fall as 1 / k, and no faster."""
-    finding = OuterRing(P).finding(evidence((WHOLE, {k * 6.72: 0.6 / k for k in range(1, 7)})))
-    assert finding is not None
-    assert finding.excess >= 0.0
+    assert found_by(OuterRing(P), (WHOLE, {k * 6.72: 0.6 / k for k in range(1, 7)})).excess >= 0.0
 
 
 def test_nothing_follows_from_harmonics_that_a_narrow_band_or_noise_hides() -> None:
@@ -298,7 +281,7 @@ def test_nothing_follows_from_harmonics_that_a_narrow_band_or_noise_hides() -> N
         found = evidence((band, lines), mean=0.2 * scale)
         rule, there = OuterRing(P), found.bands[0]
         family = rule.family(there, Comb(6.72))
-        assert rule.excess(family, band, found) >= 0.0
+        assert rule.excess(family, there, found) >= 0.0
 
 
 def test_a_line_hidden_by_the_shaft_tells_nothing_about_the_rhythm() -> None:
@@ -316,8 +299,7 @@ def test_a_line_hidden_by_the_shaft_tells_nothing_about_the_rhythm() -> None:
 @pytest.mark.parametrize("clustered", [True, False])
 def test_harmonics_of_the_cage_that_cluster_at_2_bsf_are_no_fault_of_the_cage(clustered: bool) -> None:
     lines = {0.42 * k: 0.8 if not clustered or abs((0.42 * k / 6.1 + 0.5) % 1.0 - 0.5) < 0.25 else 0.4 for k in range(1, 40)}
-    finding = Cage(P).finding(evidence((WHOLE, lines)))
-    assert finding is not None
+    finding = found_by(Cage(P), (WHOLE, lines))
     assert finding.lines.depth > P.cage_depth
     assert (finding.excess < 0.0) is clustered
 
@@ -325,10 +307,7 @@ def test_harmonics_of_the_cage_that_cluster_at_2_bsf_are_no_fault_of_the_cage(cl
 @pytest.mark.parametrize(("clustered", "found"), [(True, True), (False, False)])
 def test_harmonics_of_the_cage_that_cluster_at_2_bsf_are_a_roller(clustered: bool, found: bool) -> None:
     lines = {0.42 * k: 0.6 if not clustered or abs((0.42 * k / 6.1 + 0.5) % 1.0 - 0.5) < 0.25 else 0.1 for k in range(1, 40)}
-    band = evidence((WHOLE, lines))
-    finding = Roller(P).finding(band)
-    assert finding is not None
-    assert (finding.lines.depth > 0.5) is found
+    assert (found_by(Roller(P), (WHOLE, lines)).lines.depth > 0.5) is found
 
 
 def test_the_companions_of_a_fault_are_its_harmonics_with_sidebands() -> None:
@@ -344,11 +323,12 @@ def test_the_companions_of_a_fault_are_its_harmonics_with_sidebands() -> None:
 
 @pytest.mark.parametrize(("band", "limit"), [(WHOLE, 38.0), (HIGH, 12.0)])
 def test_with_a_baseline_the_lines_are_also_compared_with_the_limit_of_their_band(band: Band, limit: float) -> None:
-    rule, found = OuterRing(DetectorParameters(outer_limit=38.0, outer_limit_high=12.0)), evidence((WHOLE, {}))
-    assert rule.excess(LineFamily(6.7, limit**2, 2.0, 9.0, 99.0), band, found) == pytest.approx(0.0, abs=1e-12)
-    assert rule.excess(LineFamily(6.7, 10.0 * limit**2, 2.0, 99.0, 99.0), band, found) == pytest.approx(10.0)
-    assert rule.excess(LineFamily(6.7, 10.0 * limit**2, 0.017, 9.0, 99.0), band, found) == pytest.approx(-10.0)
-    reason = rule.reason(LineFamily(6.7, 100.0, 2.0, 9.0), band, found)
+    rule, found = OuterRing(DetectorParameters(outer_limit=38.0, outer_limit_high=12.0)), evidence((band, {}))
+    (there,) = found.bands
+    assert rule.excess(LineFamily(6.7, limit**2, 2.0, 9.0, 99.0), there, found) == pytest.approx(0.0, abs=1e-12)
+    assert rule.excess(LineFamily(6.7, 10.0 * limit**2, 2.0, 99.0, 99.0), there, found) == pytest.approx(10.0)
+    assert rule.excess(LineFamily(6.7, 10.0 * limit**2, 0.017, 9.0, 99.0), there, found) == pytest.approx(-10.0)
+    reason = rule.reason(LineFamily(6.7, 100.0, 2.0, 9.0), there, found)
     size = f"10 m/s^2 (baseline {limit:g} m/s^2, both at a shaft frequency of 20 Hz)"
     assert reason == f"BPFO at 6.700 orders has {size}, 9.0 dB over background from {band}"
 
@@ -364,7 +344,7 @@ def test_limits_are_learned_with_their_margin_for_their_time() -> None:
     assert "baseline" in rule.remark
     assert rule.settled(finding, found).excess == 5.0  # a second, in hops of half a second
     limit = 50.0 * 10.0 ** (4.0 / 20.0)
-    for band in (WHOLE, HIGH):
+    for band in found.bands:
         assert rule.excess(LineFamily(6.7, limit**2, 2.0, 9.0, 99.0), band, found) == pytest.approx(0.0, abs=0.01)
 
 
@@ -377,4 +357,5 @@ def test_only_the_bearing_of_the_paper_has_a_known_baseline() -> None:
     assert "baseline" in rule.remark
     limited = OuterRing(DetectorParameters(outer_limit=5.0))
     limited.take_bearing(PAPER_BEARING)
-    assert "baseline 5 m/s^2" in limited.reason(LineFamily(6.7, 1.0, 2.0, 9.0), WHOLE, evidence((WHOLE, {})))
+    found = evidence((WHOLE, {}))
+    assert "baseline 5 m/s^2" in limited.reason(LineFamily(6.7, 1.0, 2.0, 9.0), found.bands[0], found)
