@@ -68,7 +68,7 @@ def detector_alarms(speed: Floats, ring: Floats, air: Floats) -> list[Alarm]:
     for k, reading in enumerate(readings):
         heat = monitor.update(k * STEP, *reading)
         if heat is not None:
-            before, current = current, next(iter(heat.confirmed), "")
+            before, current = current, heat.confirmed.trouble if heat.confirmed else ""
             if current and not before:
                 alarms.append((k * STEP, current))
     return alarms

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 from dcrb_ros.diagnosis.heat_model import HeatModel
 from dcrb_ros.diagnosis.heat_rule import HeatEvidence, HeatFinding, HeatParameters, HeatRule
@@ -27,14 +26,13 @@ HOUR = 3600.0
 """[s]"""
 
 
-@dataclass
-class HeatJudgement:
+class HeatJudgement(NamedTuple):
     """What a reading says."""
 
     evidence: HeatEvidence
-    confirmed: dict[Trouble, HeatFinding] = field(default_factory=dict)
-    """Finding of the trouble that is confirmed; empty for none."""
-    scores: dict[Trouble, float] = field(default_factory=dict)
+    confirmed: HeatFinding | None
+    """Finding of the trouble that is confirmed; None for none."""
+    scores: dict[Trouble, float]
     """Evidence of each rule relative to its threshold [dB]."""
 
 
@@ -115,7 +113,7 @@ class HeatMonitor:
             self.model.learn(rise, passed)
             self.learned += passed
 
-    def _confirmed(self, findings: list[HeatFinding]) -> dict[Trouble, HeatFinding]:
+    def _confirmed(self, findings: list[HeatFinding]) -> HeatFinding | None:
         """Count the findings; return the strongest of those that are confirmed, the last rule's where two are equal."""
         confirmed = [
             finding
@@ -127,7 +125,4 @@ class HeatMonitor:
                 release=self.p.heat_release,
             )
         ]
-        if not confirmed:
-            return {}
-        strongest = max(reversed(confirmed), key=lambda finding: finding.excess)
-        return {strongest.trouble: strongest}
+        return max(reversed(confirmed), key=lambda finding: finding.excess, default=None)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any, TypeVar
 
 import numpy as np
@@ -27,7 +27,7 @@ from dcrb_ros.diagnosis.window import Hop
 from dcrb_ros.schema.arguments import checked_arguments, number
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.schema.verdicts import COMPONENTS, Trouble, Verdict, fault_class
+from dcrb_ros.schema.verdicts import COMPONENTS, Verdict, fault_class
 from dcrb_ros.stream.diagnosis import Diagnosis
 from dcrb_ros.stream.vehicle_diagnosis import Status
 
@@ -129,15 +129,10 @@ class ThermalFaultDetector(FaultDetector):
         judgement = self._monitor.judgement_at(diagnosis.time)
         if judgement is None:
             return dataclasses.replace(diagnosis, remarks=(*diagnosis.remarks, *remarks)) if remarks else diagnosis
-        scores: Mapping[Trouble, float] = judgement.scores
-        heated = dataclasses.replace(
-            diagnosis,
-            scores={**diagnosis.scores, **{str(name): score for name, score in scores.items()}},
-            remarks=(*diagnosis.remarks, *remarks, judgement.evidence.sentence),
-        )
-        for finding in judgement.confirmed.values():
-            heated = dataclasses.replace(with_trouble(heated, finding), faults=(*heated.faults, str(finding.trouble)))
-        return heated
+        scores, remarks = diagnosis.scores | judgement.scores, [*remarks, judgement.evidence.sentence]
+        heated = dataclasses.replace(diagnosis, scores=scores, remarks=(*diagnosis.remarks, *remarks))
+        finding = judgement.confirmed
+        return dataclasses.replace(with_trouble(heated, finding), faults=(*heated.faults, finding.trouble)) if finding else heated
 
     def _with_noise(self, diagnosis: Diagnosis) -> Diagnosis:
         """Return a diagnosis with what the level of vibration says; it says nothing beside a fault that explains it."""

@@ -91,8 +91,8 @@ class BoxDetector(ThermalFaultDetector):
     def troubles(self) -> tuple[HeatFinding, ...]:
         """Confirmed troubles of the bearing, by its temperature and by the level of its vibration."""
         judgement = self._monitor.judgement_at(self._end)
-        hot = judgement.confirmed.values() if judgement is not None else ()
-        return (*hot, self._noise_finding) if self._noise_finding is not None and self._loud.confirmed else tuple(hot)
+        found = judgement and judgement.confirmed, self._noise_finding if self._loud.confirmed else None
+        return tuple(finding for finding in found if finding is not None)
 
     @property
     def flaw(self) -> str:
