@@ -55,22 +55,14 @@ class Hysteresis:
     explains the lines of the other and the next judgement has it the other way around, the one with more evidence counts.
     """
 
-    def __init__(
-        self,
-        confirm: int,
-        release: int,
-        release_margin: float,
-        persist: int = 1,
-        least: float = 0.0,
-        related: Sequence[Component] = (),
-    ) -> None:
-        """Confirm after ``confirm`` judgements with ``least`` evidence [dB], or up to ``persist`` with weak evidence.
+    def __init__(self, confirm: int, release: int, release_margin: float, persist: int = 1, related: Sequence[Component] = ()) -> None:
+        """Confirm after ``confirm`` judgements with evidence, or up to ``persist`` with weak evidence.
 
-        Clear after ``release`` judgements, ``release_margin`` [dB] below that. A judgement may require more evidence of a component.
-        Judgements that suspect one or another of the ``related`` components confirm the one with more evidence in all of them.
+        Clear after ``release`` judgements, ``release_margin`` [dB] below the evidence that counts. Judgements that suspect one or another
+        of the ``related`` components confirm the one with more evidence in all of them.
         """
         self._confirm, self._release, self._margin, self._persist = confirm, release, release_margin, max(confirm, persist)
-        self._least, self._related = least, tuple(related)
+        self._related = tuple(related)
         self.reset()
 
     def reset(self) -> None:
@@ -83,7 +75,7 @@ class Hysteresis:
 
     def verdict(self, excess: Mapping[Component, float], least: Mapping[Component, float] = MappingProxyType({})) -> Verdict:
         """Take the evidence for each component relative to its threshold and the ``least`` that counts [dB]; return the verdict."""
-        required = {component: max(self._least, least.get(component, 0.0)) for component in COMPONENTS}
+        required = {component: least.get(component, 0.0) for component in COMPONENTS}
         for component, suspicion in self._suspicions.items():
             self._update(suspicion, excess[component], required[component])
         for (component, other), suspicion in self._pairs.items():

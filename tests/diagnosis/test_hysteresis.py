@@ -40,9 +40,9 @@ def test_a_watched_bearing_raises_an_alarm_from_strong_evidence_on() -> None:
     assert probability(p.alarm_evidence) == pytest.approx(0.9, abs=0.005)
     assert least_evidence(p.confirm, p.window, p.alarm_evidence) == p.alarm_evidence
     assert [least_evidence(1, window, p.alarm_evidence) for window in (2.4, 2.5)] == [1.2, 0.0]
-    hysteresis = Hysteresis(p.confirm, p.release, p.release_margin, 8, p.alarm_evidence)
-    assert {hysteresis.verdict({**QUIET, "outer_ring": 2.7}) for _ in range(40)} == {"waiting", "healthy"}
-    assert [hysteresis.verdict({**QUIET, "outer_ring": 2.9}) for _ in range(2)] == ["healthy", "outer_ring"]
+    hysteresis, least = Hysteresis(p.confirm, p.release, p.release_margin, 8), dict.fromkeys(QUIET, p.alarm_evidence)
+    assert {hysteresis.verdict({**QUIET, "outer_ring": 2.7}, least) for _ in range(40)} == {"waiting", "healthy"}
+    assert [hysteresis.verdict({**QUIET, "outer_ring": 2.9}, least) for _ in range(2)] == ["healthy", "outer_ring"]
 
 
 @pytest.mark.parametrize(
@@ -80,13 +80,13 @@ def test_weak_evidence_must_last_until_the_window_is_renewed(excess: float, judg
 @pytest.mark.parametrize(("excess", "verdict"), [(1.1, "healthy"), (1.3, "inner_ring")])
 def test_a_watched_bearing_is_not_named_on_evidence_of_which_many_alarms_are_wrong(excess: float, verdict: str) -> None:
     """However long it lasts: waves of a healthy raceway last, too. It does not keep an alarm either."""
-    hysteresis = Hysteresis(confirm=2, release=4, release_margin=1.0, persist=8, least=1.2)
-    found = [hysteresis.verdict({**QUIET, "inner_ring": excess}) for _ in range(40)]
+    hysteresis, least = Hysteresis(confirm=2, release=4, release_margin=1.0, persist=8), dict.fromkeys(QUIET, 1.2)
+    found = [hysteresis.verdict({**QUIET, "inner_ring": excess}, least) for _ in range(40)]
     assert found[-1] == verdict
     for _ in range(2):
-        hysteresis.verdict({**QUIET, "inner_ring": 6.0})
-    assert [hysteresis.verdict({**QUIET, "inner_ring": 0.1}) for _ in range(5)][1] == "inner_ring"
-    assert hysteresis.verdict({**QUIET, "inner_ring": 0.1}) == "healthy"
+        hysteresis.verdict({**QUIET, "inner_ring": 6.0}, least)
+    assert [hysteresis.verdict({**QUIET, "inner_ring": 0.1}, least) for _ in range(5)][1] == "inner_ring"
+    assert hysteresis.verdict({**QUIET, "inner_ring": 0.1}, least) == "healthy"
 
 
 def test_faults_that_explain_each_other_in_turn_are_one() -> None:
