@@ -104,7 +104,7 @@ class FaultDetector:
         self.rate = rate = sampling_rate(rate, "the signal")
         self.band, self._high, self._bands = detector_bands(rate, p.band_low, p.band_high, divided=p.band == "kurtogram")
         below = self._bands[-1]
-        self._hop = max(1, round(p.hop * rate))
+        self._hop = p.hop_samples(rate)
         self._margin = margin_samples(rate, below.low, MARGIN_PERIODS)
         if self._hop < 2 * self._margin:  # which is rounded up to samples
             raise _short_hop(p, 2 * self._margin / rate)
@@ -112,10 +112,10 @@ class FaultDetector:
         self._highest_order = (1.0 + p.slip) * (
             HARMONICS[-1] * max(2.0 * orders.bpfo, 2.0 * orders.bpfi, 2.0 * orders.bsf) + SHAFT_SIDEBANDS[-1]
         )
-        self._segmenter = Segmenter(self._hop, self._margin, round(min(p.longest_gap, 0.5 * p.hop) * rate))
+        self._segmenter = Segmenter(self._hop, self._margin, p.gap_samples(rate))
         demodulator = Demodulator(self._bands, rate, self._hop + 2 * self._margin, p.whitening)
-        bins, hops = math.ceil(BINS_PER_ORDER * self._highest_order), max(1, round(p.window / p.hop))
-        self._window = Window(demodulator, rate, self._hop, self._margin, bins, hops, p.speed_exponent)
+        bins = math.ceil(BINS_PER_ORDER * self._highest_order)
+        self._window = Window(demodulator, rate, self._hop, self._margin, bins, p.hops, p.speed_exponent)
         self._needed = min(p.least_window, p.window) - 0.5 * p.hop
         self._sensor = SensorCheck(p, rate, self._hop, self._bands)
         self.rules: list[BearingRule[Any]] = [rule(p) for rule in BEARING_RULES]
@@ -129,7 +129,7 @@ class FaultDetector:
             for each in self.rules:
                 each.take_baseline(self._baseline)
         self._combination = Combination(self.rules, p.release_margin)
-        self._hysteresis = Hysteresis(p.confirm, p.release, p.release_margin, hops if p.confirm > 1 else 1)
+        self._hysteresis = Hysteresis(p.confirm, p.release, p.release_margin, p.persist)
         self._trend = Trend(p.trend_time, p.hop)
 
     @property

@@ -78,3 +78,21 @@ class DetectorParameters(Group):
         20.0,
     )
     trend_time: float = quantity(60.0, "s", "Time over which the trend of the severity is fitted", 1.0, 1e6)
+
+    @property
+    def hops(self) -> int:
+        """Hops in a window."""
+        return max(1, round(self.window / self.hop))
+
+    @property
+    def persist(self) -> int:
+        """Judgements for which evidence at the threshold must last: those of a window, or one if a single one confirms a fault."""
+        return self.hops if self.confirm > 1 else 1
+
+    def hop_samples(self, rate: int) -> int:
+        """Return the samples of a hop at a ``rate`` [Hz]."""
+        return max(1, round(self.hop * rate))
+
+    def gap_samples(self, rate: int) -> int:
+        """Return the samples of the longest gap that is bridged, at a ``rate`` [Hz]."""
+        return round(min(self.longest_gap, 0.5 * self.hop) * rate)

@@ -21,7 +21,7 @@ class SensorCheck:
     def __init__(self, parameters: DetectorParameters, rate: int, hop: int, bands: Sequence[Band]) -> None:
         """Prepare for hops of so many samples at a ``rate`` [Hz], whose levels are those of ``bands``, the last one below the others."""
         p = parameters
-        self._rate, self._hop, self._hops = rate, hop, p.window / p.hop
+        self._rate, self._hop, self._hops = rate, hop, p.hops
         # Levels are compared in the quarters of the band and in the band below it.
         quarters = band_tree(p.band_low, p.band_high, (QUARTERS,))
         self.bands = [k for k, band in enumerate(bands) if band in (*quarters, bands[-1])]
@@ -58,7 +58,7 @@ class SensorCheck:
     def remember(self, flaw: str) -> None:
         """Remember the flaw of a hop, if it has one."""
         if flaw:
-            self._flaw, self._remaining = flaw, round(self._hops)
+            self._flaw, self._remaining = flaw, self._hops
         else:
             self._remaining = max(0, self._remaining - 1)
 
@@ -73,14 +73,10 @@ class SensorCheck:
         """
         missing = segment.missing
         known = segment.acceleration[~missing] if missing.any() else segment.acceleration
-        hops, frequency = max(1, round(self._hops)), turned * self._rate / self._hop
-        evidence = SampleEvidence(known, len(missing), segment.not_finite, self._rate, sensor_range, hops, frequency)
-        for rule in self._sample_rules:
-            if len(known) >= rule.fewest_samples and (turning or rule.at_standstill):
-                flaw = rule.flaw(evidence)
-                if flaw:
-                    return flaw
-        return ""
+        frequency = turned * self._rate / self._hop
+        evidence = SampleEvidence(known, len(missing), segment.not_finite, self._rate, sensor_range, self._hops, frequency)
+        rules = (rule for rule in self._sample_rules if len(known) >= rule.fewest_samples and (turning or rule.at_standstill))
+        return next((flaw for rule in rules if (flaw := rule.flaw(evidence))), "")
 
     def flaw_of_levels(self, hop: Hop, *, tracked: bool) -> str:
         """Return the first flaw that a rule finds in the levels, or nothing; ``tracked`` says whether the shaft angle is known."""

@@ -142,7 +142,7 @@ class ThermalFaultDetector(FaultDetector):
             return diagnosis
         # As long as a window: lines have had time to appear.
         p, excess = self.parameters, finding.excess
-        confirm = max(p.confirm, round(p.window / p.hop))
+        confirm = max(p.confirm, p.hops)
         loud = self._loud.count(present=excess >= 0.0, absent=excess < -p.release_margin, confirm=confirm, release=p.release)
         scores = {**diagnosis.scores, "lubrication": max(finding.excess, diagnosis.scores.get("lubrication", finding.excess))}
         diagnosis = dataclasses.replace(diagnosis, scores=scores)

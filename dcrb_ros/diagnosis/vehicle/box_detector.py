@@ -61,11 +61,11 @@ class BoxDetector(ThermalFaultDetector):
         self._copied = [*usual, *faint]
         """Rules for the window without the wheels, which learn from it alone."""
         self._usual, self._faint = (Combination(rules, self.parameters.release_margin) for rules in (usual, faint))
-        p, hops = self.parameters, max(1, round(self.parameters.window / self.parameters.hop))
+        p = self.parameters
         demodulator = Demodulator(self._bands, self.rate, self._hop + 2 * self._margin, p.whitening, tones=False)
         bins = self._window.bins_per_turn
-        self._rest = Window(demodulator, self.rate, self._hop, self._margin, bins, hops, p.speed_exponent)
-        self._average = TurnAverage(self._hop, self._margin, hops)
+        self._rest = Window(demodulator, self.rate, self._hop, self._margin, bins, p.hops, p.speed_exponent)
+        self._average = TurnAverage(self._hop, self._margin, p.hops)
         self._end = 0.0
         """Time at which the window ends [s]."""
 

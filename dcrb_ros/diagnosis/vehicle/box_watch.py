@@ -53,9 +53,6 @@ class BoxWatch:
         self.detector.take_bearing(box.bearing)
         self.detector.sensor_range = box.sensor_range
         p, q = box_parameters, parameters
-        self.hop = max(1, round(p.hop * rate))
-        hops = max(1, round(p.window / p.hop))
-        gap = round(min(p.longest_gap, 0.5 * p.hop) * rate)
         usable = NYQUIST_SHARE * rate
         wheel, kink = Band(q.wheel_low, min(q.wheel_high, usable)), Band(q.kink_low, min(q.kink_high, usable))
         if wheel.low >= wheel.high or kink.low >= kink.high:
@@ -63,7 +60,7 @@ class BoxWatch:
                 f"the bands of wheels and kinks, {q.wheel_low:g} to {q.wheel_high:g} Hz and {q.kink_low:g} to {q.kink_high:g} Hz, are "
                 f"empty below {usable:g} Hz, the usable part of the sampling rate: change them or sample faster"
             )
-        self._monitor = ContactMonitor(rate, self.hop, hops, (wheel, kink), gap, q.event)
+        self._monitor = ContactMonitor(rate, p.hop_samples(rate), p.hops, (wheel, kink), p.gap_samples(rate), q.event)
         self._share = parameters.rare
         self._contacts: deque[Contact] = deque(maxlen=4)
         self.hops: deque[BoxHop] = deque()

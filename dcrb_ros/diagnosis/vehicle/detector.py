@@ -130,14 +130,10 @@ class VehicleDetector:
         self._boxes = {box.name: BoxWatch(box, description.sampling_rate, parameters, box_parameters) for box in description.boxes}
         self._partners = description.partners
         p = box_parameters
-        hops = max(1, round(p.window / p.hop))
-
-        def hystereses() -> dict[str, Hysteresis]:
-            persist = hops if p.confirm > 1 else 1
-            return {name: Hysteresis(p.confirm, p.release, p.release_margin, persist, related=RELATED) for name in self._boxes}
-
-        self._decided, self._undecided = hystereses(), hystereses()
-        self._hop = max(1, round(p.hop * description.sampling_rate))
+        self._decided, self._undecided = (
+            {name: Hysteresis(p.confirm, p.release, p.release_margin, p.persist, RELATED) for name in self._boxes} for _ in range(2)
+        )
+        self._hop = p.hop_samples(description.sampling_rate)
         self._patience = round(parameters.patience * description.sampling_rate)
         self._aligned = False
         self._confirmed: dict[tuple[str, str], Suspicion] = {}
