@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from dcrb_ros.bearing.frequencies import Orders
 from dcrb_ros.diagnosis.combination import Combination
 from dcrb_ros.diagnosis.demodulation import Demodulator
 from dcrb_ros.diagnosis.evidence import highest_searched
@@ -19,6 +20,7 @@ from dcrb_ros.diagnosis.segments import Segment
 from dcrb_ros.diagnosis.thermal_detector import ThermalFaultDetector
 from dcrb_ros.diagnosis.vehicle.arrival import TurnEnvelopes
 from dcrb_ros.diagnosis.vehicle.comparison import Judgement
+from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
 from dcrb_ros.diagnosis.vehicle.turn_average import TurnAverage
 from dcrb_ros.diagnosis.window import Window
 from dcrb_ros.schema.arrays import Floats
@@ -54,10 +56,11 @@ class OwnWindow(NamedTuple):
 class BoxDetector(ThermalFaultDetector):
     """A `ThermalFaultDetector` that also keeps a window of the signal without what repeats in every turn."""
 
-    def __init__(self, *arguments: Any, relief: float, **options: Any) -> None:
-        """Prepare as `ThermalFaultDetector`; ``relief`` is by how much fainter the lines of faint findings may be [dB]."""
-        super().__init__(*arguments, **options)
-        usual, faint = ([fainter(rule, each) for rule in self.rules] for each in (0.0, relief))
+    def __init__(self, orders: Orders, rate: int, comparison: VehicleDetectorParameters, parameters: DetectorParameters) -> None:
+        """Prepare as `ThermalFaultDetector` with ``parameters``, and for the ``comparison`` with other boxes."""
+        super().__init__(orders, rate, parameters)
+        self._rare = comparison.rare
+        usual, faint = ([fainter(rule, relief) for rule in self.rules] for relief in (0.0, comparison.relief))
         self._copied = [*usual, *faint]
         """Rules for the window without the wheels, which learn from it alone."""
         self._usual, self._faint = (Combination(rules, self.parameters.release_margin) for rules in (usual, faint))
@@ -106,15 +109,15 @@ class BoxDetector(ThermalFaultDetector):
         seconds = len(self._rest) * self._hop / self.rate
         return OwnWindow(*self._rest.envelopes(), self._end - self._rest.ages(), self._rest.frequency, seconds, self._rest.begin)
 
-    def judgement(self, window: OwnWindow, share: float, kinks: Floats) -> Judgement:
+    def judgement(self, window: OwnWindow, kinks: Floats) -> Judgement:
         """Return the evidence of a window without kinks of the rail and other rare impacts.
 
         The ringing after each of the ``kinks`` [s] counts as missing. Of the rest, no squared envelope counts with more than the value that
-        it exceeds in a ``share`` of the time [-]. Kinks are rarer than the impacts of a damaged bearing, but larger.
+        it exceeds in the share ``rare`` of the time [-]. Kinks are rarer than the impacts of a damaged bearing, but larger.
         """
         missing = window.missing | _rings(window.times, kinks)
         missing = window.missing if missing.mean() > self.parameters.most_missing else missing
-        most = np.quantile(window.envelopes[:, ~missing], 1.0 - share, axis=1).astype(np.float32)
+        most = np.quantile(window.envelopes[:, ~missing], 1.0 - self._rare, axis=1).astype(np.float32)
         highest = max(self._highest_order, highest_searched(self.orders, self.parameters.slip))
         limited = np.minimum(window.envelopes, most[:, None])
         spectra = order_spectra(limited, missing, self._rest.bins_per_turn, highest)

@@ -14,10 +14,8 @@ from dcrb_ros.diagnosis.demodulation import NYQUIST_SHARE, Band
 from dcrb_ros.diagnosis.heat_rule import HeatFinding
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.vehicle.box_detector import BoxDetector, OwnWindow
-from dcrb_ros.diagnosis.vehicle.comparison import Judgement
 from dcrb_ros.diagnosis.vehicle.contact import Contact, ContactMonitor
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
-from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.diagnosis import Diagnosis
 from dcrb_ros.stream.vehicle_description import BoxDescription
@@ -33,9 +31,9 @@ class BoxHop:
     """The window to be judged without wheels and kinks; None without a judgement of the bearing."""
     contact: Contact | None
     """None while the window begins anew."""
-    troubles: tuple[HeatFinding, ...] = ()
+    troubles: tuple[HeatFinding, ...]
     """Confirmed troubles of the bearing; the diagnosis has them beside lines that may be those of another box."""
-    flaw: str = ""
+    flaw: str
     """The flaw of the sensor, or nothing; the diagnosis lacks it beside a trouble."""
 
     @property
@@ -49,7 +47,7 @@ class BoxWatch:
 
     def __init__(self, box: BoxDescription, rate: int, parameters: VehicleDetectorParameters, box_parameters: DetectorParameters) -> None:
         """Prepare for the bearing of a box, sampled at ``rate`` [Hz]."""
-        self.name, self.detector = box.name, BoxDetector(Orders.from_dict(box.orders), rate, box_parameters, relief=parameters.relief)
+        self.name, self.detector = box.name, BoxDetector(Orders.from_dict(box.orders), rate, parameters, box_parameters)
         self.detector.take_bearing(box.bearing)
         self.detector.sensor_range = box.sensor_range
         p, q = box_parameters, parameters
@@ -61,7 +59,6 @@ class BoxWatch:
                 f"empty below {usable:g} Hz, the usable part of the sampling rate: change them or sample faster"
             )
         self._monitor = ContactMonitor(rate, p.hop_samples(rate), p.hops, (wheel, kink), p.gap_samples(rate), q.event)
-        self._share = parameters.rare
         self._contacts: deque[Contact] = deque(maxlen=4)
         self.hops: deque[BoxHop] = deque()
         """Hops that have not been compared yet."""
@@ -89,23 +86,15 @@ class BoxWatch:
             self.since = index
         self.reached = max(self.reached, index + len(acceleration) - 1)
         if diagnosis is not None:
-            own, contact = self.detector.own_window(), self._latest(diagnosis.index)
+            contact = next((contact for contact in reversed(self._contacts) if contact.end == diagnosis.index), None)
             self.since = diagnosis.index
-            self.hops.append(BoxHop(diagnosis, own, contact, self.detector.troubles, self.detector.flaw))
+            self.hops.append(BoxHop(diagnosis, self.detector.own_window(), contact, self.detector.troubles, self.detector.flaw))
         return restarted
 
     def forget(self) -> None:
         """Discard what has not been compared yet: its indices are of a time before a restart."""
         self.hops.clear()
         self.reached = -1
-
-    def judged(self, window: OwnWindow, kinks: Floats) -> Judgement:
-        """Return the evidence on the bearing without wheels and ``kinks`` of the rail [s]."""
-        return self.detector.judgement(window, self._share, kinks)
-
-    def _latest(self, index: int) -> Contact | None:
-        """Return what was measured up to a sample."""
-        return next((contact for contact in reversed(self._contacts) if contact.end == index), None)
 
 
 def boxes_apart(watches: Mapping[str, BoxWatch], patience: int, rate: int) -> dict[str, str]:

@@ -73,11 +73,6 @@ class Judgement:
     envelopes: TurnEnvelopes
 
     @property
-    def scores(self) -> Mapping[Component, float]:
-        """Evidence for a fault of each component relative to its threshold [dB]."""
-        return {component: finding.excess for component, finding in self.findings.items()}
-
-    @property
     def shaft_frequency(self) -> float:
         """Mean within the window [Hz]."""
         return self.evidence.shaft_frequency
@@ -124,9 +119,8 @@ def compare(
         name: {
             component: _compared(name, component, judgements, parameters, opposed=name not in alone or component in confirmed.get(name, ()))
             for component in COMPONENTS
-            if component in judgement.findings
         }
-        for name, judgement in judgements.items()
+        for name in judgements
     }
 
 

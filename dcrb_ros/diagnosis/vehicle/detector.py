@@ -13,7 +13,7 @@ from typing import Any, Protocol, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.diagnosis.detector import check_parameters
+from dcrb_ros.diagnosis.detector import DEFAULTS, check_parameters
 from dcrb_ros.diagnosis.hysteresis import Hysteresis, Suspicion, confidence, least_evidence, shortfall, strongest_of
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.rule import LEAST_EXCESS
@@ -33,14 +33,14 @@ from dcrb_ros.diagnosis.vehicle.causes import (
     wheelsets,
 )
 from dcrb_ros.diagnosis.vehicle.clocks import clock_differences, clocks
-from dcrb_ros.diagnosis.vehicle.comparison import NOT_OWN, UNOPPOSED, Compared, Judgement, compare
+from dcrb_ros.diagnosis.vehicle.comparison import UNOPPOSED, Compared, Judgement, compare
 from dcrb_ros.diagnosis.vehicle.contact import Contact
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
 from dcrb_ros.diagnosis.vehicle.rolling_lines import corrugation, motor
 from dcrb_ros.diagnosis.vehicle.turn_lines import gears, meshes, polygons
 from dcrb_ros.schema.arguments import checked_arguments, of_type
 from dcrb_ros.schema.refusal import Refusal, nearest
-from dcrb_ros.schema.verdicts import COMPONENTS, Component, is_alarm
+from dcrb_ros.schema.verdicts import Component, is_alarm
 from dcrb_ros.stream.vehicle_description import VehicleDescription
 from dcrb_ros.stream.vehicle_diagnosis import UNDECIDED, Status, VehicleDiagnosis
 
@@ -49,7 +49,6 @@ Samples: TypeAlias = tuple[int, npt.NDArray[Any], npt.NDArray[Any] | None]
 
 RELATED: tuple[Component, ...] = ("roller", "cage")
 """Components whose faint lines are taken for one another: the cage modulates those of a damaged roller."""
-DEFAULTS = DetectorParameters()
 VEHICLE_DEFAULTS = VehicleDetectorParameters()
 
 
@@ -235,7 +234,11 @@ class VehicleDetector:
         sensors = self._sensors(contacts, measured, sides)
         kinks = kinks_of(self.description, measured, struck, q.lag_tolerance)
         times = kinks.times if kinks is not None else np.zeros(0)
-        judged = {name: self._boxes[name].judged(hop.own, times) for name, hop in hops.items() if hop.own is not None and name not in quiet}
+        judged = {
+            name: self._boxes[name].detector.judgement(hop.own, times)
+            for name, hop in hops.items()
+            if hop.own is not None and name not in quiet
+        }
         # Evidence for one of the related components keeps an alarm on the other.
         kept = {
             name: {*decided.confirmed, *(RELATED if set(decided.confirmed) & set(RELATED) else ())}
@@ -363,11 +366,11 @@ class VehicleDetector:
             if name in quiet:
                 return Status("waiting", f"the sensor is {quiet[name]:.0f} dB quieter than the others")
             return Status("waiting", diagnosis.reason)
-        p, scores = self.box_parameters, judgement.scores
+        p, scores = self.box_parameters, {component: finding.excess for component, finding in judgement.findings.items()}
         usual = least_evidence(p.confirm, hop.own.seconds, p.alarm_evidence)
-        least = {component: max(usual, compared[component].healthy if component in compared else 0.0) for component in COMPONENTS}
-        own = {component: compared[component].excess if component in compared else NOT_OWN for component in COMPONENTS}
-        open_ = {component: compared[component].undecided if component in compared else NOT_OWN for component in COMPONENTS}
+        least = {component: max(usual, item.healthy) for component, item in compared.items()}
+        own = {component: item.excess for component, item in compared.items()}
+        open_ = {component: item.undecided for component, item in compared.items()}
         verdict, doubtful = self._decided[name].verdict(own, least), self._undecided[name].verdict(open_, least)
         if is_alarm(verdict):
             confirmed = self._decided[name].confirmed
@@ -380,7 +383,7 @@ class VehicleDetector:
             if any(compared[component].unopposed for component in doubted):
                 reason = f"it has lines of the {', '.join(doubted)}, but {UNOPPOSED}"
             return Status(UNDECIDED, reason, 0.0, max(open_.values()))
-        others = {c: item for c, item in compared.items() if scores.get(c, NOT_OWN) >= 0.0 and item.contrast < 0.0}
+        others = {c: item for c, item in compared.items() if scores[c] >= 0.0 and item.contrast < 0.0}
         if others and verdict == "healthy":
             component, item = max(others.items(), key=lambda pair: scores[pair[0]])
             earlier = f", which measures the impacts {-item.lead * 1e3:.1f} ms earlier" if item.lead else ""
