@@ -182,23 +182,15 @@ def gears(description: VehicleDescription, found: Mapping[str, Mesh], parameters
 
     Motors are not judged: the description has neither the pairs of poles nor the ratio of the gear.
     """
-    statuses = {}
-    for axle in description.axles:
-        if not axle.driven:
-            continue
-        mesh = found.get(axle.name)
-        statuses[axle.name] = _gear(mesh, axle.gear_teeth, parameters) if mesh is not None else _not_judged(axle.gear_teeth)
-    return statuses
+    return {axle.name: _gear(found.get(axle.name), axle.gear_teeth, parameters) for axle in description.axles if axle.driven}
 
 
-def _not_judged(teeth: int) -> Status:
-    if teeth > HIGHEST - 1.0 - MESH_NEIGHBOURS[-1]:
-        return Status("waiting", f"the order of the mesh, {teeth}, is too high to be judged")
-    return Status("waiting", "both boxes of the wheelset need enough turns of its angle")
-
-
-def _gear(mesh: Mesh, teeth: int, parameters: VehicleDetectorParameters) -> Status:
-    """Return the status of a gear from what both boxes measured of its mesh."""
+def _gear(mesh: Mesh | None, teeth: int, parameters: VehicleDetectorParameters) -> Status:
+    """Return the status of a gear from what both boxes measured of its mesh; None if they did not measure it."""
+    if mesh is None:
+        too_high = teeth > HIGHEST - 1.0 - MESH_NEIGHBOURS[-1]
+        reason = f"the order of the mesh, {teeth}, is too high to be judged" if too_high else ""
+        return Status("waiting", reason or "both boxes of the wheelset need enough turns of its angle")
     score = mesh.level - parameters.gear
     if score < 0.0:
         return Status("healthy", f"the mesh, order {teeth}, is not {parameters.gear:g} dB above its neighbours in both boxes")
