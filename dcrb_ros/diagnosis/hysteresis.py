@@ -68,7 +68,7 @@ class Hysteresis:
     def reset(self) -> None:
         """Discard all judgements."""
         self._suspicions: dict[Component, Suspicion] = {component: Suspicion() for component in COMPONENTS}
-        self._pairs: dict[tuple[Component, Component], Suspicion] = {pair: Suspicion() for pair in itertools.combinations(COMPONENTS, 2)}
+        self._pairs = {frozenset(pair): Suspicion() for pair in itertools.combinations(COMPONENTS, 2)}
         self._any_related, self._shares = Suspicion(), dict.fromkeys(self._related, 0.0)
         """Whether any of the related components is suspected, and the evidence for each of them since [dB]."""
         self._clear = 0
@@ -78,8 +78,8 @@ class Hysteresis:
         required = {component: least.get(component, 0.0) for component in COMPONENTS}
         for component, suspicion in self._suspicions.items():
             self._update(suspicion, excess[component], required[component])
-        for (component, other), suspicion in self._pairs.items():
-            self._update(suspicion, min(excess[component], excess[other]), max(required[component], required[other]))
+        for pair, suspicion in self._pairs.items():
+            self._update(suspicion, min(excess[component] for component in pair), max(required[component] for component in pair))
         if self._related:
             self._update_related(excess, required)
         confirmed = self.confirmed
@@ -117,12 +117,7 @@ class Hysteresis:
         if len(alone) < 2:
             return alone
         strongest = max(alone, key=lambda component: self._suspicions[component].evidence)
-        return [component for component in alone if component == strongest or self._pairs[self._pair(component, strongest)].confirmed]
-
-    @staticmethod
-    def _pair(component: Component, other: Component) -> tuple[Component, Component]:
-        first, second = sorted((component, other), key=COMPONENTS.index)
-        return first, second
+        return [component for component in alone if component == strongest or self._pairs[frozenset({component, strongest})].confirmed]
 
     @property
     def suspected(self) -> list[Component]:
