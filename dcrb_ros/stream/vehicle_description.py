@@ -157,13 +157,12 @@ class VehicleDescription:
                 )
                 for item in about["boxes"]
             )
-            return VehicleDescription(about["sampling_rate"], axles, boxes)
-        except Refusal:
-            raise
+            rate = about["sampling_rate"]
         except KeyError as error:
             raise Refusal(f"{SOURCE} lacks {error}: give sampling_rate, axles and boxes") from None
         except (TypeError, ValueError, AttributeError, OverflowError) as error:
             raise Refusal(f"{SOURCE} cannot be decoded ({type(error).__name__}): give sampling_rate, axles and boxes") from None
+        return VehicleDescription(rate, axles, boxes)
 
 
 def _number(value: Any) -> float:
