@@ -20,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import log_ndtr
 
-from dcrb_ros.diagnosis.line_search import NO_LINES, LineFamily
+from dcrb_ros.diagnosis.line_search import NO_LINES, TINY, LineFamily
 from dcrb_ros.diagnosis.order_spectrum import medians
 
 HALF_WIDTHS = (0.25, 0.5, 1.0)
@@ -35,8 +35,6 @@ FEWEST = 24
 """Least number of values in a hump: eight independent ones."""
 DEVIATION = 1.0 / math.log(2.0)
 """Standard deviation of the logarithm of a median times the root of the number of independent values [-]."""
-TINY = 1e-30
-"""Smallest number of which a logarithm is taken."""
 
 
 def humps(power: npt.NDArray[np.floating], step: float, order: float, ftf: float, slip: float) -> list[LineFamily]:

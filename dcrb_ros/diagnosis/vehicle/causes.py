@@ -11,7 +11,7 @@ import numpy as np
 
 from dcrb_ros.diagnosis.hysteresis import probability
 from dcrb_ros.diagnosis.vehicle.comparison import UNOPPOSED, unopposed
-from dcrb_ros.diagnosis.vehicle.contact import FEWEST_TURNS, Contact, Impact
+from dcrb_ros.diagnosis.vehicle.contact import FEWEST_TURNS, Contact
 from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.stream.vehicle_description import SIDES, VehicleDescription
@@ -40,15 +40,12 @@ def silent_boxes(contacts: Mapping[str, Contact], parameters: VehicleDetectorPar
 
     Three boxes are needed: of two, the louder one may as well be wrong. Boxes without a signal do not count.
     """
-    quiet = {}
+    below = {}
     for name, contact in contacts.items():
         others = [other.median for key, other in contacts.items() if key != name and other.median > 0.0]
-        if len(others) < OTHERS:
-            continue
-        below = 10.0 * math.log10(min(others) / max(contact.median, 1e-30))
-        if below >= parameters.silence:
-            quiet[name] = below
-    return quiet
+        if len(others) >= OTHERS:
+            below[name] = 10.0 * math.log10(min(others) / max(contact.median, 1e-30))
+    return {name: level for name, level in below.items() if level >= parameters.silence}
 
 
 def flats(contacts: Mapping[str, Contact], parameters: VehicleDetectorParameters, partners: Mapping[str, str]) -> dict[str, Status]:
@@ -139,10 +136,10 @@ def correlated_lag(first: Floats, second: Floats, rate: float, expected: float, 
     if min(energies) <= 0.0:
         return None
     correlation = np.fft.irfft(np.conj(spectra[0]) * spectra[1], length) / np.sqrt(energies[0] * energies[1])
-    steps = np.arange(shift - reach, shift + reach + 1) * (1 if expected > 0.0 else -1)
+    direction = 1 if expected > 0.0 else -1
+    steps = np.arange(shift - reach, shift + reach + 1) * direction
     forward, backward = correlation[steps % length], correlation[-steps % length]
     best = int(np.argmax(forward))
-    direction = 1 if expected > 0.0 else -1
     before, here, after = (float(correlation[(steps[best] + step * direction) % length]) for step in (-1, 0, 1))
     offset = 0.5 * (before - after) / min(before - 2.0 * here + after, -1e-12)
     return Lag(expected, float(steps[best] + direction * np.clip(offset, -0.5, 0.5)) / rate, here, float(backward.max()))
@@ -269,9 +266,5 @@ def _loudness(measured: Mapping[str, Contact], time: float, side: str) -> float:
     Without an impact it is the largest that may be hidden, and NaN without a box.
     """
     of_side = [contact for name, contact in measured.items() if name.endswith(side)]
-    found = [impact.loudness for contact in of_side for impact in contact.impacts if _is_at(impact, time)]
+    found = [impact.loudness for contact in of_side for impact in contact.impacts if abs(impact.time - time) <= TOGETHER]
     return max(found) if found else min((contact.faintest for contact in of_side), default=math.nan)
-
-
-def _is_at(impact: Impact, time: float) -> bool:
-    return abs(impact.time - time) <= TOGETHER
