@@ -155,14 +155,6 @@ def test_a_slow_sensor_fault_is_found(change: Callable[[Samples], Samples], word
     assert word in found[-1].reason
 
 
-def test_a_sensor_fault_ends_when_its_samples_have_left_the_window() -> None:
-    acceleration, angle = synthetic(outer=600.0, seconds=4.0)
-    acceleration[1000:2000] = math.nan
-    detector = FaultDetector(ORDERS, RATE, DetectorParameters(window=1.0, least_window=1.0))
-    assert [diagnosis.verdict for diagnosis in diagnoses(detector, (acceleration, angle))][:3] == ["sensor"] * 2 + ["waiting"]
-    assert diagnoses(detector, (acceleration[RATE:], angle[RATE:]), first=len(angle))[-1].verdict == "outer_ring"
-
-
 @pytest.mark.parametrize("impacts", [{"outer": 3000.0}, {"inner": 6000.0}, {"roller": 6000.0}])
 def test_clipped_impacts_are_counted_and_still_diagnosed(impacts: dict[str, float]) -> None:
     name = next(iter(impacts))

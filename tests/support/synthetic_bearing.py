@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 import numpy.typing as npt
@@ -63,8 +64,11 @@ def synthetic(
     return acceleration.astype(np.float32), np.mod(TURN * turns, TURN).astype(np.float32)
 
 
-def diagnoses(detector: FaultDetector, data: Signal, *, block: int = 1024, first: int = 0) -> list[Diagnosis]:
-    """Return the diagnoses of a signal that is passed on in blocks."""
+def diagnoses(
+    detector: FaultDetector, data: Signal, *, block: int = 1024, first: int = 0, begins: Iterable[int] | None = None
+) -> list[Diagnosis]:
+    """Return the diagnoses of a signal that is passed on in blocks: all of them, or those that begin at some samples, in that order."""
     acceleration, angle = data
-    found = [detector.update(first + k, acceleration[k : k + block], angle[k : k + block]) for k in range(0, len(angle), block)]
+    arriving = range(0, len(angle), block) if begins is None else begins
+    found = [detector.update(first + k, acceleration[k : k + block], angle[k : k + block]) for k in arriving]
     return [diagnosis for diagnosis in found if diagnosis is not None]

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
 
 import numpy as np
 from synthetic_bearing import ORDERS, RATE, TURN, Floats, Signal, synthetic
@@ -114,12 +115,23 @@ def kink(time: Floats, begin: float, level: float) -> Floats:
     return np.where(since >= 0.0, level * np.exp(-np.maximum(since, 0.0) / 5e-4) * np.sin(TURN * 9000.0 * since), 0.0)
 
 
-def diagnosed(signals: Boxes, *, block: int = 1024, detector: VehicleDetector | None = None) -> list[VehicleDiagnosis]:
-    """Return the diagnoses of signals that are passed on in blocks of all boxes."""
-    watching = detector or VehicleDetector(DESCRIPTION)
-    longest = max(len(angle) for _, angle in signals.values())
-    found = [
-        watching.add({name: BoxBlock(k, a[k : k + block], angle[k : k + block]) for name, (a, angle) in signals.items() if k < len(angle)})
-        for k in range(0, longest, block)
-    ]
+def diagnosed(
+    signals: Boxes,
+    *,
+    block: int = 1024,
+    detector: VehicleDetector | None = None,
+    first: Mapping[str, int] = MappingProxyType({}),
+    lost: Callable[[str, int], bool] = lambda name, k: False,
+    together: bool = True,
+) -> list[VehicleDiagnosis]:
+    """Return the diagnoses of signals that are passed on in blocks of all boxes, or of one box after the other.
+
+    ``first`` are the indices of the first samples, and ``lost`` says whether the block of a box that begins at a sample does not arrive.
+    """
+    watching, found = detector or VehicleDetector(DESCRIPTION), []
+    for k in range(0, max(len(angle) for _, angle in signals.values()), block):
+        part = slice(k, k + block)
+        arriving = {name: signal for name, signal in signals.items() if k < len(signal[1]) and not lost(name, k)}
+        blocks = {name: BoxBlock(first.get(name, 0) + k, a[part], angle[part]) for name, (a, angle) in arriving.items()}
+        found += [watching.add(each) for each in ([blocks] if together else [{name: one} for name, one in blocks.items()])]
     return [diagnosis for diagnosis in found if diagnosis is not None]

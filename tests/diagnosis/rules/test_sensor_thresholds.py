@@ -621,8 +621,3 @@ def test_an_impact_that_rises_over_many_samples_is_as_high_as_a_spike() -> None:
     for k in range(4, 8):
         column[1000 * k : 1000 * k + 80] = 200.0 * np.sin(np.pi * np.arange(80) / 80.0)
     assert count_jumps([column], 51, P) == (3, 4)
-
-
-@pytest.mark.parametrize(("sensor_range", "flawed"), [(10.0, False), (10.01, True)])
-def test_clipping_at_nine_tenths_of_the_range_is_no_fault(sensor_range: float, flawed: bool) -> None:
-    assert bool(Saturation(P).flaw(samples(clipped(100, 9.0), sensor_range=sensor_range))) is flawed

@@ -89,14 +89,10 @@ def test_beside_a_dead_sensor_a_polygon_is_undecided() -> None:
 
 
 def test_after_a_gap_of_the_damaged_box_the_other_one_has_no_alarm() -> None:
-    signals, block = bogie({"axle_1/left": {"outer": 2000.0}}), 512
-    detector, found = VehicleDetector(DESCRIPTION, box_parameters=DetectorParameters(window=1.5, least_window=1.0)), []
-    for k in range(0, round(SECONDS * 51200), block):
-        blocks = {name: BoxBlock(k, a[k : k + block], angle[k : k + block]) for name, (a, angle) in signals.items()}
-        if 80000 <= k < 98000:
-            del blocks["axle_1/left"]
-        found.append(detector.add(blocks))
-    assert {one.statuses["axle_1/right/bearing"].verdict for one in found if one is not None} <= {"waiting", "healthy", "undecided"}
+    signals = bogie({"axle_1/left": {"outer": 2000.0}})
+    detector = VehicleDetector(DESCRIPTION, box_parameters=DetectorParameters(window=1.5, least_window=1.0))
+    found = diagnosed(signals, block=512, detector=detector, lost=lambda name, k: name == "axle_1/left" and 80000 <= k < 98000)
+    assert {one.statuses["axle_1/right/bearing"].verdict for one in found} <= {"waiting", "healthy", "undecided"}
 
 
 def test_a_sensor_of_twice_the_gain_does_not_take_the_fault() -> None:
@@ -120,16 +116,12 @@ def test_among_equal_lines_the_box_that_is_earlier_counts() -> None:
 
 def test_the_earlier_box_is_known_after_a_late_start_of_the_other_one() -> None:
     """Both turn by 9.4 turns in a hop, which are no whole bins."""
-    signals, late, block = bogie({"axle_2/left": {"outer": 200.0}}, across=1.0, along=0.0), round(0.9e-3 * 51200), 512
+    signals, late = bogie({"axle_2/left": {"outer": 200.0}}, across=1.0, along=0.0), round(0.9e-3 * 51200)
     acceleration, angle = signals["axle_2/right"]
     signals["axle_2/right"] = np.roll(acceleration, late, axis=0), angle
-    detector, found = VehicleDetector(DESCRIPTION, box_parameters=DetectorParameters(window=1.41, least_window=0.94, hop=0.47)), []
-    for k in range(0, round(SECONDS * 51200), block):
-        blocks = {name: BoxBlock(k, a[k : k + block], angle[k : k + block]) for name, (a, angle) in signals.items()}
-        if k < 20000:
-            del blocks["axle_2/right"]
-        found.append(detector.add(blocks))
-    status = [one for one in found if one is not None][-1].statuses["axle_2/left/bearing"]
+    detector = VehicleDetector(DESCRIPTION, box_parameters=DetectorParameters(window=1.41, least_window=0.94, hop=0.47))
+    found = diagnosed(signals, block=512, detector=detector, lost=lambda name, k: name == "axle_2/right" and k < 20000)
+    status = found[-1].statuses["axle_2/left/bearing"]
     assert (status.verdict, "0.9 ms later" in status.reason) == ("outer_ring", True), status
 
 
@@ -249,14 +241,12 @@ def test_the_lag_is_that_of_the_wheelbase() -> None:
 @pytest.mark.parametrize(("first", "gap"), [(1024, 0), (0, 16000)])
 def test_a_box_that_lost_samples_is_compared_over_the_same_time(first: int, gap: int) -> None:
     """The first block of one box, or 0.31 s of it, which restarts its window of 1.5 s."""
-    signals, found, block = bogie(), [], 512
     detector = VehicleDetector(DESCRIPTION, box_parameters=DetectorParameters(window=1.5, least_window=1.0))
-    for k in range(0, round(SECONDS * 51200), block):
-        blocks = {name: BoxBlock(k, a[k : k + block], angle[k : k + block]) for name, (a, angle) in signals.items()}
-        if k < first or 20000 <= k < 20000 + gap:
-            del blocks["axle_2/left"]
-        found.append(detector.add(blocks))
-    diagnoses = [one for one in found if one is not None]
+
+    def lost(name: str, k: int) -> bool:
+        return name == "axle_2/left" and (k < first or 20000 <= k < 20000 + gap)
+
+    diagnoses = diagnosed(bogie(), block=512, detector=detector, lost=lost)
     assert diagnoses[-1].indicators["left/lag"] == pytest.approx(LAG, abs=1.0 / 1600.0)
     assert {status.verdict for one in diagnoses for name, status in one.statuses.items() if name.endswith("sensor")} <= {
         "healthy",
@@ -265,24 +255,17 @@ def test_a_box_that_lost_samples_is_compared_over_the_same_time(first: int, gap:
 
 
 def test_five_hops_are_judged_wherever_they_begin() -> None:
-    signals, samples = bogie(), round(2.5 * 51200)
-    diagnosis = VehicleDetector(DESCRIPTION).add(
-        {name: BoxBlock(1000, a[:samples], angle[:samples]) for name, (a, angle) in signals.items()}
-    )
-    assert diagnosis is not None
+    samples = round(2.5 * 51200)
+    signals = {name: (a[:samples], angle[:samples]) for name, (a, angle) in bogie().items()}
+    (diagnosis,) = diagnosed(signals, block=samples, first=dict.fromkeys(BOXES, 1000))
     assert {diagnosis.statuses[f"{name}/bearing"].verdict for name in BOXES} == {"healthy"}
 
 
 def test_a_box_that_loses_samples_in_every_hop_has_a_faulty_sensor() -> None:
     """A gap of 0.3 s in every 0.6 s, so that no hop of 0.5 s is whole."""
-    signals, found, block = bogie(), [], 512
     detector = VehicleDetector(DESCRIPTION, VehicleDetectorParameters(patience=0.5))
-    for k in range(0, round(SECONDS * 51200), block):
-        blocks = {name: BoxBlock(k, a[k : k + block], angle[k : k + block]) for name, (a, angle) in signals.items()}
-        if k // 15360 % 2:
-            del blocks["axle_2/left"]
-        found.append(detector.add(blocks))
-    sensors = [one.statuses["axle_2/left/sensor"] for one in found if one is not None]
+    found = diagnosed(bogie(), block=512, detector=detector, lost=lambda name, k: name == "axle_2/left" and k // 15360 % 2 == 1)
+    sensors = [one.statuses["axle_2/left/sensor"] for one in found]
     assert (sensors[0].verdict, sensors[0].reason) == ("waiting", "its signal began anew")
     assert (sensors[-1].verdict, sensors[-1].reason) == ("sensor", "its signal has gaps")
 
@@ -385,12 +368,8 @@ def test_the_last_diagnosis_of_one_whole_block_is_that_of_the_stream() -> None:
 
 
 def test_blocks_of_boxes_may_arrive_one_after_the_other() -> None:
-    signals, detector = bogie({"axle_1/left": SPALLS["outer_ring"]}), VehicleDetector(DESCRIPTION)
-    found = []
-    for k in range(0, len(signals[BOXES[0]][1]), 1024):
-        for name, (acceleration, angle) in signals.items():
-            found.append(detector.add({name: BoxBlock(k, acceleration[k : k + 1024], angle[k : k + 1024])}))
-    assert comparable([d for d in found if d is not None]) == comparable(diagnosed(signals))
+    signals = bogie({"axle_1/left": SPALLS["outer_ring"]})
+    assert comparable(diagnosed(signals, together=False)) == comparable(diagnosed(signals))
 
 
 def test_an_unknown_box_is_refused_by_name() -> None:
@@ -578,44 +557,30 @@ def test_bearings_without_a_verdict_are_not_called_undamaged(verdicts: tuple[str
 @pytest.mark.parametrize("silent", [None, BOXES[0], *(pytest.param(box, marks=pytest.mark.slow) for box in BOXES[1:])])
 def test_after_a_restart_the_boxes_are_compared_again(silent: str | None) -> None:
     """The blocks of the boxes arrive one after the other, as at a node; one of them may be silent from then on."""
-    signals, block, found = bogie(), 1024, []
-    detector = VehicleDetector(DESCRIPTION)
-    for start in (1_000_000, 0):
-        found = []
-        for k in range(0, len(signals[BOXES[0]][1]), block):
-            for name, (acceleration, angle) in signals.items():
-                if start or name != silent:
-                    found.append(detector.add({name: BoxBlock(start + k, acceleration[k : k + block], angle[k : k + block])}))
-    sending = [name for name in BOXES if name != silent]
-    reasons = {one.statuses[f"{name}/sensor"].reason for one in found if one is not None for name in sending}
+    signals, detector = bogie(), VehicleDetector(DESCRIPTION)
+    diagnosed(signals, detector=detector, first=dict.fromkeys(BOXES, 1_000_000), together=False)
+    found = diagnosed(signals, detector=detector, lost=lambda name, _: name == silent, together=False)
+    reasons = {one.statuses[f"{name}/sensor"].reason for one in found for name in BOXES if name != silent}
     assert reasons == {"it measures the rail as the others do"}
 
 
 def test_after_a_restart_a_flat_is_confirmed_again() -> None:
-    signals, detector = bogie(flats={"axle_1/left": 60.0}), VehicleDetector(DESCRIPTION)
-    wheels = []
-    for start in (1_000_000, 0):
-        for k in range(0, round(1.6 * 51200), 1024):
-            blocks = {name: BoxBlock(start + k, a[k : k + 1024], angle[k : k + 1024]) for name, (a, angle) in signals.items()}
-            if (diagnosis := detector.add(blocks)) is not None:
-                wheels.append(diagnosis.statuses["axle_1/left/wheel"].verdict)
-    assert wheels == ["waiting", "flat", "flat"] * 2
+    detector, samples = VehicleDetector(DESCRIPTION), round(1.6 * 51200)
+    signals = {name: (a[:samples], angle[:samples]) for name, (a, angle) in bogie(flats={"axle_1/left": 60.0}).items()}
+    found = [one for start in (1_000_000, 0) for one in diagnosed(signals, detector=detector, first=dict.fromkeys(BOXES, start))]
+    assert [one.statuses["axle_1/left/wheel"].verdict for one in found] == ["waiting", "flat", "flat"] * 2
 
 
 @pytest.mark.parametrize(("counted", "reason"), [(0, "22.5 s behind"), (90_000_000, "1735.3 s ahead of")])
 def test_a_box_that_counts_its_samples_otherwise_does_not_silence_the_others(counted: int, reason: str) -> None:
     """One box begins to count anew, or its count jumps; the others go on, and are diagnosed without it."""
-    signals, block, later = bogie(), 1024, 1_153_600
-    length = len(signals[BOXES[0]][1])
-    detector, found = VehicleDetector(DESCRIPTION), []
-    for first in (later - length, later):
-        for k in range(0, length, block):
-            for name, (acceleration, angle) in signals.items():
-                index = k + (counted if first == later and name == BOXES[0] else first)
-                found.append(detector.add({name: BoxBlock(index, acceleration[k : k + block], angle[k : k + block])}))
-    indices = [one.index for one in found if one is not None]
+    signals, detector, later = bogie(), VehicleDetector(DESCRIPTION), 1_153_600
+    before = dict.fromkeys(BOXES, later - len(signals[BOXES[0]][1]))
+    starts = before, dict.fromkeys(BOXES, later) | {BOXES[0]: counted}
+    found = [one for first in starts for one in diagnosed(signals, detector=detector, first=first, together=False)]
+    indices = [one.index for one in found]
     assert indices == sorted(set(indices))
-    last = [one for one in found if one is not None][-1]
+    last = found[-1]
     assert verdicts(last, "sensor") == {BOXES[0]: "sensor"}
     assert last.statuses[f"{BOXES[0]}/sensor"].reason == f"its samples are {reason} those of the others"
     assert last.statuses[f"{BOXES[0]}/bearing"].verdict == "waiting"
