@@ -31,8 +31,9 @@ from dcrb_ros.diagnosis.segments import Segment, Segmenter
 from dcrb_ros.diagnosis.sensor_check import SensorCheck
 from dcrb_ros.diagnosis.speed_estimation import estimated_frequency
 from dcrb_ros.diagnosis.trend import Trend
-from dcrb_ros.diagnosis.window import MOST_BINS, REFERENCE_FREQUENCY, SLOWEST, Hop, Window, margin_samples
+from dcrb_ros.diagnosis.window import MOST_BINS, REFERENCE_FREQUENCY, SLOWEST, Window, margin_samples
 from dcrb_ros.schema.arguments import checked_arguments, of_type
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.numbers import sampling_rate
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.verdicts import CHARACTERISTIC, Component, Verdict
@@ -185,7 +186,9 @@ class FaultDetector:
         flaw = self._sensor.flaw_of_samples(inside, turned or 0.0, self.sensor_range, turning=turning)
         hop = self._window.add(segment, self.parameters.fastest, useless=bool(flaw))
         if hop and turning and not flaw:
-            flaw = self._level_flaw(hop)
+            # Without a shaft angle a level may have fallen with the speed: levels are not compared.
+            frequency = hop.turns * self.rate / self._hop if self._window.tracked else 0.0
+            flaw = self._level_flaw(hop.powers[self._sensor.bands], frequency)
         self._sensor.remember(flaw)
         if self._sensor.flaw:
             self._hysteresis.reset()
@@ -193,9 +196,9 @@ class FaultDetector:
         missing = self._what_is_missing()
         return self._without_verdict(segment.last, "waiting", missing) if missing else self._judged(segment.last)
 
-    def _level_flaw(self, hop: Hop) -> str:
+    def _level_flaw(self, powers: Floats, frequency: float) -> str:
         """Return the first flaw of the sensor that a rule finds in the levels, or nothing."""
-        return self._sensor.flaw_of_levels(hop, tracked=self._window.tracked)
+        return self._sensor.flaw_of_levels(powers, frequency)
 
     def _inside(self, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
         """Return the part of a segment's array without the margins."""

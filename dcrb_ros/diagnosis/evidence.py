@@ -278,22 +278,10 @@ def _decibels(powers: Floats) -> Floats:
     return np.asarray(10.0 * np.log10(powers), np.float64)
 
 
-@dataclass(frozen=True)
-class LevelEvidence:
-    """The power of a hop in the quarters of the detector's band and in the band below it."""
+class LevelEvidence(NamedTuple):
+    """The power of the latest hops in the quarters of the detector's band and in the band below it."""
 
-    powers: Floats
-    """Mean squared envelope of each band, the last is that of the band below, shape (bands,) [(m/s^2)^2]."""
-    frequency: float
-    """Shaft frequency [Hz], 0 if it is not known."""
+    levels: Levels
+    """Those of the quarters, the last is that of the band below."""
     third: int | None
     """Index of the third quarter, none if it is above the usable frequencies."""
-    history: LevelHistory
-
-    @cached_property
-    def levels(self) -> Levels | None:
-        """Average over the latest hops, none as long as there are not enough.
-
-        The history is updated when a rule asks for the levels first: hops that an earlier rule rejects are not averaged.
-        """
-        return self.history.add(self.powers, self.frequency)

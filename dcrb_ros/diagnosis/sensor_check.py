@@ -12,7 +12,7 @@ from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.registry import LEVEL_RULES, SAMPLE_RULES
 from dcrb_ros.diagnosis.rule import SampleRule
 from dcrb_ros.diagnosis.segments import Segment
-from dcrb_ros.diagnosis.window import Hop
+from dcrb_ros.schema.arrays import Floats
 
 
 class SensorCheck:
@@ -78,11 +78,15 @@ class SensorCheck:
         rules = (rule for rule in self._sample_rules if len(known) >= rule.fewest_samples and (turning or rule.at_standstill))
         return next((flaw for rule in rules if (flaw := rule.flaw(evidence))), "")
 
-    def flaw_of_levels(self, hop: Hop, *, tracked: bool) -> str:
-        """Return the first flaw that a rule finds in the levels, or nothing; ``tracked`` says whether the shaft angle is known."""
-        # Without a shaft angle a level may have fallen with the speed: levels are not compared.
-        frequency = hop.turns * self._rate / self._hop if tracked else 0.0
-        evidence = LevelEvidence(hop.powers[self.bands], frequency, self._third, self._levels)
+    def flaw_of_levels(self, powers: Floats, frequency: float) -> str:
+        """Return the first flaw that a rule finds in the powers of `bands` [(m/s^2)^2] at a shaft frequency [Hz], 0 if it is not known.
+
+        The text is empty without one.
+        """
+        levels = self._levels.add(powers, frequency)
+        if levels is None:
+            return ""
+        evidence = LevelEvidence(levels, self._third)
         return next((flaw for rule in self._level_rules if (flaw := rule.flaw(evidence))), "")
 
 

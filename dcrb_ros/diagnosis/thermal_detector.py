@@ -23,7 +23,6 @@ from dcrb_ros.diagnosis.hysteresis import Suspicion, probability
 from dcrb_ros.diagnosis.registry import HEAT_RULES
 from dcrb_ros.diagnosis.rules.starved_noise import StarvedNoise
 from dcrb_ros.diagnosis.segments import Segment
-from dcrb_ros.diagnosis.window import Hop
 from dcrb_ros.schema.arguments import checked_arguments, number
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
@@ -110,13 +109,12 @@ class ThermalFaultDetector(FaultDetector):
         self._noise_finding = None
         return super()._diagnosed(segment)
 
-    def _level_flaw(self, hop: Hop) -> str:
+    def _level_flaw(self, powers: Floats, frequency: float) -> str:
         """Take the levels of a hop for the loss of lubricant, too."""
-        flaw = super()._level_flaw(hop)
+        flaw = super()._level_flaw(powers, frequency)
         if not flaw:
-            frequency = hop.turns * self.rate / self._hop if self._window.tracked else 0.0
             # The last of these bands lies below the band of the detector.
-            self._noise_finding = self._noise.finding(hop.powers[self._sensor.bands][:-1], frequency, self._hop / self.rate)
+            self._noise_finding = self._noise.finding(powers[:-1], frequency, self._hop / self.rate)
         return flaw
 
     def _with_heat(self, diagnosis: Diagnosis) -> Diagnosis:

@@ -44,8 +44,6 @@ class GainDrift(LevelRule[GainDriftParameters]):
 
     def flaw(self, evidence: LevelEvidence) -> str:
         levels = evidence.levels
-        if levels is None:
-            return ""
         heard = levels.signal[np.isfinite(levels.signal)]
         changes = [levels.change, *([heard] if len(heard) >= FEWEST_BANDS else [])]
         together = [self._alike(levels.change, levels.fall), self._alike(heard, levels.signal_fall)]

@@ -47,8 +47,6 @@ class LooseMount(LevelRule[LooseMountParameters]):
         """Highest relative level of the third quarter, and its own level at that time; infinite if the parameters state the former [dB]."""
 
     def flaw(self, evidence: LevelEvidence) -> str:
-        if evidence.levels is None:
-            return ""
         return self._third(evidence.levels, evidence.third) or self._lower_quarters(evidence.levels)
 
     def _third(self, levels: Levels, third: int | None) -> str:
