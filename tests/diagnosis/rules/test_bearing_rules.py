@@ -28,8 +28,8 @@ WHOLE, HIGH, MIDDLE, BELOW = Band(2000.0, 20000.0), Band(11247.0, 20000.0), Band
 P = DetectorParameters()
 
 
-def evidence(*bands: tuple[Band, dict[float, float]], mean: float = 1.0) -> Evidence:
-    """Return bands with lines of given amplitudes [unit^2] at some orders over a background of 0.01."""
+def evidence(*bands: tuple[Band, dict[float, float]], mean: float = 1.0, orders: Orders = ORDERS) -> Evidence:
+    """Return bands with lines of given amplitudes [unit^2] at some orders over a background of 0.01; ``orders`` are the bearing's."""
 
     def spectrum(lines: dict[float, float]) -> OrderSpectrum:
         amplitude = np.full(7000, 0.01, np.float32)
@@ -37,12 +37,12 @@ def evidence(*bands: tuple[Band, dict[float, float]], mean: float = 1.0) -> Evid
             amplitude[round(100.0 * order)] = value
         return OrderSpectrum(np.arange(0.0, 70.0, 0.01), amplitude, mean)
 
-    return Evidence([BandEvidence(band, SharedSearch([spectrum(lines)], ORDERS, 0.004)) for band, lines in bands], WHOLE, HIGH, 20.0, 0.5)
+    return Evidence([BandEvidence(band, SharedSearch([spectrum(lines)], orders, 0.004)) for band, lines in bands], WHOLE, HIGH, 20.0, 0.5)
 
 
-def found_by(rule: LineRule[Any], *bands: tuple[Band, dict[float, float]]) -> Finding:
+def found_by(rule: LineRule[Any], *bands: tuple[Band, dict[float, float]], orders: Orders = ORDERS) -> Finding:
     """Return what a rule finds in bands with lines; see `evidence`."""
-    finding = rule.finding(evidence(*bands))
+    finding = rule.finding(evidence(*bands, orders=orders))
     assert finding is not None
     return finding
 
@@ -218,9 +218,7 @@ def test_one_band_in_which_the_lines_end_with_the_load_zone_suffices_for_a_rolle
 def test_lines_of_few_rolling_elements_do_not_reach_beyond_the_load_zone(rolling: int) -> None:
     """Half of their number is less than the five harmonics of the load zone."""
     orders = Orders(ftf=0.42, bpfo=0.42 * rolling, bpfi=0.58 * rolling, bsf=3.05)
-    (there,) = evidence((WHOLE, weighted_by_the_load_zone(60.0))).bands
-    search = SharedSearch([there.spectrum], orders, 0.004)
-    band = BandEvidence(WHOLE, search)
+    (band,) = evidence((WHOLE, weighted_by_the_load_zone(60.0)), orders=orders).bands
     assert beyond_load_zone(band, band.family(cage_comb(orders))) == 0.0
 
 
@@ -287,13 +285,8 @@ def test_nothing_follows_from_harmonics_that_a_narrow_band_or_noise_hides() -> N
 def test_a_line_hidden_by_the_shaft_tells_nothing_about_the_rhythm() -> None:
     """BPFO within the resolution of the third harmonic of the shaft: its line is masked in part."""
     near = Orders(ftf=0.425, bpfo=3.06, bpfi=3.94, bsf=3.25)
-    amplitude = np.full(7000, 0.01, np.float32)
-    for order, value in {3.06: 0.3, 6.12: 0.6, 9.18: 0.5, 12.24: 0.5, 15.3: 0.5, 18.36: 0.5}.items():
-        amplitude[round(100.0 * order)] = value
-    search = SharedSearch([OrderSpectrum(np.arange(0.0, 70.0, 0.01), amplitude, 1.0)], near, 0.004)
-    finding = OuterRing(P).finding(Evidence([BandEvidence(WHOLE, search)], WHOLE, HIGH, 20.0, 0.5))
-    assert finding is not None
-    assert finding.excess >= 0.0
+    lines = {3.06: 0.3, 6.12: 0.6, 9.18: 0.5, 12.24: 0.5, 15.3: 0.5, 18.36: 0.5}
+    assert found_by(OuterRing(P), (WHOLE, lines), orders=near).excess >= 0.0
 
 
 @pytest.mark.parametrize("clustered", [True, False])
