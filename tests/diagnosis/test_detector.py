@@ -252,21 +252,14 @@ def test_a_reversing_shaft_gives_no_verdict() -> None:
 @pytest.mark.parametrize("absent", [True, False])
 def test_without_a_tachometer_the_speed_is_estimated(name: str, verdict: str, absent: bool) -> None:
     acceleration, angle = synthetic(**{name: 900.0}, frequency=23.0)
-    detector, found = FaultDetector(ORDERS, RATE), None
-    for k in range(0, len(angle), 25600):
-        given_angle = None if absent else np.full(25600, np.nan, np.float32)
-        found = detector.update(k, acceleration[k : k + 25600], given_angle)
-    assert found is not None
+    found = diagnoses(FaultDetector(ORDERS, RATE), (acceleration, np.full_like(angle, np.nan)) if not absent else (acceleration, None))[-1]
     assert found.verdict == verdict
     assert found.shaft_frequency == pytest.approx(23.0, rel=0.005)
     assert "no shaft angle" in "; ".join(found.remarks)
 
 
 def test_without_a_tachometer_noise_gives_no_speed() -> None:
-    acceleration, _ = synthetic()
-    detector = FaultDetector(ORDERS, RATE)
-    found = [detector.update(k, acceleration[k : k + 25600]) for k in range(0, len(acceleration), 25600)][-1]
-    assert found is not None
+    found = diagnoses(FaultDetector(ORDERS, RATE), (synthetic()[0], None))[-1]
     assert found.verdict == "waiting"
     assert "speed cannot be estimated" in found.reason
 

@@ -38,9 +38,9 @@ def damaged() -> Signal:
     return synthetic(outer=300.0, seconds=4.0)
 
 
-def heated(data: Signal, temperature: float, **parameters: Any) -> list[Diagnosis]:
+def heated(data: Signal, temperature: float, watching: ThermalFaultDetector | None = None) -> list[Diagnosis]:
     """Return the diagnoses of a signal with a reading every fifth of a second."""
-    one, (acceleration, angle) = detector(**parameters), data
+    one, (acceleration, angle) = watching or detector(), data
     found = []
     for k in range(0, len(angle), RATE // 5):
         found.append(one.update(k, acceleration[k : k + RATE // 5], angle[k : k + RATE // 5]))
@@ -141,11 +141,9 @@ def test_a_hot_bearing_overheats_at_an_unknown_speed() -> None:
 
 
 def test_a_verdict_on_heat_ends_with_the_reset_of_a_short_run() -> None:
-    one, (acceleration, angle) = detector(), healthy()
-    for k in range(0, len(angle), RATE // 5):
-        one.update(k, acceleration[k : k + RATE // 5], angle[k : k + RATE // 5])
-        one.take_temperature(k / RATE, HOT, 20.0)
-    assert diagnoses(one, (acceleration, angle))[-1].verdict == "healthy"  # from index 0 again, without thermometers
+    one = detector()
+    heated(healthy(), HOT, one)
+    assert diagnoses(one, healthy())[-1].verdict == "healthy"  # from index 0 again, without thermometers
 
 
 def test_a_bearing_that_cools_while_no_signal_arrives_is_not_starved() -> None:

@@ -6,17 +6,16 @@ import math
 from collections.abc import Iterable
 
 import numpy as np
-import numpy.typing as npt
 
 from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.diagnosis.detector import Diagnosis, FaultDetector
+from dcrb_ros.schema.arrays import Floats, Samples
 from dcrb_ros.settings.parameters import Bearing
 
 RATE = 51200
 ORDERS = characteristic_orders(Bearing())
 TURN = 2.0 * math.pi
-Floats = npt.NDArray[np.float64]
-Signal = tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]
+Signal = tuple[Samples, Samples]
 
 
 def bursts(turns: Floats, order: float, amplitude: float, *, modulation: Floats | None = None, rate: int = RATE) -> Floats:
@@ -65,10 +64,17 @@ def synthetic(
 
 
 def diagnoses(
-    detector: FaultDetector, data: Signal, *, block: int = 1024, first: int = 0, begins: Iterable[int] | None = None
+    detector: FaultDetector,
+    data: Signal | tuple[Samples, None],
+    *,
+    block: int = 1024,
+    first: int = 0,
+    begins: Iterable[int] | None = None,
 ) -> list[Diagnosis]:
     """Return the diagnoses of a signal that is passed on in blocks: all of them, or those that begin at some samples, in that order."""
     acceleration, angle = data
-    arriving = range(0, len(angle), block) if begins is None else begins
-    found = [detector.update(first + k, acceleration[k : k + block], angle[k : k + block]) for k in arriving]
+    found = []
+    for k in range(0, len(acceleration), block) if begins is None else begins:
+        part = slice(k, k + block)
+        found.append(detector.update(first + k, acceleration[part], None if angle is None else angle[part]))
     return [diagnosis for diagnosis in found if diagnosis is not None]

@@ -8,9 +8,10 @@ from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 
 import numpy as np
-from synthetic_bearing import ORDERS, RATE, TURN, Floats, Signal, synthetic
+from synthetic_bearing import ORDERS, RATE, TURN, Signal, synthetic
 
 from dcrb_ros.diagnosis.vehicle.detector import BoxBlock, VehicleDetector
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.stream.vehicle_description import AxleDescription, BoxDescription, VehicleDescription
 from dcrb_ros.stream.vehicle_diagnosis import VehicleDiagnosis
 

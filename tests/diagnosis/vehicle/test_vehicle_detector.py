@@ -409,11 +409,13 @@ def test_the_width_of_whitening_is_not_that_of_tones(whitening: float) -> None:
     assert verdicts == {"axle_1/left/bearing": "outer_ring"}
 
 
-def recording(signals: Boxes, length: int = 5120, lost: Mapping[str, slice] = MappingProxyType({})) -> Any:
-    """Return a recording of signals in pieces of a length, without the ``lost`` pieces of some boxes."""
+def recording(
+    signals: Boxes, length: int = 5120, lost: Mapping[str, slice] = MappingProxyType({}), ranges: Mapping[str, float] = MappingProxyType({})
+) -> Any:
+    """Return a recording of signals in pieces of a length, without the ``lost`` pieces of some boxes; ``ranges`` are those of sensors."""
     boxes = {}
     for name, signal in signals.items():
-        pieces = [Piece(k, *(part[k : k + length] for part in signal), 0.0) for k in range(0, len(signal[1]), length)]
+        pieces = [Piece(k, *(part[k : k + length] for part in signal), ranges.get(name, 0.0)) for k in range(0, len(signal[1]), length)]
         del pieces[lost.get(name, slice(0))]
         boxes[name.replace("/", ".")] = SimpleNamespace(pieces=partial(iter, pieces), sampling_rate=DESCRIPTION.sampling_rate)
     return SimpleNamespace(description=DESCRIPTION, boxes=boxes)
@@ -526,15 +528,9 @@ def test_the_sensor_of_a_hot_box_may_be_faulty() -> None:
 def test_the_range_of_a_sensor_may_change_in_a_recording(stated: float, verdict: str | None) -> None:
     signals, box = bogie(), "axle_2/right"
     clipped = {**signals, box: (np.clip(signals[box][0], -8.0, 8.0), signals[box][1])}
-    known = replace(DESCRIPTION, boxes=tuple(replace(each, sensor_range=5000.0) for each in DESCRIPTION.boxes))
-
-    def pieces(name: str) -> list[Piece]:
-        acceleration, angle = clipped[name]
-        limit = stated if name == box else 5000.0
-        return [Piece(k, acceleration[k : k + 5120], angle[k : k + 5120], limit) for k in range(0, len(angle), 5120)]
-
-    boxes = {name.replace("/", "."): SimpleNamespace(pieces=partial(pieces, name), sampling_rate=known.sampling_rate) for name in clipped}
-    diagnosis = detect_vehicle(SimpleNamespace(description=known, boxes=boxes)).last  # type: ignore[arg-type]
+    recorded = recording(clipped, ranges=dict.fromkeys(BOXES, 5000.0) | {box: stated})
+    recorded.description = replace(DESCRIPTION, boxes=tuple(replace(each, sensor_range=5000.0) for each in DESCRIPTION.boxes))
+    diagnosis = detect_vehicle(recorded).last
     assert verdicts(diagnosis, "sensor") == ({box: verdict} if verdict else {})
 
 
