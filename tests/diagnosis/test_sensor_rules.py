@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
+from scipy.signal import butter, sosfilt
 from synthetic_bearing import ORDERS, RATE, diagnoses, synthetic
 
 from dcrb_ros.diagnosis.detector import Diagnosis, FaultDetector
@@ -136,8 +137,6 @@ def fallen(samples: Samples) -> Samples:
 
 
 def loose(samples: Samples) -> Samples:
-    from scipy.signal import butter, sosfilt
-
     return np.asarray(8.0 * sosfilt(butter(2, [900.0, 1100.0], "bandpass", fs=RATE, output="sos"), samples, axis=0), np.float32)
 
 
@@ -211,8 +210,6 @@ def test_a_slow_bearing_with_a_dead_sensor_gets_no_verdict(silence: Callable[[Sa
 @pytest.mark.parametrize(("share", "verdict"), [(0.0, "sensor"), (0.2, "sensor"), (0.4, "outer_ring")])
 def test_a_gain_changes_all_bands_alike_and_a_load_does_not(share: float, verdict: str) -> None:
     """A load step at 1800 rpm changed the bands by 3.2 to 4.7 dB; a drifting gain changes them alike within 0.2 of the decrease."""
-    from scipy.signal import butter, sosfilt
-
     fall = 10.0 ** (-4.0 * np.array([1.0 - 0.5 * share, 1.0 + 0.5 * share]) / 20.0)
 
     def change(samples: Samples) -> Samples:
@@ -228,8 +225,6 @@ def test_a_change_of_load_is_not_a_drift() -> None:
 
 def _unevenly(samples: Samples) -> Samples:
     """Return samples whose lower bands decrease to 0.4 and whose upper bands stay, like those of a heavier load."""
-    from scipy.signal import butter, sosfilt
-
     high = sosfilt(butter(4, 6000.0, "highpass", fs=RATE, output="sos"), samples, axis=0)
     return np.asarray(0.4 * (samples - high) + high, np.float32)
 
