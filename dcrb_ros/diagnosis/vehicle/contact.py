@@ -10,7 +10,7 @@ import itertools
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -45,8 +45,6 @@ class Impact:
 
     time: float
     """[s]"""
-    level: float
-    """Largest squared envelope over the one that is exceeded in 2 % of the time [dB]."""
     loudness: float
     """Largest squared envelope over the median, which is the noise of the rail on the same path [dB]."""
 
@@ -63,8 +61,6 @@ class Contact:
     """Squared envelope at the angle at which it is largest, in the median of the turns [(m/s^2)^2]; 0 without enough turns."""
     level: float
     """That value over the median around the turn [dB]."""
-    angle: float
-    """That angle [turns]."""
     turns: float
     """Turns of the shaft within the window [-]; NaN without a shaft angle."""
     first_turns: float
@@ -91,19 +87,6 @@ class Contact:
         return self.turns / self.seconds
 
 
-class _ContactHop(NamedTuple):
-    """What was measured in one hop."""
-
-    wheel: Floats
-    """Squared envelope in the band of the wheels [(m/s^2)^2]."""
-    kink: Floats
-    """Squared envelope in the band of the kinks [(m/s^2)^2]."""
-    turns: Floats
-    """Turns since the start [-]."""
-    motion: Floats
-    """Vertical acceleration [m/s^2]."""
-
-
 class ContactMonitor:
     """Takes the blocks of one box and returns what it measured at the end of each hop."""
 
@@ -117,7 +100,8 @@ class ContactMonitor:
         self._segmenter = Segmenter(hop, self._margin, longest_gap)
         self._demodulator = Demodulator(bands, rate, hop + 2 * self._margin)
         self._bins = max(1, round(hop / rate * BIN_RATE))
-        self._windows: deque[_ContactHop] = deque(maxlen=hops)
+        self._hops: deque[tuple[Floats, Floats, Floats, Floats]] = deque(maxlen=hops)
+        """Squared envelopes in the bands of wheels and kinks [(m/s^2)^2], turns since the start [-] and vertical acceleration [m/s^2]."""
         self._spectrum = TurnSpectrum(hop, self._margin, hops)
         self._turned = self._began = 0.0
 
@@ -133,7 +117,7 @@ class ContactMonitor:
         end = segment.last - self._margin
         self._spectrum.add(segment)
         if segment.first:
-            self._windows.clear()
+            self._hops.clear()
             self._turned, self._began = 0.0, (end + 1 - self._hop) / self._rate
         edges = np.asarray(self._margin + np.arange(self._bins + 1) * (self._hop / self._bins), np.float64)
         wheel, kink = (bin_means(at, values, edges) for at, values in self._demodulator.squared_envelopes(segment.acceleration))
@@ -144,26 +128,26 @@ class ContactMonitor:
             self._turned += float(segment.turns[self._margin + self._hop] - segment.turns[self._margin])
         vertical = segment.acceleration[:, min(1, segment.acceleration.shape[1] - 1)]
         motion = bin_means(samples, np.asarray(vertical, np.float64), edges[::2] if self._bins % 2 == 0 else edges)
-        self._windows.append(_ContactHop(wheel, kink, np.asarray(turns, np.float64), motion))
+        self._hops.append((wheel, kink, np.asarray(turns, np.float64), motion))
         return self._concluded(segment.last, end)
 
     def _concluded(self, last: int, end: int) -> Contact:
-        wheel, kink, turns, motion = (np.concatenate(parts) for parts in zip(*self._windows, strict=True))
-        seconds = len(self._windows) * self._hop / self._rate
+        wheel, kink, turns, motion = (np.concatenate(parts) for parts in zip(*self._hops, strict=True))
+        seconds = len(self._hops) * self._hop / self._rate
         times = (end + 1) / self._rate - seconds + (np.arange(len(kink)) + 0.5) * (seconds / len(kink))
-        peak, level, angle = _around(wheel, turns)
+        peak, level = _around(wheel, turns)
         impacts, faintest = impacts_of(kink, times, self._event, self._began + SETTLING)
         turned = float(turns[-1] - turns[0]) * len(turns) / max(len(turns) - 1, 1)
         step = turned / len(turns)
         middle = float(np.interp(0.5 * len(turns) - 0.5, np.arange(len(turns)), turns) - turns[0]) + 0.5 * step
         wave, spectrum = np.asarray(motion, np.float64), self._spectrum.spectrum()
-        return Contact(last, float(np.median(wheel)), peak, level, angle, turned, middle, seconds, impacts, faintest, wave, spectrum)
+        return Contact(last, float(np.median(wheel)), peak, level, turned, middle, seconds, impacts, faintest, wave, spectrum)
 
 
-def _around(envelope: npt.NDArray[Any], turns: npt.NDArray[Any]) -> tuple[float, float, float]:
-    """Return the peak around the turn of the median over turns, its level over the median around the turn [dB], and its angle [turns]."""
+def _around(envelope: npt.NDArray[Any], turns: npt.NDArray[Any]) -> tuple[float, float]:
+    """Return the peak around the turn of the median over turns, and its level over the median around the turn [dB]."""
     if not np.isfinite(turns).all() or abs(turns[-1] - turns[0]) < FEWEST_TURNS:
-        return 0.0, 0.0, 0.0
+        return 0.0, 0.0
     angle = np.floor(np.mod(turns, 1.0) * ANGLES).astype(np.int64) % ANGLES
     order = np.argsort(angle, kind="stable")
     starts = np.searchsorted(angle[order], np.arange(ANGLES + 1))
@@ -171,9 +155,8 @@ def _around(envelope: npt.NDArray[Any], turns: npt.NDArray[Any]) -> tuple[float,
     around = np.array([medians(values[first:last]) if last > first else np.nan for first, last in itertools.pairwise(starts.tolist())])
     known = np.isfinite(around)
     around = around if known.all() else np.where(known, around, medians(around[known]))
-    largest = int(np.argmax(around))
-    peak, middle = float(around[largest]), float(np.median(around))
-    return peak, 10.0 * float(np.log10(max(peak, 1e-30) / max(middle, 1e-30))), (largest + 0.5) / ANGLES
+    peak, middle = float(around.max()), float(np.median(around))
+    return peak, 10.0 * float(np.log10(max(peak, 1e-30) / max(middle, 1e-30)))
 
 
 def impacts_of(envelope: npt.NDArray[Any], times: npt.NDArray[Any], event: float, begin: float) -> tuple[list[Impact], float]:
@@ -187,10 +170,9 @@ def impacts_of(envelope: npt.NDArray[Any], times: npt.NDArray[Any], event: float
     above = 10.0 * float(np.log10(usual / noise))
     impacts: list[Impact] = []
     for k in np.flatnonzero((envelope >= usual * 10.0 ** (event / 10.0)) & (times >= begin)):
-        level = 10.0 * float(np.log10(envelope[k] / usual))
-        impact = Impact(float(times[k]), level, level + above)
+        impact = Impact(float(times[k]), 10.0 * float(np.log10(envelope[k] / usual)) + above)
         if impacts and impact.time - impacts[-1].time < RINGING:
-            if impact.level > impacts[-1].level:
+            if impact.loudness > impacts[-1].loudness:
                 impacts[-1] = impact
         else:
             impacts.append(impact)

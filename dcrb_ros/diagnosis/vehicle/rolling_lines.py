@@ -9,7 +9,6 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from typing import NamedTuple
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d
@@ -32,17 +31,8 @@ WHOLE = 0.03
 """Distance from a whole order up to which a line is a wheel's [-]: half the width of a line in 3 s at 100 km/h."""
 
 
-class Line(NamedTuple):
-    """A line of a spectrum."""
-
-    order: float
-    """Multiple of the wheelset's turn [-]."""
-    prominence: float
-    """Amplitude over the median of the orders around it [dB]."""
-
-
-def prominent(spectrum: OrderSpectrum, orders: tuple[float, float], least: float) -> Iterator[Line]:
-    """Yield the lines between two orders whose prominence is ``least`` or more [dB], the most prominent first.
+def prominent(spectrum: OrderSpectrum, orders: tuple[float, float], least: float) -> Iterator[float]:
+    """Yield the orders of lines between two orders that are ``least`` or more [dB] above the median around them, the most prominent first.
 
     A line is the largest value within `BESIDE` orders, so that the leakage of a large one is no other.
     """
@@ -58,7 +48,7 @@ def prominent(spectrum: OrderSpectrum, orders: tuple[float, float], least: float
     for k in top[np.argsort(-level[top], kind="stable")]:
         before, here, after = level[k - 1 : k + 2]
         offset = 0.5 * (before - after) / min(before - 2.0 * here + after, -1e-9)
-        yield Line((first + k + float(offset)) * float(spectrum.orders[1]), float(here))
+        yield (first + k + float(offset)) * float(spectrum.orders[1])
 
 
 def is_whole(frequency: float, contacts: Iterable[Contact]) -> bool:
@@ -82,8 +72,8 @@ def corrugation(
             continue
         first = pairs[0][0]
         turn, around = abs(contacts[first].shaft_frequency), 2.0 * math.pi * description.axles[0].wheel_radius
-        for line in prominent(spectra[first], (around / WAVELENGTHS[1], around / WAVELENGTHS[0]), parameters.corrugation):
-            frequency = line.order * turn
+        for order in prominent(spectra[first], (around / WAVELENGTHS[1], around / WAVELENGTHS[0]), parameters.corrugation):
+            frequency = order * turn
             if is_whole(frequency, (contacts[name] for name in spectra)):
                 continue
             level = {name: at_frequency(contacts[name], spectra[name], frequency) for name, _ in pairs}
@@ -93,7 +83,7 @@ def corrugation(
             ahead = min(level[name] - at_frequency(contacts[other], spectra[other], frequency) for name, other in pairs)
             if ahead < OTHER_RAIL:
                 continue
-            wavelength, score = around / line.order, here - parameters.corrugation
+            wavelength, score = around / order, here - parameters.corrugation
             reason = (
                 f"waves of {wavelength * 1e3:.1f} mm make a line of {here:.1f} dB or more in all boxes over the {side} rail, "
                 f"{ahead:.1f} dB more than over the other one"
@@ -112,8 +102,8 @@ def motor(axle: AxleDescription, contacts: Mapping[str, Contact], parameters: Ve
         return None
     first, second = own
     turn = abs(contacts[first].shaft_frequency)
-    for line in prominent(own[first], MOTOR_ORDERS, parameters.motor):
-        frequency = line.order * turn
+    for order in prominent(own[first], MOTOR_ORDERS, parameters.motor):
+        frequency = order * turn
         if is_whole(frequency, (contacts[name] for name in spectra)):
             continue
         levels = [at_frequency(contacts[name], own[name], frequency) for name in (first, second)]
@@ -123,7 +113,7 @@ def motor(axle: AxleDescription, contacts: Mapping[str, Contact], parameters: Ve
             continue
         score = min(levels) - parameters.motor
         reason = (
-            f"order {line.order:.2f} of the wheelset is {min(levels):.1f} and {max(levels):.1f} dB above the noise beside it, "
+            f"order {order:.2f} of the wheelset is {min(levels):.1f} and {max(levels):.1f} dB above the noise beside it, "
             f"{min(levels) - elsewhere:.1f} dB more than in the other wheelset, and no whole order"
         )
         return Status("motor", reason, probability(score), score)

@@ -27,9 +27,7 @@ def kinks(times: Times, description: VehicleDescription = NEAR, frequency: float
     found = kinks_of(
         description,
         {
-            box: Contact(
-                0, 1.0, 1.0, 0.0, 0.0, turns, 0.5 * turns, SECONDS, [Impact(at, 12.0, 18.0) for at in sorted(impacts)], 6.0, wave, None
-            )
+            box: Contact(0, 1.0, 1.0, 0.0, turns, 0.5 * turns, SECONDS, [Impact(at, 18.0) for at in sorted(impacts)], 6.0, wave, None)
             for box, impacts in times.items()
         },
         {},
@@ -56,8 +54,8 @@ def test_the_impacts_of_a_sliding_wheelset_are_at_angles_of_its_own() -> None:
     """The trailing wheelset turns by a tenth less, and once within the lag."""
     slower = replace(NEAR, axles=(replace(NEAR.axles[0], wheel_radius=0.9 * RADIUS), NEAR.axles[1]))
     strikes = np.arange(0.2, SECONDS, TURN / 0.9)
-    sliding = Contact(0, 1.0, 1.0, 0.0, 0.0, 54.0, 27.0, SECONDS, [], 6.0, np.zeros(10), None)
-    rolling = replace(sliding, turns=60.0, first_turns=30.0, impacts=[Impact(at, 12.0, 18.0) for at in strikes])
+    sliding = Contact(0, 1.0, 1.0, 0.0, 54.0, 27.0, SECONDS, [], 6.0, np.zeros(10), None)
+    rolling = replace(sliding, turns=60.0, first_turns=30.0, impacts=[Impact(at, 18.0) for at in strikes])
     found = kinks_of(slower, {"axle_1/left": rolling, "axle_2/left": sliding}, {}, TOLERANCE)
     assert track(found).verdict == "healthy"
 

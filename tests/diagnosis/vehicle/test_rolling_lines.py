@@ -40,9 +40,8 @@ def test_a_line_lies_between_the_values_of_a_spectrum(order: float) -> None:
     """A line whose level is a parabola, 60 dB above the rest."""
     orders = np.arange(0.0, 60.0, 0.02)
     amplitude = 1e-3 + np.exp(-(((orders - order) / 0.03) ** 2))
-    (line,) = prominent(OrderSpectrum(orders, amplitude.astype(np.float32), 1.0), (20.0, 50.0), 20.0)
-    assert line.order == pytest.approx(order, abs=2e-4)
-    assert line.prominence == pytest.approx(60.0, abs=1.0)
+    for least, found in ((59.0, [pytest.approx(order, abs=2e-4)]), (61.0, [])):
+        assert list(prominent(OrderSpectrum(orders, amplitude.astype(np.float32), 1.0), (20.0, 50.0), least)) == found
 
 
 @pytest.mark.parametrize("side", ["left", "right"])

@@ -174,7 +174,6 @@ def test_the_loudness_of_an_impact_does_not_depend_on_how_long_it_rings() -> Non
         found.append(impacts_of(envelope, times, 6.0, 0.1))
     assert [len(impacts) for impacts, _ in found] == [4, 4]
     assert [impact.loudness for impacts, _ in found for impact in impacts] == pytest.approx([30.0] * 8)
-    assert [impacts[0].level for impacts, _ in found] == pytest.approx([30.0, 20.0])
     assert [faintest for _, faintest in found] == pytest.approx([6.0, 16.0])
 
 
@@ -287,7 +286,7 @@ def test_a_sensor_that_hears_no_rail_is_faulty() -> None:
 
 def test_a_sensor_that_hears_no_rail_is_faulty_beside_one_of_zeros() -> None:
     levels = zip(BOXES, (1.0, 0.5, 0.0, 1e-3), strict=True)
-    contacts = {box: Contact(0, level, 1.0, 0.0, 0.0, 54.0, 27.0, SECONDS, [], 6.0, np.zeros(10), None) for box, level in levels}
+    contacts = {box: Contact(0, level, 1.0, 0.0, 54.0, 27.0, SECONDS, [], 6.0, np.zeros(10), None) for box, level in levels}
     assert silent_boxes(contacts, VehicleDetectorParameters())[BOXES[3]] == pytest.approx(27.0, abs=0.1)
 
 
