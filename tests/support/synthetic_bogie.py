@@ -136,3 +136,15 @@ def diagnosed(
         blocks = {name: BoxBlock(first.get(name, 0) + k, a[part], angle[part]) for name, (a, angle) in arriving.items()}
         found += [watching.add(each) for each in ([blocks] if together else [{name: one} for name, one in blocks.items()])]
     return [diagnosis for diagnosis in found if diagnosis is not None]
+
+
+def last(signals: Boxes) -> VehicleDiagnosis:
+    """Return the last diagnosis of signals."""
+    return diagnosed(signals)[-1]
+
+
+def verdicts(diagnosis: VehicleDiagnosis, kind: str = "") -> dict[str, str]:
+    """Return the verdicts that are not healthy: on all parts by name, or on those of one kind by box."""
+    ending = f"/{kind}" if kind else ""
+    found = {name: status.verdict for name, status in diagnosis.statuses.items() if name.endswith(ending)}
+    return {name.removesuffix(ending): verdict for name, verdict in found.items() if verdict != "healthy"}

@@ -7,11 +7,10 @@ from collections.abc import Mapping
 import numpy as np
 import pytest
 from synthetic_bearing import TURN
-from synthetic_bogie import BOXES, LAG, Boxes, bogie, diagnosed
+from synthetic_bogie import BOXES, LAG, Boxes, bogie, last, verdicts
 
 from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum
 from dcrb_ros.diagnosis.vehicle.rolling_lines import prominent
-from dcrb_ros.stream.vehicle_diagnosis import VehicleDiagnosis
 
 QUIET: Boxes = bogie()
 
@@ -27,14 +26,6 @@ def with_line(order: float, amplitudes: Mapping[str, float]) -> Boxes:
     return changed
 
 
-def last(signals: Boxes) -> VehicleDiagnosis:
-    return diagnosed(signals)[-1]
-
-
-def unusual(diagnosis: VehicleDiagnosis) -> dict[str, str]:
-    return {name: status.verdict for name, status in diagnosis.statuses.items() if status.verdict != "healthy"}
-
-
 @pytest.mark.parametrize("order", [36.12, 36.125, 36.135])
 def test_a_line_lies_between_the_values_of_a_spectrum(order: float) -> None:
     """A line whose level is a parabola, 60 dB above the rest."""
@@ -47,7 +38,7 @@ def test_a_line_lies_between_the_values_of_a_spectrum(order: float) -> None:
 @pytest.mark.parametrize("side", ["left", "right"])
 def test_waves_of_one_rail_are_a_corrugation_of_their_length(side: str) -> None:
     diagnosis = last(with_line(36.13, {name: 2.0 if name.endswith(side) else 0.3 for name in BOXES}))
-    assert unusual(diagnosis) == {"track": "corrugation"}
+    assert verdicts(diagnosis) == {"track": "corrugation"}
     assert f"over the {side} rail" in diagnosis.statuses["track"].reason
     assert diagnosis.indicators["track/corrugation"] == pytest.approx(TURN * 0.46 / 36.13, rel=1e-3)
 
@@ -66,7 +57,7 @@ def test_other_lines_are_no_corrugation(order: float, amplitudes: dict[str, floa
 
 def test_a_line_in_both_boxes_of_the_driven_wheelset_is_the_motors() -> None:
     diagnosis = last(with_line(4.14, {"axle_1/left": 4.0, "axle_1/right": 2.5, "axle_2/left": 0.3}))
-    assert unusual(diagnosis) == {"axle_1/gear": "motor"}
+    assert verdicts(diagnosis) == {"axle_1/gear": "motor"}
     assert "order 4.14" in diagnosis.statuses["axle_1/gear"].reason
 
 

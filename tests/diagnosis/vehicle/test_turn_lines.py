@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from synthetic_bearing import RATE, TURN
-from synthetic_bogie import BOXES, DESCRIPTION, SECONDS, Boxes, bogie, diagnosed
+from synthetic_bogie import BOXES, DESCRIPTION, SECONDS, Boxes, bogie, diagnosed, last, verdicts
 
 from dcrb_ros.diagnosis.segments import Segmenter
 from dcrb_ros.diagnosis.vehicle.detector import VehicleDetector
@@ -22,11 +22,6 @@ HOP = RATE // 2
 def statuses(signals: Boxes, description: VehicleDescription = DESCRIPTION) -> dict[str, Status]:
     """Return the last status of each part."""
     return dict(diagnosed(signals, detector=VehicleDetector(description))[-1].statuses)
-
-
-def wheels(signals: Boxes) -> dict[str, str]:
-    """Return the verdicts on wheels that are not healthy."""
-    return {name: s.verdict for name, s in statuses(signals).items() if name.endswith("/wheel") and s.verdict != "healthy"}
 
 
 def with_lines(orders: npt.ArrayLike, amplitude: float, signals: Boxes) -> Boxes:
@@ -51,7 +46,7 @@ def test_a_polygon_is_its_wheels(box: str, order: int) -> None:
 
 
 def test_a_quiet_sensor_keeps_its_polygon() -> None:
-    assert wheels(bogie(polygons={"axle_1/left": (18, 3.0)}, gains={"axle_1/left": 0.2})) == {"axle_1/left/wheel": "polygon"}
+    assert verdicts(last(bogie(polygons={"axle_1/left": (18, 3.0)}, gains={"axle_1/left": 0.2})), "wheel") == {"axle_1/left": "polygon"}
 
 
 def test_an_order_that_two_boxes_measure_alike_is_no_polygon() -> None:
@@ -64,15 +59,15 @@ def test_an_order_that_two_boxes_measure_alike_is_no_polygon() -> None:
 def test_a_rough_wheel_with_lines_at_all_orders_is_no_polygon() -> None:
     rough = bogie()
     rough["axle_2/left"] = with_lines(np.arange(1, 40), 0.08, rough)["axle_2/left"]
-    assert wheels(rough) == {}
+    assert verdicts(last(rough), "wheel") == {}
 
 
 def test_an_unbalance_is_no_polygon() -> None:
-    assert wheels(bogie(polygons={"axle_1/left": (1, 5.0)})) == {}
+    assert verdicts(last(bogie(polygons={"axle_1/left": (1, 5.0)})), "wheel") == {}
 
 
 def test_a_flat_is_no_polygon() -> None:
-    assert wheels(bogie(flats={"axle_1/left": 60.0}, polygons={"axle_1/left": (18, 3.0)})) == {"axle_1/left/wheel": "flat"}
+    assert verdicts(last(bogie(flats={"axle_1/left": 60.0}, polygons={"axle_1/left": (18, 3.0)})), "wheel") == {"axle_1/left": "flat"}
 
 
 @pytest.mark.parametrize("right", [1.0, 0.4])

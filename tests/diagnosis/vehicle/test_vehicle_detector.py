@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from synthetic_bearing import ORDERS
-from synthetic_bogie import BOXES, DESCRIPTION, FREQUENCY, LAG, SECONDS, Boxes, bogie, diagnosed
+from synthetic_bogie import BOXES, DESCRIPTION, FREQUENCY, LAG, SECONDS, Boxes, bogie, diagnosed, last, verdicts
 
 from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.bearing.waveform import Piece
@@ -31,19 +31,6 @@ SPALLS = {"outer_ring": {"outer": 900.0}, "inner_ring": {"inner": 1500.0}, "roll
 
 TURNED = {"polygons": {"axle_1/right": (18, 3.0)}, "mesh": {"axle_1/left": 1.0, "axle_1/right": 0.7}}
 """A polygon and a mesh."""
-
-
-def last(signals: Boxes) -> VehicleDiagnosis:
-    """Return the last diagnosis."""
-    return diagnosed(signals)[-1]
-
-
-def verdicts(diagnosis: VehicleDiagnosis, kind: str) -> dict[str, str]:
-    """Return the verdicts of one kind that are not healthy, by box."""
-    ending = f"/{kind}"
-    return {
-        name.removesuffix(ending): s.verdict for name, s in diagnosis.statuses.items() if name.endswith(ending) and s.verdict != "healthy"
-    }
 
 
 @pytest.mark.parametrize("verdict", SPALLS)
@@ -403,9 +390,8 @@ def test_a_baseline_is_refused() -> None:
 @pytest.mark.parametrize("whitening", [pytest.param(0.0, marks=pytest.mark.slow), 5.0, pytest.param(100.0, marks=pytest.mark.slow)])
 def test_the_width_of_whitening_is_not_that_of_tones(whitening: float) -> None:
     detector = VehicleDetector(DESCRIPTION, box_parameters=DetectorParameters(whitening=whitening))
-    last = diagnosed(bogie({"axle_1/left": SPALLS["outer_ring"]}), detector=detector)[-1]
-    verdicts = {name: status.verdict for name, status in last.statuses.items() if name.endswith("/bearing") and status.verdict != "healthy"}
-    assert verdicts == {"axle_1/left/bearing": "outer_ring"}
+    diagnosis = diagnosed(bogie({"axle_1/left": SPALLS["outer_ring"]}), detector=detector)[-1]
+    assert verdicts(diagnosis, "bearing") == {"axle_1/left": "outer_ring"}
 
 
 def recording(
@@ -575,8 +561,7 @@ def test_a_box_that_counts_its_samples_otherwise_does_not_silence_the_others(cou
     found = [one for first in starts for one in diagnosed(signals, detector=detector, first=first, together=False)]
     indices = [one.index for one in found]
     assert indices == sorted(set(indices))
-    last = found[-1]
-    assert verdicts(last, "sensor") == {BOXES[0]: "sensor"}
-    assert last.statuses[f"{BOXES[0]}/sensor"].reason == f"its samples are {reason} those of the others"
-    assert last.statuses[f"{BOXES[0]}/bearing"].verdict == "waiting"
+    assert verdicts(found[-1], "sensor") == {BOXES[0]: "sensor"}
+    assert found[-1].statuses[f"{BOXES[0]}/sensor"].reason == f"its samples are {reason} those of the others"
+    assert found[-1].statuses[f"{BOXES[0]}/bearing"].verdict == "waiting"
     assert max(len(watch.hops) for watch in detector._boxes.values()) <= 1
