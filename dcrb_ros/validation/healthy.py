@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from dcrb_ros.bearing.payload import cage_speed
+from dcrb_ros.settings.loaded_contacts import cage_speed
 from dcrb_ros.validation.measures import load_zone, settling_time
 from dcrb_ros.validation.report_row import PAPER, ReportRow, between, within
 from dcrb_ros.validation.runs import JOINTS, PaperRun, PaperRuns
