@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Sequence
 
 from dcrb_ros.messages.statuses import ERROR, OK, WARN, Status
-from dcrb_ros.messages.topics import COMMANDS, DETECTED, Topic
-from dcrb_ros.nodes.engine import Engine, Progress
-from dcrb_ros.nodes.recording_switch import RecordingSwitch
-from dcrb_ros.nodes.refusal_counts import Refusals
 from dcrb_ros.nodes.ros import installed
+from dcrb_ros.nodes.served import ServedNode
 from dcrb_ros.nodes.simulation_interfaces import PACKAGE
 from dcrb_ros.stream.states import LubricationState, ThermalState
 
@@ -50,48 +47,22 @@ def _temperatures(state: ThermalState | None) -> dict[str, str]:
 class BenchStatus:
     """Composes the status, with the real-time factor since the previous one."""
 
-    def __init__(
-        self,
-        engine: Engine,
-        progress: Progress,
-        recording: RecordingSwitch,
-        refusals: Refusals,
-        *,
-        commands: Iterable[Topic] = COMMANDS,
-        detected: Iterable[Topic] = DETECTED,
-        about: Callable[[], tuple[str, Mapping[str, str]]] = lambda: ("", {}),
-        compiling: Callable[[], str] = lambda: "",
-        behind: str = "behind real time",
-    ) -> None:
-        """Compose the status of an engine.
-
-        Args:
-            engine: the engine.
-            progress: how far it came.
-            recording: its recordings.
-            refusals: what was refused.
-            commands: topics of commands, whose refusals are counted together.
-            detected: topics of the detector, whose refusals are counted together.
-            about: returns a message that makes the status a warning, or "", and more values; not called before the engine is prepared.
-            compiling: returns the last sentence about a compilation, or "".
-            behind: what is said where the engine is behind real time.
-        """
-        self._engine, self._progress, self._recording, self._refusals = engine, progress, recording, refusals
-        self._commands, self._detected = [topic.name for topic in commands], [topic.name for topic in detected]
-        self._about, self._compiling, self._behind = about, compiling, behind
+    def __init__(self, node: ServedNode) -> None:
+        """Compose the status of a node."""
+        self._node, self._engine = node, node.engine
         self._simulated, self._wall = 0.0, time.monotonic()
 
     def status(self, name: str, time_ns: int, others: Sequence[str] = ()) -> Status:
         """Return the status of the node ``name`` at a simulated time, with the names of the other nodes that publish on its topics."""
-        gate, progress, recording, model = self._engine.gate, self._progress, self._recording, self._model()
+        node, gate, progress, recording, model = self._node, self._engine.gate, self._node.progress, self._node.recording, self._model()
         behind = gate.pacer.lag > MAX_LAG and not gate.paused
-        warning, more = self._about() if self._engine.prepared else ("", {})
+        warning, more = node.about() if self._engine.prepared else ("", {})
         if self._starting() or not self._engine.prepared:
-            warning = warning or self._compiling()
+            warning = warning or node.compiling
         factor = self._real_time_factor(time_ns * 1e-9)
         failure = self._failure()
         level = ERROR if failure else WARN if behind or others or warning else OK
-        count = self._refusals.count
+        count = node.refusals.count
         residual = progress.energy_residual  # the engine may reset it at any time
         values = {
             "time_scale": f"{gate.pacer.scale:g}",
@@ -100,8 +71,8 @@ class BenchStatus:
             "lag [s]": f"{gate.pacer.lag:.4f}",
             "late_blocks": str(gate.pacer.late),
             "blocks": str(progress.bundles),
-            "rejected_commands": str(count(*self._commands)),
-            "rejected_messages": str(count(*self._detected)),
+            "rejected_commands": str(count(*(topic.name for topic in node.commands))),
+            "rejected_messages": str(count(*(topic.name for topic in node.detected))),
             "rejected_parameters": str(count("parameters")),
             "rejected_calls": str(count(*SERVICES, *ACTIONS)),
             "recorder": recording.state,
@@ -114,7 +85,7 @@ class BenchStatus:
             **_temperatures(progress.thermal),
             **more,
         }
-        message = warning or (self._behind if behind else "others publish on the same topics" if others else model)
+        message = warning or (node.behind if behind else "others publish on the same topics" if others else model)
         return Status(name, level, failure or message, values)
 
     def _failure(self) -> str:
@@ -122,7 +93,7 @@ class BenchStatus:
         error = self._engine.failure
         if error is not None:
             return str(error) or type(error).__name__
-        return self._recording.state if self._recording.failed else ""
+        return self._node.recording.state if self._node.recording.failed else ""
 
     def _model(self) -> str:
         """Return what the model does.

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
-from typing import Any, Protocol
+from collections.abc import Callable
+from typing import Any
 
 from std_srvs.srv import SetBool, Trigger
 
-from dcrb_ros.nodes.engine import Engine, Progress
-from dcrb_ros.nodes.recording_switch import RecordingSwitch, wanted_path
-from dcrb_ros.nodes.refusal_counts import Refusals
+from dcrb_ros.nodes.recording_switch import wanted_path
+from dcrb_ros.nodes.served import ServedNode
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.settings.configuration import Configuration
 
 TIMEOUT = 2.0
 """Wall time for which a service waits for the engine before it answers that the request is still pending [s]."""
@@ -19,38 +17,10 @@ OVER = "the simulation has ended or is quitting: start the node again"
 """Answer to requests for which it is too late."""
 
 
-class Served(Protocol):
-    """The node that offers the services."""
-
-    configuration: Configuration
-    engine: Engine
-    progress: Progress
-    recording: RecordingSwitch
-    refusals: Refusals
-
-    def create_service(self, kind: Any, name: str, callback: Callable[[Any, Any], Any], /, *, callback_group: Any = None) -> Any:
-        """Offer a service."""
-
-    def offer_action(self, kind: Any, name: str, execute: Callable[[Any], Awaitable[Any]], /, *, callback_group: Any = None) -> Any:
-        """Offer an action whose goals are all accepted, and may be cancelled."""
-
-    def repeat(self, period: float, callback: Callable[[], None], /) -> Any:
-        """Call ``callback`` every ``period`` of wall time [s]; return the timer."""
-
-    def destroy_timer(self, timer: Any, /) -> Any:
-        """Stop a timer."""
-
-    def get_namespace(self) -> str:
-        """Return the namespace of the node."""
-
-    def update_parameters(self) -> None:
-        """Set the parameters of the node to the values of the running simulation."""
-
-
 class Services:
     """The services; each answer says what was done, or why the request was refused."""
 
-    def __init__(self, node: Served) -> None:
+    def __init__(self, node: ServedNode) -> None:
         self._node, self._engine, self._recording = node, node.engine, node.recording
         for name, kind, handle in (
             ("pause", SetBool, self.pause),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +12,6 @@ from dcrb_ros.core.announcement import announce_compilation
 from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, CLOCK, Message, Topic
 from dcrb_ros.nodes.answers import Answers
-from dcrb_ros.nodes.base import BenchNode
 from dcrb_ros.nodes.bench_status import BenchStatus
 from dcrb_ros.nodes.clock import ClockPublisher
 from dcrb_ros.nodes.engine import BundleSource, Engine, Progress, Sink
@@ -23,6 +22,7 @@ from dcrb_ros.nodes.publisher import Publisher
 from dcrb_ros.nodes.recording_switch import CreateRecorder, RecordingSwitch
 from dcrb_ros.nodes.refusal_counts import Refusals
 from dcrb_ros.nodes.ros import installed
+from dcrb_ros.nodes.served import ServedNode
 from dcrb_ros.nodes.services import OVER, Services
 from dcrb_ros.nodes.simulation_interfaces import PACKAGE, SimulationInterfaces
 from dcrb_ros.nodes.subscriber_wait import SubscriberWait
@@ -30,6 +30,7 @@ from dcrb_ros.recordings.splitting import RecordingFailed
 from dcrb_ros.runtime.threads import repeating
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import validated
 from dcrb_ros.stream.late_scenario import refuse_late
 from dcrb_ros.text.files import expanded_path
 
@@ -53,15 +54,10 @@ class FirstBlockLog:
             self._began = 0.0
 
 
-class SimulatingNode(BenchNode):
+class SimulatingNode(ServedNode):
     """Publishes and records a simulation, paced to wall time, with services and a status."""
 
-    purpose = "bench"
-    configuration: Configuration
-    engine: Engine
-    progress: Progress
-    refusals: Refusals
-    recording: RecordingSwitch
+    _source: Any
 
     def assemble(
         self,
@@ -91,30 +87,21 @@ class SimulatingNode(BenchNode):
         self.configuration = configuration
         publishing, log, path = configuration.publishing, self.get_logger(), configuration.recording.path
         gate = Gate(Pacer(configuration.time_scale, time.monotonic), time.monotonic)
-        clocks = [CLOCK] if publishing.clock else []
-        self._publisher = Publisher(self, [*topics, BENCH_DIAGNOSTICS, *clocks])
-        self._clock_publisher = ClockPublisher(self._publisher.write_messages) if publishing.clock else None
+        self._clock_topics = [CLOCK] if publishing.clock else []
+        self._publisher = Publisher(self, [*topics, BENCH_DIAGNOSTICS, *self._clock_topics])
+        self._clocks = [ClockPublisher(self._publisher.write_messages)] if publishing.clock else []
         self.progress, self.refusals = Progress(), Refusals(log.warning)
         self.recording = RecordingSwitch(recorder, log, expanded_path(path).absolute() if path else None)
-        clock = [self._clock_publisher] if self._clock_publisher else []
-        sinks: list[Sink] = [self.progress, *clock, self._publisher, self.recording, FirstBlockLog(log.info)]
-        self.engine = Engine("model", begin(gate), sinks, gate)
+        sinks: list[Sink] = [self.progress, *self._clocks, self._publisher, self.recording, FirstBlockLog(log.info)]
+        self._source = begin(gate)
+        self.engine = Engine("model", self._source, sinks, gate)
         self._waveform, self._description, self._answers = waveform, description, answers
-        self._compiling = ""
-        self._status = self.status_of()
+        self._status = BenchStatus(self)
         self._others: OtherPublishers
-
-    def status_of(self) -> BenchStatus:
-        """Return what composes the status of the node."""
-        return BenchStatus(self.engine, self.progress, self.recording, self.refusals, compiling=self.compiling)
-
-    def compiling(self) -> str:
-        """Return the last sentence about a compilation, or ""."""
-        return self._compiling
 
     def _announce(self, sentence: str) -> None:
         """Log a sentence about a compilation, and keep it for the status."""
-        self._compiling = sentence
+        self.compiling = sentence
         self.get_logger().info(sentence)
 
     def load(self) -> None:
@@ -131,7 +118,7 @@ class SimulatingNode(BenchNode):
         if installed(PACKAGE):
             SimulationInterfaces(self, services)
         publishing = self.configuration.publishing
-        self._others = self.watch_publishers(self._waveform, *([CLOCK] if publishing.clock else []))
+        self._others = self.watch_publishers(self._waveform, *self._clock_topics)
         self.repeat(STATUS_PERIOD, self._publish_status)
         if publishing.listeners:
             wait = SubscriberWait(self._publisher, publishing.listeners, publishing.wait, topics=(self._waveform, self._description))
@@ -142,8 +129,26 @@ class SimulatingNode(BenchNode):
     def receive(self) -> None:
         """Subscribe to commands and to what is recorded beside the simulation."""
 
-    def update_parameters(self) -> None:
-        """Set the node's parameters to the present configuration, which a reset or a scenario may have changed."""
+    def on_parameters(self, changes: dict[str, Any]) -> None:
+        """Apply a requested change of parameters, or refuse it."""
+        with self.refusals.counted("parameters"):
+            for key, value in changes.items():
+                self.check_parameter(key, value)
+            asked = {key: value for key, value in changes.items() if key != "time_scale"}
+            scale = changes.get("time_scale")
+            if scale is not None:
+                validated({"time_scale": scale}, Configuration, "parameters")
+            self.refuse_untimely("parameters", discarded=bool(asked))
+            if asked:
+                self.change(asked)
+            if scale is not None:
+                self.engine.gate.rescale(scale)
+
+    def check_parameter(self, key: str, value: Any) -> None:
+        """Refuse a parameter that cannot be set while the node runs, or a value of another type."""
+
+    def change(self, changes: Mapping[str, Any]) -> None:
+        """Change parameters of the simulation other than its time scale."""
 
     def refuse_untimely(self, what: str, *, discarded: bool = True) -> None:
         """Refuse a command or a change of parameters, named ``what``, that comes too late or is ``discarded`` by a pending reset.
@@ -216,12 +221,12 @@ class SimulatingNode(BenchNode):
         self._report(self._others.names)
         self._repeat_clock()
         if self.engine.computed:
-            self._compiling = ""
+            self.compiling = ""
         self.update_parameters()
 
     def _repeat_clock(self) -> None:
-        if self._clock_publisher is not None:
-            self._clock_publisher.repeat()
+        for clock in self._clocks:
+            clock.repeat()
 
 
 def decoded_by(topic: str, decode: Callable[[bytes], Any], data: bytes) -> Any:

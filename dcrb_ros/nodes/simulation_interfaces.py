@@ -9,7 +9,8 @@ import importlib
 from collections.abc import Awaitable, Callable
 from typing import Any
 
-from dcrb_ros.nodes.services import OVER, TIMEOUT, Served, Services
+from dcrb_ros.nodes.served import ServedNode
+from dcrb_ros.nodes.services import OVER, TIMEOUT, Services
 from dcrb_ros.schema.refusal import Refusal
 
 PACKAGE = "simulation_interfaces"
@@ -41,7 +42,7 @@ class Declined(Refusal):
 class SimulationInterfaces:
     """Offers features, state, step and reset; every answer has a Result with the code of its outcome."""
 
-    def __init__(self, node: Served, services: Services) -> None:
+    def __init__(self, node: ServedNode, services: Services) -> None:
         """Offer the services on ``node``; ``services`` restarts the engine."""
         from rclpy.callback_groups import ReentrantCallbackGroup
 

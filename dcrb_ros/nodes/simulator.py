@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Generator, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from contextlib import closing
 from functools import partial
 from pathlib import Path
@@ -30,7 +30,7 @@ from dcrb_ros.runtime.prefetch import prefetch
 from dcrb_ros.schema.parameter_field import wrong_type
 from dcrb_ros.schema.simulated_time import checked_duration
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import flatten, parameter_fields, validated
+from dcrb_ros.settings.files import flatten, parameter_fields
 from dcrb_ros.settings.parameters import COMMANDED
 from dcrb_ros.simulation.ground_truth import commands_in
 from dcrb_ros.simulation.loop import Simulation
@@ -66,6 +66,8 @@ class SimulationSource:
 class SimulatorNode(SimulatingNode):
     """Publishes and records the simulation; accepts commands, parameters and service calls."""
 
+    _source: SimulationSource
+
     def __init__(self, duration: float | None = None, scenario: Path | None = None, parameters: Configuration | None = None) -> None:
         """Prepare ``duration`` of simulated time [s], endless without one, with a ``scenario`` if one is given.
 
@@ -83,13 +85,8 @@ class SimulatorNode(SimulatingNode):
         changes = scheduled_changes(self._scenario, configuration, name) if scenario else []
         if scenario:
             check_effect(self._scenario, scenario, duration)
-
-        def begin(gate: Gate) -> SimulationSource:
-            self._source = SimulationSource(configuration, changes, duration, gate)
-            return self._source
-
         topics = [topic for topic in SIMULATED if topic.enabled(configuration)]
-        answers = self.follow_detector()
+        begin, answers = partial(SimulationSource, configuration, changes, duration), self.follow_detector()
         self.assemble(configuration, begin, topics, self._recorder, waveform=VIBRATION, description=SENSOR, answers=answers)
 
     def receive(self) -> None:
@@ -121,24 +118,18 @@ class SimulatorNode(SimulatingNode):
             value, simulation = decoded_by(topic.name, topic.decoded, data), self._source.simulation
             simulation.command_speed(value) if topic is SPEED_COMMAND else simulation.command_load(*value)
 
-    def on_parameters(self, changes: dict[str, Any]) -> None:
-        """Apply a requested change of parameters, or refuse it."""
-        with self.refusals.counted("parameters"):
-            for key in changes:
-                if key in COMMANDED and not wrong_type(self._fields[key], changes[key]):
-                    raise changed_by_topic(key, COMMANDED[key])
-            scale = changes.get("time_scale")
-            if scale is not None:
-                validated({"time_scale": scale}, Configuration, "parameters")
-            self.refuse_untimely("parameters", discarded=changes.keys() != {"time_scale"})
-            simulation, asked = self._source.simulation, {key: value for key, value in changes.items() if key != "time_scale"}
-            if asked:
-                before, after = simulation.check_change({}), simulation.check_change(asked)
-                for sentence in sorted({*implausible_notches(after)} - {*implausible_notches(before)}):
-                    self.get_logger().info(sentence)
-                simulation.change(asked)
-            if scale is not None:
-                self.engine.gate.rescale(scale)
+    def check_parameter(self, key: str, value: Any) -> None:
+        """Refuse a parameter that a command changes, unless its value has another type."""
+        if key in COMMANDED and not wrong_type(self._fields[key], value):
+            raise changed_by_topic(key, COMMANDED[key])
+
+    def change(self, changes: Mapping[str, Any]) -> None:
+        """Change parameters of the bearing, and say what is implausible about faults that were not so before."""
+        simulation = self._source.simulation
+        before, after = simulation.check_change({}), simulation.check_change(changes)
+        for sentence in sorted({*implausible_notches(after)} - {*implausible_notches(before)}):
+            self.get_logger().info(sentence)
+        simulation.change(changes)
 
     def update_parameters(self) -> None:
         """Set the node's parameters to the present configuration, which a reset or a scenario may have changed."""

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,6 @@ from dcrb_ros.messages.topics import LOAD_COMMAND, SPEED_COMMAND, VIBRATION, Mes
 from dcrb_ros.messages.topics.vehicle import VEHICLE_COMMANDS, VEHICLE_DESCRIPTION, VEHICLE_DETECTED, VEHICLE_DIAGNOSIS
 from dcrb_ros.messages.vehicle import box_path
 from dcrb_ros.messages.vehicle_encoder import VehicleEncoder, simulated_topics
-from dcrb_ros.nodes.bench_status import BenchStatus
 from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.parameters import changed_by_topic, is_of_ros, not_while_running
 from dcrb_ros.nodes.programs import main
@@ -31,7 +31,7 @@ from dcrb_ros.runtime.prefetch import prefetch
 from dcrb_ros.schema.parameter_field import ParameterField, wrong_type
 from dcrb_ros.schema.refusal import Refusal, nearest_key
 from dcrb_ros.schema.simulated_time import checked_duration
-from dcrb_ros.settings.files import fields_by_key, flatten, parameter_fields, validated
+from dcrb_ros.settings.files import fields_by_key, flatten, parameter_fields
 from dcrb_ros.simulation.scenario import read_scenario_file
 from dcrb_ros.vehicle.description import Wheel
 from dcrb_ros.vehicle.file import (
@@ -57,7 +57,6 @@ SLIDE = ParameterField(
     "slide", float, 0.0, 0.0, MOST_SLIDING, "-", "", "Share by which the wheelset turns slower than it rolls", "0 lets it roll", True
 )
 TIME_SCALE = next(field for field in parameter_fields() if field.key == "time_scale")
-BEHIND = "behind real time: lower time_scale to the real_time_factor"
 
 
 class VehicleSource:
@@ -84,6 +83,10 @@ class VehicleSource:
 
 class VehicleSimulatorNode(SimulatingNode):
     """Publishes and records the boxes of a vehicle; accepts commands to the vehicle, parameters of its boxes and service calls."""
+
+    _source: VehicleSource
+    detected = VEHICLE_DETECTED
+    behind = "behind real time: lower time_scale to the real_time_factor"
 
     def __init__(
         self, duration: float | None, source: str | None, scenario: Path | None = None, parameters: Mapping[str, Any] | None = None
@@ -114,17 +117,15 @@ class VehicleSimulatorNode(SimulatingNode):
             vehicle_scenario(changes, self._vehicle, str(scenario))
         if scenario:
             check_effect(changes, scenario, duration)
+        self._refused = [topic.below(box_path(box.name)) for box in self._vehicle.boxes for topic in (SPEED_COMMAND, LOAD_COMMAND)]
+        """The topics on which a bench of its own would take commands, which belong to the vehicle here."""
+        self.commands = [*VEHICLE_COMMANDS.values(), *self._refused]
         self._silent: set[str] = set()
         self._declare_run_time()
         self._fix(key for key in given if key not in self._fields)
-
-        def begin(gate: Gate) -> VehicleSource:
-            self._source = VehicleSource(simulation, duration, gate)
-            return self._source
-
         self.assemble(
             self._vehicle.boxes[0].configuration,
-            begin,
+            partial(VehicleSource, simulation, duration),
             simulated_topics(self._vehicle),
             self._recorder,
             waveform=VIBRATION.below(box_path(self._vehicle.boxes[0].name)),
@@ -155,22 +156,7 @@ class VehicleSimulatorNode(SimulatingNode):
             self.undeclare_parameter(key)
             self.declare_parameter(key, value, ParameterDescriptor(name=key, read_only=True), ignore_override=True)
 
-    def status_of(self) -> BenchStatus:
-        """Return what composes the status of the node."""
-        commands = [*VEHICLE_COMMANDS.values(), *self._commands_of_boxes()]
-        return BenchStatus(
-            self.engine,
-            self.progress,
-            self.recording,
-            self.refusals,
-            commands=commands,
-            detected=VEHICLE_DETECTED,
-            about=self._about,
-            compiling=self.compiling,
-            behind=BEHIND,
-        )
-
-    def _about(self) -> tuple[str, dict[str, str]]:
+    def about(self) -> tuple[str, Mapping[str, str]]:
         """Return a warning about silent boxes, and values for the status."""
         silent = self._source.simulation.silent
         for name in silent:
@@ -180,15 +166,11 @@ class VehicleSimulatorNode(SimulatingNode):
         warning = f"silent: {', '.join(silent)}" if silent else ""
         return warning, {"boxes": str(len(self._vehicle.boxes)), "silent": ", ".join(silent)}
 
-    def _commands_of_boxes(self) -> list[Topic]:
-        """Return the topics on which a bench of its own would take commands, which belong to the vehicle here."""
-        return [topic.below(box_path(box.name)) for box in self._vehicle.boxes for topic in (SPEED_COMMAND, LOAD_COMMAND)]
-
     def receive(self) -> None:
         """Subscribe to the commands of the vehicle, to those of boxes to refuse them, and to the detector."""
         for name, topic in VEHICLE_COMMANDS.items():
             self._take_command(name, topic)
-        for topic in self._commands_of_boxes():
+        for topic in self._refused:
             self._refuse_command(topic)
         for topic in VEHICLE_DETECTED:
             self.record_detected(topic)
@@ -219,25 +201,12 @@ class VehicleSimulatorNode(SimulatingNode):
         recorder = VehicleRecorder(path, self._tree, simulation, namespace=namespace, commands=commands, start_ns=start_ns)
         return RecorderThread(recorder, self.configuration.recording.queue)
 
-    def on_parameters(self, changes: dict[str, Any]) -> None:
-        """Apply a requested change of parameters, or refuse it."""
-        with self.refusals.counted("parameters"):
-            for key, value in changes.items():
-                self._check_parameter(key, value)
-            scale = changes.get("time_scale")
-            if scale is not None:
-                validated({"time_scale": scale}, type(self.configuration), "parameters")
-            self.refuse_untimely("parameters", discarded=changes.keys() != {"time_scale"})
-            self._source.simulation.change({key: value for key, value in changes.items() if key != "time_scale"})
-            if scale is not None:
-                self.engine.gate.rescale(scale)
+    def change(self, changes: Mapping[str, Any]) -> None:
+        """Change parameters of boxes, wheels and slides."""
+        self._source.simulation.change(changes)
 
-    def _check_parameter(self, key: str, value: Any) -> None:
-        """Refuse a parameter that cannot be set while the node runs, or a value of another type.
-
-        Raises:
-            Refusal: the reason.
-        """
+    def check_parameter(self, key: str, value: Any) -> None:
+        """Refuse a parameter that cannot be set while the node runs, or a value of another type."""
         field: ParameterField | None = self._fields.get(key)
         if field is not None:
             wrong = wrong_type(field, value)

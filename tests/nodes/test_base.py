@@ -331,7 +331,7 @@ def test_the_clock_does_not_run_back_if_a_block_comes_during_a_report(ros: None,
     now = itertools.count(100.0)
     monkeypatch.setattr("dcrb_ros.nodes.clock.time.monotonic", lambda: next(now))
     clock = ClockPublisher(lambda messages: published.extend(message.time_ns for message in messages))
-    monkeypatch.setattr(node, "_clock_publisher", clock)
+    monkeypatch.setattr(node, "_clocks", [clock])
     monkeypatch.setattr(node, "_others", SimpleNamespace(names=[]), raising=False)
 
     def status(*_: object) -> Status:

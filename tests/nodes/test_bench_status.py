@@ -44,13 +44,16 @@ class SlowStart(Blocks):
 class Simulator:
     """An engine with its status."""
 
-    def __init__(self) -> None:
-        self.source, self.progress, self.sentence = SlowStart(), Progress(), ""
-        self.engine = Engine("test engine", self.source, [self.progress], Gate(Pacer(1.0, time.monotonic), time.monotonic))
-        refusals, recording = Refusals(lambda _: None), RecordingSwitch(lambda *_, **__: pytest.fail("nothing is recorded"), None)  # type: ignore[arg-type]
-        self._status = BenchStatus(self.engine, self.progress, recording, refusals, about=self._about, compiling=lambda: self.sentence)
+    commands, detected, behind = SimulatingNode.commands, SimulatingNode.detected, SimulatingNode.behind
 
-    def _about(self) -> tuple[str, dict[str, str]]:
+    def __init__(self) -> None:
+        self.source, self.progress, self.compiling = SlowStart(), Progress(), ""
+        self.engine = Engine("test engine", self.source, [self.progress], Gate(Pacer(1.0, time.monotonic), time.monotonic))
+        self.refusals = Refusals(lambda _: None)
+        self.recording = RecordingSwitch(lambda *_, **__: pytest.fail("nothing is recorded"), None)  # type: ignore[arg-type]
+        self._status = BenchStatus(self)  # type: ignore[arg-type]
+
+    def about(self) -> tuple[str, dict[str, str]]:
         assert self.engine.prepared, "a vehicle has no silent boxes before it is set up"
         return "", {}
 
@@ -59,7 +62,7 @@ class Simulator:
         return self._status.status("/dcrb/simulator", self.progress.time_ns)
 
     @property
-    def about(self) -> tuple[int, str, str, str]:
+    def shown(self) -> tuple[int, str, str, str]:
         """Level, message, what the model does, and the real-time factor."""
         status = self.status
         return status.level, status.message, status.values["model"], status.values["real_time_factor"]
@@ -75,34 +78,34 @@ def simulator() -> Iterator[Simulator]:
 
 
 def test_there_is_no_real_time_factor_before_the_first_block(simulator: Simulator) -> None:
-    assert simulator.about == (OK, "waiting", "waiting", "")
+    assert simulator.shown == (OK, "waiting", "waiting", "")
     simulator.engine.start()
-    assert simulator.about == (OK, "starting", "starting", "")
+    assert simulator.shown == (OK, "starting", "starting", "")
     simulator.source.released.set()
     wait_for(lambda: simulator.progress.bundles > 2)
-    level, message, model, factor = simulator.about
+    level, message, model, factor = simulator.shown
     assert (level, message, model) == (OK, "running", "running")
     assert float(factor) > 0.0
 
 
 def test_a_compilation_is_a_warning_until_the_first_block(simulator: Simulator) -> None:
     simulator.engine.start()
-    simulator.sentence = COMPILING
-    assert simulator.about == (WARN, COMPILING, "starting", "")
+    simulator.compiling = COMPILING
+    assert simulator.shown == (WARN, COMPILING, "starting", "")
     simulator.engine.gate.pause(True)
-    assert simulator.about == (WARN, COMPILING, "paused", "")
+    assert simulator.shown == (WARN, COMPILING, "paused", "")
     simulator.source.released.set()
     wait_for(lambda: simulator.engine.computed)
-    assert simulator.about == (OK, "paused", "paused", "0.000")
+    assert simulator.shown == (OK, "paused", "paused", "0.000")
 
 
 def test_until_the_model_is_set_up_it_is_loading_and_perhaps_compiling() -> None:
     simulator = Simulator()
-    assert simulator.about == (OK, "loading", "loading", "")
-    simulator.sentence = COMPILING
-    assert simulator.about == (WARN, COMPILING, "loading", "")
+    assert simulator.shown == (OK, "loading", "loading", "")
+    simulator.compiling = COMPILING
+    assert simulator.shown == (WARN, COMPILING, "loading", "")
     simulator.engine.prepare()
-    assert simulator.about == (OK, "waiting", "waiting", "")
+    assert simulator.shown == (OK, "waiting", "waiting", "")
 
 
 def test_a_reset_starts_again(simulator: Simulator) -> None:
@@ -111,7 +114,7 @@ def test_a_reset_starts_again(simulator: Simulator) -> None:
     wait_for(lambda: simulator.progress.bundles > 0)
     simulator.source.released.clear()
     assert simulator.engine.gate.reset(PATIENCE)
-    assert simulator.about == (OK, "starting", "starting", "")
+    assert simulator.shown == (OK, "starting", "starting", "")
 
 
 def test_malformed_diagnoses_are_counted_also_without_a_recording() -> None:

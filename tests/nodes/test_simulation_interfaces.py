@@ -26,6 +26,7 @@ from dcrb_ros.nodes.pacing import Pacer
 from dcrb_ros.nodes.recording_switch import RecordingSwitch
 from dcrb_ros.nodes.refusal_counts import Refusals
 from dcrb_ros.nodes.services import Services
+from dcrb_ros.nodes.simulating import SimulatingNode
 from dcrb_ros.nodes.simulation_interfaces import SimulationInterfaces
 from dcrb_ros.settings.configuration import Configuration
 
@@ -73,6 +74,9 @@ class Goal:
 class Bench:
     """The part of a simulator that the services see, with an engine in a thread."""
 
+    commands, detected, behind, compiling = SimulatingNode.commands, SimulatingNode.detected, SimulatingNode.behind, ""
+    about = SimulatingNode.about
+
     def __init__(self, count: int = ENDLESS, *, paused: bool = False) -> None:
         self.configuration, self.progress = Configuration(), Progress()
         self.log: list[str] = []
@@ -81,9 +85,9 @@ class Bench:
         self.engine = Engine("test engine", Blocks(count), [self.progress], Gate(Pacer(1.0, time.monotonic), time.monotonic))
         self.offered: dict[str, tuple[Any, Callable[[Any, Any], Any]]] = {}
         self.periodic: list[Callable[[], None]] = []
-        services = Services(self)
+        services = Services(self)  # type: ignore[arg-type]
         self.own = set(self.offered)
-        SimulationInterfaces(self, services)
+        SimulationInterfaces(self, services)  # type: ignore[arg-type]
         self.engine.prepare()
         self.engine.gate.pause(paused)
         self.engine.start()
@@ -364,7 +368,7 @@ def test_the_action_is_aborted_unless_paused(bench: Bench, monkeypatch: pytest.M
     assert (answer.result, goal.outcome, goal.feedback) == (FAILED, "aborted", [])
     assert answer.error_message == "simulate_steps: the simulation is in state 1; pause it first (set_simulation_state, state 2)"
     monkeypatch.setattr("dcrb_ros.nodes.bench_status.installed", lambda package: True)
-    status = BenchStatus(bench.engine, bench.progress, bench.recording, bench.refusals).status("/dcrb/simulator", 0)
+    status = BenchStatus(bench).status("/dcrb/simulator", 0)  # type: ignore[arg-type]
     assert status.values["rejected_calls"] == "1"
     assert "energy_residual [J]" not in status.values  # these blocks have no energy account
 
