@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import resource
 import subprocess
 import sys
 from collections.abc import Mapping
@@ -13,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 import yaml
+from full_disk import files_of_at_most
 from made_up_blocks import BODIES, blocks, narrowed, recorded
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
@@ -194,13 +194,8 @@ def test_existing_and_invalid_outputs_are_refused(run: Run, bag: Path, tmp_path:
 
 
 def test_nothing_is_left_behind_on_a_full_disk(run: Run, tmp_path: Path) -> None:
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (100, hard))
-    try:
-        with pytest.raises(Refusal, match="cannot be written: File too large; free some space"):
-            Recorder(tmp_path / "none", run.configuration, BodyNames(2, 16))
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    with files_of_at_most(100), pytest.raises(Refusal, match="cannot be written: File too large; free some space"):
+        Recorder(tmp_path / "none", run.configuration, BodyNames(2, 16))
     assert not (tmp_path / "none").exists()
 
 
@@ -211,13 +206,8 @@ def record_all(recorder: Recorder, run: Run) -> None:
 
 def test_a_full_disk_ends_the_recording_with_a_reason_and_a_readable_file(run: Run, tmp_path: Path) -> None:
     recorder = Recorder(tmp_path / "full", run.configuration, BodyNames(2, 16))
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (500_000, hard))
-    try:
-        with pytest.raises(RecordingFailed, match="ended at"):
-            record_all(recorder, run)
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    with files_of_at_most(500_000), pytest.raises(RecordingFailed, match="ended at"):
+        record_all(recorder, run)
     recorder.close()
     recording = Recording(tmp_path / "full")
     assert sum(1 for _ in recording.vibrations()) > 10

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import errno
 import os
-import resource
 import signal
 import subprocess
 import sys
@@ -14,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from full_disk import files_of_at_most
 from made_up_blocks import BODIES, blocks, recorded
 from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
@@ -219,10 +219,8 @@ def test_a_slow_disk_ends_the_recording_without_blocking_the_writer(tmp_path: Pa
 def test_a_full_disk_is_raised_once_by_the_thread_and_the_file_has_an_end(tmp_path: Path) -> None:
     encoder = BlockEncoder(Configuration(), BODIES)
     thread = RecorderThread(Recorder(tmp_path / "bag", Configuration(), BODIES), 500)
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (700_000, hard))
     failures = []
-    try:
+    with files_of_at_most(700_000):
         for block in blocks(300):
             try:
                 thread.write_messages(encoder.encode(block))
@@ -232,8 +230,6 @@ def test_a_full_disk_is_raised_once_by_the_thread_and_the_file_has_an_end(tmp_pa
             thread.close()
         except RecordingFailed as error:
             failures.append(str(error))
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
     assert len(failures) == 1
     assert "File too large" in failures[0]
     recording = Recording(tmp_path / "bag")
@@ -281,14 +277,9 @@ def test_an_error_that_the_disk_reports_late_fails_the_recording(tmp_path: Path,
 def test_a_disk_that_is_full_at_the_beginning_is_refused_and_nothing_is_left(tmp_path: Path) -> None:
     Recorder(tmp_path / "whole", Configuration(), BODIES)
     size = (tmp_path / "whole" / "whole_0.mcap").stat().st_size
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     for limit in range(0, size, size // 20):
-        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, hard))
-        try:
-            with pytest.raises(Refusal, match="File too large; free some space or give another folder"):
-                Recorder(tmp_path / "bag", Configuration(), BODIES)
-        finally:
-            resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+        with files_of_at_most(limit), pytest.raises(Refusal, match="File too large; free some space or give another folder"):
+            Recorder(tmp_path / "bag", Configuration(), BODIES)
         assert not (tmp_path / "bag").exists()
 
 
