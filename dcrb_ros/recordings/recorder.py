@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import re
 import shutil
-from abc import ABC, abstractmethod
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Generic, Protocol, TypeVar
@@ -24,8 +23,6 @@ from dcrb_ros.settings.parameters import Recording as RecordingSettings
 from dcrb_ros.stream.block import Block
 from dcrb_ros.stream.events import TimedCommand
 from dcrb_ros.stream.states import BodyNames
-
-__all__ = ["Recorder", "RecordingFailed", "RunRecorder", "channel_of", "check_topics", "chosen_topics"]
 
 
 def qos_profiles(topic: Topic) -> list[dict[str, Any]]:
@@ -103,7 +100,7 @@ Made = TypeVar("Made")
 """The blocks of a run: those of a bench or of a vehicle."""
 
 
-class RunRecorder(ABC, Generic[Made]):
+class RunRecorder(Generic[Made]):
     """Writes the messages of a run to a recording, and removes one that ends before its first sample.
 
     Raises:
@@ -120,13 +117,14 @@ class RunRecorder(ABC, Generic[Made]):
         counted: Counted,
         opening: Mapping[str, Mapping[str, str]],
         first: Iterable[Message],
+        encode: Callable[[Made], Iterable[Message]],
     ) -> None:
-        """Begin a recording in a new folder ``path``, with the messages ``first`` before the first block.
+        """Begin a recording in a new folder ``path`` with the messages ``first``; ``encode`` returns those of a block.
 
         Every file begins with the metadata records ``opening``. ``counted`` takes every message, also on other topics than the recorded
         ``topics``, and states at the end of every file what came.
         """
-        self._topics, self._namespace, self._counted = topics, namespace, counted
+        self._topics, self._namespace, self._counted, self._encode = topics, namespace, counted, encode
         self._channels: dict[Topic, Channel] = {}
         self._bag = Bag(Path(path), opening=opening, closing=counted.records, settings=settings)
         self.path = self._bag.path
@@ -151,9 +149,9 @@ class RunRecorder(ABC, Generic[Made]):
         """The first MCAP file of the recording."""
         return self._bag.files[0]
 
-    @abstractmethod
     def write(self, block: Made) -> None:
         """Record a block."""
+        self.write_messages(self._encode(block))
 
     def write_messages(self, messages: Iterable[Message]) -> None:
         """Record messages; those on topics that are not recorded count in the hash of the samples."""
@@ -197,12 +195,8 @@ class Recorder(RunRecorder[Block]):
         The run has the ``scenario``, as parsed from YAML, if any. The recording begins at ``start_ns``, after the ``commands``.
         """
         settings = configuration.recording
-        self._encoder = BlockEncoder(configuration, bodies)
+        encoder = BlockEncoder(configuration, bodies)
         self.outcome = Outcome(configuration.sensor.sampling_rate, commands)
         about = opening(configuration, bodies, namespace, scenario=scenario)
         topics = chosen_topics(settings.topics)
-        super().__init__(path, settings, namespace, topics, self.outcome, about, self._encoder.start(start_ns))
-
-    def write(self, block: Block) -> None:
-        """Record a block."""
-        self.write_messages(self._encoder.encode(block))
+        super().__init__(path, settings, namespace, topics, self.outcome, about, encoder.start(start_ns), encoder.encode)

@@ -127,18 +127,14 @@ class VehicleRecorder(RunRecorder[VehicleBlock]):
         """
         vehicle = simulation.vehicle
         settings = vehicle.boxes[0].configuration.recording
-        self._encoder = VehicleEncoder(vehicle, {name: box.bodies for name, box in simulation.simulations.items()})
+        encoder = VehicleEncoder(vehicle, {name: box.bodies for name, box in simulation.simulations.items()})
         self.outcome = VehicleOutcome(vehicle, commands, start_ns)
         """What was recorded of the vehicle and of each box."""
         below = [pair for box in vehicle.boxes for pair in box_topics(box.name).items()]
         chosen = chosen_topics(settings.topics)
         topics = {*(topic for plain, topic in below if plain in chosen), *BESIDE, *VEHICLE_DETECTED}
         about = _opening(simulation, parameters, namespace)
-        super().__init__(path, settings, namespace, topics, self.outcome, about, self._encoder.start(start_ns))
-
-    def write(self, block: VehicleBlock) -> None:
-        """Record a block of every box."""
-        self.write_messages(self._encoder.encode(block))
+        super().__init__(path, settings, namespace, topics, self.outcome, about, encoder.start(start_ns), encoder.encode)
 
 
 def _opening(simulation: VehicleSimulation, parameters: Mapping[str, Any], namespace: str) -> dict[str, dict[str, str]]:

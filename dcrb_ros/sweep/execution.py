@@ -15,7 +15,8 @@ import numpy as np
 from dcrb_ros.bearing.reached_depth import of_widest
 from dcrb_ros.messages.points import packed
 from dcrb_ros.recordings.manifest import model_fingerprint
-from dcrb_ros.recordings.recorder import Recorder, RecordingFailed
+from dcrb_ros.recordings.recorder import Recorder
+from dcrb_ros.recordings.splitting import RecordingFailed
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.arrays import Samples
 from dcrb_ros.schema.refusal import Refusal

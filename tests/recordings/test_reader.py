@@ -29,9 +29,9 @@ from dcrb_ros.messages.topics import ACCELERATION, FEATURES, GROUND_TRUTH, MANIF
 from dcrb_ros.recordings import storage
 from dcrb_ros.recordings.manifest import OUTCOME, opening, record_text
 from dcrb_ros.recordings.reader import Recording
-from dcrb_ros.recordings.recorder import Recorder, RecordingFailed, channel_of
+from dcrb_ros.recordings.recorder import Recorder, channel_of
 from dcrb_ros.recordings.recovery import recover
-from dcrb_ros.recordings.splitting import Bag
+from dcrb_ros.recordings.splitting import Bag, RecordingFailed
 from dcrb_ros.recordings.verification import metadata_flaw
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
