@@ -74,8 +74,8 @@ def _excess(subject: str, limit: int) -> str:
     return f"{subject} to more than {limit} bytes, {MAX_RATIO} times its size; the rest is left out"
 
 
-def beginning(path: Path, count: int) -> bytes:
-    """Return the first bytes of a file, unpacked if it is compressed by zstd.
+def beginning(path: Path, count: int) -> tuple[str, bytes]:
+    """Return the compression of a file and its first bytes, unpacked if it is compressed by zstd; no bytes if that is damaged.
 
     Raises:
         Refusal: it cannot be read.
@@ -83,14 +83,15 @@ def beginning(path: Path, count: int) -> bytes:
     try:
         with open_regular(path) as stream:
             head = stream.read(count)
-            if compression_of(head) != "zstd":
-                return head
-            stream.seek(0)
-            return bytes(_reader(stream).read(count))
+            compression = compression_of(head)
+            if compression == "zstd":
+                stream.seek(0)
+                head = bytes(_reader(stream).read(count))
+            return compression, head
     except OSError as error:
         raise Refusal(f"{path} cannot be read: {error.strerror}") from None
     except zstandard.ZstdError:
-        return b""
+        return "zstd", b""
 
 
 def unpack(path: Path, target: IO[bytes]) -> str:
@@ -101,11 +102,7 @@ def unpack(path: Path, target: IO[bytes]) -> str:
         Refusal: the file cannot be read.
     """
     limit, total = largest_unpacked(path), 0
-    try:
-        stream = open_regular(path)
-    except OSError as error:
-        raise Refusal(f"{path} cannot be read: {error.strerror}") from None
-    with stream:
+    with open_regular(path) as stream:
         reader = _reader(stream)
         while True:
             try:

@@ -20,7 +20,7 @@ from dcrb_ros.recordings.mcap_reader import MAX_RECORD, FileRecords, McapRecords
 from dcrb_ros.recordings.sqlite_reader import SqliteRecords
 from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.text.files import checked_path, open_regular, special_kind
+from dcrb_ros.text.files import checked_path, special_kind
 from dcrb_ros.text.yaml import read_yaml
 
 METADATA = "metadata.yaml"
@@ -63,14 +63,9 @@ class StoredFile:
         self._kind = special_kind(path)
         if self._kind:
             return
-        try:
-            with open_regular(path) as stream:
-                self._compression = compression_of(stream.read(8))
-        except OSError as error:
-            raise Refusal(f"{path} cannot be read: {error.strerror}") from None
+        self._compression, self._head = beginning(path, max(map(len, STORAGES)))
         if self._compression not in ("", "zstd"):
             raise Refusal(f"{path} is compressed by {self._compression}, which cannot be read: unpack it first; zstd can be read")
-        self._head = beginning(path, max(map(len, STORAGES)))
         self._copy: weakref.finalize[Any, Any] | None = None
         """Removes the unpacked copy."""
         self._unpacking = ""
