@@ -14,7 +14,7 @@ from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, DIAGNOSIS, NAMESPACE, Me
 from dcrb_ros.nodes.answers import Answers
 from dcrb_ros.nodes.other_publishers import OtherPublishers
 from dcrb_ros.nodes.parameters import ParameterNode
-from dcrb_ros.nodes.publisher import message_class, qos
+from dcrb_ros.nodes.publisher import subscribe
 from dcrb_ros.nodes.qos_overrides import overridable
 from dcrb_ros.nodes.subscriber_wait import SubscriberWait
 
@@ -51,16 +51,8 @@ class BenchNode(ParameterNode):
         """End the work; also called if it has not started."""
 
     def subscribe(self, topic: Topic, callback: Callable[[bytes], None]) -> Any:
-        """Pass the bytes of each message on a topic to ``callback``; return the subscription.
-
-        The middleware does not decode them: it would drop malformed messages silently.
-        """
-
-        def receive(data: Any) -> None:
-            callback(bytes(data))
-
-        quality = qos(topic)
-        return self.create_subscription(message_class(topic), topic.name, receive, quality, qos_overriding_options=overridable(), raw=True)
+        """Pass the bytes of each message on a topic to ``callback``; return the subscription, whose QoS parameters may override."""
+        return subscribe(self, topic, callback, qos_overriding_options=overridable())
 
     def log_wait(self, *topics: Topic) -> None:
         """Log the topics on which the node waits for messages."""

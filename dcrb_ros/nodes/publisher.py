@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from dcrb_ros.messages.bundle import Bundle
-from dcrb_ros.messages.topics import NAMESPACE, Message, Topic
+from dcrb_ros.messages.topics import Message, Topic
 
 DELIVERY_TIMEOUT = 5.0
 """Wall time in which the last messages must be delivered [s]. Every 3 s Fast DDS asks each subscriber which messages it lacks."""
@@ -35,9 +35,12 @@ def message_class(topic: Topic) -> type[Any]:
     return kind
 
 
-def subscribe(node: Any, topic: Topic, receive: Callable[[bytes], None]) -> None:
-    """Pass the bytes of each message on a topic of the bench to ``receive``."""
-    node.create_subscription(message_class(topic), topic.resolved(NAMESPACE), lambda data: receive(bytes(data)), qos(topic), raw=True)
+def subscribe(node: Any, topic: Topic, receive: Callable[[bytes], None], **options: Any) -> Any:
+    """Pass the bytes of each message on a topic to ``receive``; return the subscription of the node.
+
+    The middleware does not decode them: it would drop malformed messages silently.
+    """
+    return node.create_subscription(message_class(topic), topic.name, lambda data: receive(bytes(data)), qos(topic), raw=True, **options)
 
 
 class Publisher:

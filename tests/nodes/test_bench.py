@@ -472,9 +472,9 @@ def test_the_observer_ignores_foreign_messages() -> None:
     nothing = encode_diagnostics(0, [])
     joints = encode_joints(0, ["elbow"], np.zeros(1), np.zeros(0), np.zeros(0))
     for data in GARBAGE:
-        for name in ("/dcrb/diagnosis", "/diagnostics", "/dcrb/outer_ring/features"):
+        for name in ("diagnosis", "/diagnostics", "outer_ring/features"):
             fake.callbacks[name](data)
-    for name, data in (("/dcrb/diagnosis", foreign), ("/dcrb/diagnosis", nothing), ("/dcrb/outer_ring/features", joints)):
+    for name, data in (("diagnosis", foreign), ("diagnosis", nothing), ("outer_ring/features", joints)):
         fake.callbacks[name](data)
     assert observer.refused == 3 * len(GARBAGE) + 3
     for data in (foreign, nothing):  # others may report there
@@ -482,7 +482,7 @@ def test_the_observer_ignores_foreign_messages() -> None:
     assert observer.refused == 3 * len(GARBAGE) + 3
     assert (observer.verdict, observer.bench, observer.features) == (None, None, None)
     assert observer.line() == "waiting for the first block ..."
-    fake.callbacks["/dcrb/diagnosis"](encode_diagnosis(Diagnosis(0, 1.0, "healthy", "test")))
+    fake.callbacks["diagnosis"](encode_diagnosis(Diagnosis(0, 1.0, "healthy", "test")))
     assert observer.verdict is not None
     assert observer.verdict.message == "healthy"
 
