@@ -155,23 +155,18 @@ class ManagedDetectorNode(LifecycleNodeMixin, BenchNode):
 
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Discard detector and publishers."""
-        self._forget()
+        if self._topics is not None:
+            self._topics.close()
+        self._topics = None
         return SUCCESS
 
-    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Discard detector and publishers for good; the process waits for a termination signal."""
-        self._forget()
-        return SUCCESS
+    on_shutdown = on_cleanup
+    """For good; the process waits for a termination signal."""
 
     @property
     def _configured(self) -> DetectorTopics:
         assert self._topics is not None  # the state machine allows these transitions after configure only
         return self._topics
-
-    def _forget(self) -> None:
-        if self._topics is not None:
-            self._topics.close()
-        self._topics = None
 
 
 def run(arguments: list[str], parameters: DetectorParameters | None = None) -> int:
