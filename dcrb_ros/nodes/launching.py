@@ -151,8 +151,16 @@ def _number(name: str, text: str, kind: type) -> Any:
 
 
 def run_options(given: Mapping[str, Any]) -> list[str]:
-    """Return the options of a simulator: its scenario and its duration, if they are given."""
-    return [*(["--scenario", given["scenario"]] if given["scenario"] else []), *duration_arguments(given["duration"])]
+    """Return the options of a simulator: its scenario and its duration, if they are given.
+
+    Raises:
+        Refusal: the duration is out of range.
+    """
+    options = ["--scenario", given["scenario"]] if given["scenario"] else []
+    if given["duration"] is not None:
+        seconds = duration_within("duration:=", given["duration"], MAX_DURATION, "give the simulated time to run in seconds")
+        options += ["--duration", repr(seconds)]
+    return options
 
 
 def suspicions(context: Any, arguments: Mapping[str, Argument]) -> list[Any]:
@@ -211,8 +219,7 @@ def vehicle_parameters(argument: str, given: Mapping[str, Any], keys: Mapping[st
 
 def _check_effect(tree: Any, given: Mapping[str, Any]) -> None:
     """Refuse a scenario that changes nothing in a run of the given duration, if there is one."""
-    duration = given.get("duration")
-    refuse_late(tree, math.inf if duration is None else duration, "the scenario", "increase duration:= or leave out scenario:=")
+    refuse_late(tree, given.get("duration"), "the scenario", "increase duration:= or leave out scenario:=")
 
 
 def _with_arguments(bare: Read, read: Callable[[Mapping[str, Any]], Read], given: Mapping[str, Any], keys: Mapping[str, str]) -> Read:
@@ -232,17 +239,6 @@ def _check_recording(configuration: Configuration, argument: str, given: Mapping
     if configuration.recording.path:
         with naming("record" if recorded else argument, recorded or given[argument]):
             check_new_folder(expanded_path(configuration.recording.path))
-
-
-def duration_arguments(duration: float | None) -> list[str]:
-    """Return the arguments that end a simulator after a simulated duration [s], if one is given.
-
-    Raises:
-        Refusal: it is out of range.
-    """
-    if duration is None:
-        return []
-    return ["--duration", repr(duration_within("duration:=", duration, MAX_DURATION, "give the simulated time to run in seconds"))]
 
 
 def _parameters(path: Path, name: str) -> dict[str, Any]:

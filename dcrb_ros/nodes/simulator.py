@@ -23,7 +23,7 @@ from dcrb_ros.nodes.parameters import changed_by_topic
 from dcrb_ros.nodes.programs import main
 from dcrb_ros.nodes.publisher import Publisher
 from dcrb_ros.nodes.ros import own_arguments, run_node
-from dcrb_ros.nodes.simulating import SimulatingNode, check_effect, decoded_by
+from dcrb_ros.nodes.simulating import SimulatingNode, decoded_by, scenario_of_run
 from dcrb_ros.recordings.recorder import Recorder, check_topics
 from dcrb_ros.recordings.recorder_thread import RecorderThread
 from dcrb_ros.runtime.prefetch import prefetch
@@ -34,7 +34,7 @@ from dcrb_ros.settings.files import flatten, parameter_fields
 from dcrb_ros.settings.parameters import COMMANDED
 from dcrb_ros.simulation.ground_truth import commands_in
 from dcrb_ros.simulation.loop import Simulation
-from dcrb_ros.simulation.scenario import ScheduledChange, read_scenario_file, scheduled_changes, starting_configuration
+from dcrb_ros.simulation.scenario import ScheduledChange, scheduled_changes, starting_configuration
 from dcrb_ros.stream.events import TimedCommand
 
 RUN_TIME = tuple(field.key for field in parameter_fields() if field.run_time and field.key not in COMMANDED)
@@ -77,14 +77,12 @@ class SimulatorNode(SimulatingNode):
             Refusal: the parameters or the scenario are invalid.
         """
         super().__init__("simulator")
-        self._scenario, name = (read_scenario_file(scenario) if scenario else None), str(scenario)
+        self._scenario, name = scenario_of_run(scenario, duration), str(scenario)
         configuration = self.declare(
             Configuration, run_time=RUN_TIME, adjust=lambda given: starting_configuration(self._scenario, parameters or given, name)
         )
         check_topics(configuration, detector=True)  # also without a recording, as the service may start one later
         changes = scheduled_changes(self._scenario, configuration, name) if scenario else []
-        if scenario:
-            check_effect(self._scenario, scenario, duration)
         topics = [topic for topic in SIMULATED if topic.enabled(configuration)]
         begin, answers = partial(SimulationSource, configuration, changes, duration), self.follow_detector()
         self.assemble(configuration, begin, topics, self._recorder, waveform=VIBRATION, description=SENSOR, answers=answers)

@@ -23,7 +23,7 @@ from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.parameters import changed_by_topic, is_of_ros, not_while_running
 from dcrb_ros.nodes.programs import main
 from dcrb_ros.nodes.ros import own_arguments, run_node
-from dcrb_ros.nodes.simulating import SimulatingNode, check_effect, decoded_by
+from dcrb_ros.nodes.simulating import SimulatingNode, decoded_by, scenario_of_run
 from dcrb_ros.recordings.recorder import check_topics
 from dcrb_ros.recordings.recorder_thread import RecorderThread
 from dcrb_ros.recordings.vehicle_recorder import BoxCommand, VehicleCommand, VehicleRecorder, commands_of
@@ -32,7 +32,6 @@ from dcrb_ros.schema.parameter_field import ParameterField, wrong_type
 from dcrb_ros.schema.refusal import Refusal, nearest_key
 from dcrb_ros.schema.simulated_time import checked_duration
 from dcrb_ros.settings.files import fields_by_key, flatten, parameter_fields
-from dcrb_ros.simulation.scenario import read_scenario_file
 from dcrb_ros.vehicle.description import Wheel
 from dcrb_ros.vehicle.file import (
     COMMON,
@@ -105,7 +104,7 @@ class VehicleSimulatorNode(SimulatingNode):
         if parameters is None and source is None and not given:
             raise Refusal("there is no vehicle: give --vehicle with a YAML file or a shipped name, such as bogie")
         base = read_parameters(source) if source is not None else {}
-        name, changes = source or "parameters", read_scenario_file(scenario) if scenario else None
+        name, changes = source or "parameters", scenario_of_run(scenario, duration)
         self._tree = starting_parameters(changes, parameters if parameters is not None else layered(base, given), str(scenario))
 
         def simulation() -> VehicleSimulation:
@@ -115,8 +114,6 @@ class VehicleSimulatorNode(SimulatingNode):
         check_topics(*(box.configuration for box in self._vehicle.boxes))
         if changes is not None:
             vehicle_scenario(changes, self._vehicle, str(scenario))
-        if scenario:
-            check_effect(changes, scenario, duration)
         self._refused = [topic.below(box_path(box.name)) for box in self._vehicle.boxes for topic in (SPEED_COMMAND, LOAD_COMMAND)]
         """The topics on which a bench of its own would take commands, which belong to the vehicle here."""
         self.commands = [*VEHICLE_COMMANDS.values(), *self._refused]

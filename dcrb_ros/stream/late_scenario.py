@@ -8,12 +8,12 @@ from typing import Any
 from dcrb_ros.schema.refusal import Refusal
 
 
-def refuse_late(tree: Any, end: float, scenario: str, remedy: str) -> None:
+def refuse_late(tree: Any, end: float | None, scenario: str, remedy: str) -> None:
     """Refuse a scenario that changes nothing in a run of ``end`` [s]: it has no ``start``, and no entry before the end; it may be longer.
 
     Args:
         tree: the scenario as parsed from YAML; an invalid one is left to `dcrb_ros.simulation.scenario`.
-        end: length of the run [s].
+        end: length of the run [s]; None for an endless one.
         scenario: its name, as the beginning of a sentence.
         remedy: what to change.
     """
@@ -22,6 +22,6 @@ def refuse_late(tree: Any, end: float, scenario: str, remedy: str) -> None:
     if tree is None or timeline == []:
         raise Refusal(f"{scenario} changes nothing: it has no 'start', and its timeline has no entry; give one, or leave the scenario out")
     times = [entry.get("at") if isinstance(entry, Mapping) else None for entry in entries]
-    late = [at for at in times if isinstance(at, (int, float)) and at >= end]
+    late = [at for at in times if isinstance(at, (int, float)) and end is not None and at >= end]
     if times and len(late) == len(times):
         raise Refusal(f"{scenario} changes nothing in a run of {end:g} s, its first entry is at {min(late):g} s: {remedy}")
