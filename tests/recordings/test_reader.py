@@ -12,8 +12,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 import yaml
-from full_disk import files_of_at_most
-from made_up_blocks import BODIES, blocks, narrowed, recorded
+from made_up_blocks import encoded, narrowed, recorded, written
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
@@ -23,15 +22,14 @@ from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.cli.detect import detect
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exam.detector_run import shipped_detector
-from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.points import SAMPLE
 from dcrb_ros.messages.topics import ACCELERATION, FEATURES, GROUND_TRUTH, MANIFEST, NAMESPACE, ROLLER_STATES, SENSOR, VIBRATION
 from dcrb_ros.recordings import storage
-from dcrb_ros.recordings.manifest import OUTCOME, opening, record_text
+from dcrb_ros.recordings.manifest import OUTCOME, record_text
 from dcrb_ros.recordings.reader import Recording
-from dcrb_ros.recordings.recorder import Recorder, channel_of
+from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.recordings.recovery import recover
-from dcrb_ros.recordings.splitting import Bag, RecordingFailed
+from dcrb_ros.recordings.splitting import Bag
 from dcrb_ros.recordings.verification import metadata_flaw
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
@@ -193,27 +191,6 @@ def test_existing_and_invalid_outputs_are_refused(run: Run, bag: Path, tmp_path:
         Recorder(blocked / "bag", run.configuration, BodyNames(2, 16))
 
 
-def test_nothing_is_left_behind_on_a_full_disk(run: Run, tmp_path: Path) -> None:
-    with files_of_at_most(100), pytest.raises(Refusal, match="cannot be written: File too large; free some space"):
-        Recorder(tmp_path / "none", run.configuration, BodyNames(2, 16))
-    assert not (tmp_path / "none").exists()
-
-
-def record_all(recorder: Recorder, run: Run) -> None:
-    for block in run.blocks * 3:
-        recorder.write(block)
-
-
-def test_a_full_disk_ends_the_recording_with_a_reason_and_a_readable_file(run: Run, tmp_path: Path) -> None:
-    recorder = Recorder(tmp_path / "full", run.configuration, BodyNames(2, 16))
-    with files_of_at_most(500_000), pytest.raises(RecordingFailed, match="ended at"):
-        record_all(recorder, run)
-    recorder.close()
-    recording = Recording(tmp_path / "full")
-    assert sum(1 for _ in recording.vibrations()) > 10
-    assert not recording.complete
-
-
 def test_a_changed_range_is_read_with_its_blocks(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     bag = narrowed(tmp_path / "bag", 175, at=75, limit=20.0)
     assert [span for _, span in Recording(bag).ranged_vibrations()] == [5000.0] * 75 + [20.0] * 100
@@ -224,16 +201,8 @@ def test_a_changed_range_is_read_with_its_blocks(tmp_path: Path, capsys: pytest.
 
 
 def made(path: Path, outcome: Mapping[str, object] | None = None, **changes: object) -> Recording:
-    """Write a recording of three blocks whose manifest has some other entries; None removes an entry."""
-    about = json.loads(opening(Configuration(), BODIES, NAMESPACE)[MANIFEST]["manifest"]) | changes
-    manifest = record_text({key: value for key, value in about.items() if value is not None})
-    end = {} if outcome is None else {OUTCOME: {"outcome": json.dumps(outcome)}}
-    bag = Bag(path, opening={MANIFEST: {"manifest": manifest}, "other": {"a": "1"}}, closing=lambda: end)
-    encoder = BlockEncoder(Configuration(), BODIES)
-    messages = [message for block in blocks(3, events={1: SpeedCommand(130.0)}) for message in encoder.encode(block)]
-    bag.write((channel_of(message.topic, NAMESPACE), message.time_ns, message.data) for message in messages)
-    bag.close()
-    return Recording(path)
+    """Return a recording of three blocks whose manifest has some other entries; None removes an entry."""
+    return Recording(written(path, encoded(3, events={1: SpeedCommand(130.0)}), outcome=outcome, **changes))
 
 
 @pytest.mark.parametrize("number", [1, None, 0, 2, 3])

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import yaml
 from full_disk import files_of_at_most
-from made_up_blocks import BODIES, blocks, recorded
+from made_up_blocks import BODIES, blocks, encoded, recorded
 from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
 from slow_recorder import SlowRecorder
@@ -242,11 +242,11 @@ def test_a_full_disk_is_raised_once_by_the_thread_and_the_file_has_an_end(tmp_pa
 
 
 def test_a_disk_that_is_full_at_a_split_leaves_the_earlier_files_complete(tmp_path: Path) -> None:
-    bag, encoder = tmp_path / "bag", BlockEncoder(Configuration(), BODIES)
+    bag = tmp_path / "bag"
     recorder = Recorder(bag, Configuration.model_validate({"recording": {"split_duration": 0.5}}), BODIES)
     (bag / "bag_1.mcap").symlink_to("/dev/full")
     with pytest.raises(RecordingFailed, match=r"ended at 0\.5 s: No space left on device; free some space or give another folder"):
-        recorder.write_messages(message for block in blocks(60) for message in encoder.encode(block))
+        recorder.write_messages(encoded(60))
     assert sorted(file.name for file in bag.iterdir()) == ["bag_0.mcap", "metadata.yaml"]
     assert about(bag)["relative_file_paths"] == ["bag_0.mcap"]
     with (bag / "bag_0.mcap").open("rb") as stream:
@@ -265,8 +265,8 @@ def test_an_error_that_the_disk_reports_late_fails_the_recording(tmp_path: Path,
     def fsync(_descriptor: int) -> None:
         raise OSError(errno.EIO, os.strerror(errno.EIO))
 
-    encoder, recorder = BlockEncoder(Configuration(), BODIES), Recorder(tmp_path / "bag", Configuration(), BODIES)
-    recorder.write_messages(message for block in blocks(10) for message in encoder.encode(block))
+    recorder = Recorder(tmp_path / "bag", Configuration(), BODIES)
+    recorder.write_messages(encoded(10))
     monkeypatch.setattr(os, "fsync", fsync)
     with pytest.raises(RecordingFailed, match="could not be finished: Input/output error; check the disk or give another folder"):
         recorder.close()
@@ -278,7 +278,7 @@ def test_a_disk_that_is_full_at_the_beginning_is_refused_and_nothing_is_left(tmp
     Recorder(tmp_path / "whole", Configuration(), BODIES)
     size = (tmp_path / "whole" / "whole_0.mcap").stat().st_size
     for limit in range(0, size, size // 20):
-        with files_of_at_most(limit), pytest.raises(Refusal, match="File too large; free some space or give another folder"):
+        with files_of_at_most(limit), pytest.raises(Refusal, match=r"(cannot be written|ended at 0\.0 s): File too large; free some space"):
             Recorder(tmp_path / "bag", Configuration(), BODIES)
         assert not (tmp_path / "bag").exists()
 

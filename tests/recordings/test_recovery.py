@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
-from made_up_blocks import BODIES, blocks, recorded
+from made_up_blocks import BODIES, encoded, recorded, written
 from mcap.reader import make_reader
 from mcap.records import Metadata
 from mcap.writer import Writer
 from rosbags.highlevel import AnyReader
 from separate_process import fresh_dcrb
 
-from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.topics import FEATURES, GROUND_TRUTH, MANIFEST, NAMESPACE, VIBRATION, Message
 from dcrb_ros.recordings import recovery
-from dcrb_ros.recordings.manifest import OUTCOME, opening, record_text
+from dcrb_ros.recordings.manifest import OUTCOME, opening
 from dcrb_ros.recordings.mcap_reader import McapRecords
 from dcrb_ros.recordings.mcap_writer import Channel, described_channel
 from dcrb_ros.recordings.reader import Recording
@@ -29,7 +27,6 @@ from dcrb_ros.recordings.splitting import Bag
 from dcrb_ros.recordings.verification import RECOVERY, metadata_flaw
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.parameters import Recording as Settings
 from dcrb_ros.stream.events import LoadCommand
 
 pytestmark = pytest.mark.slow
@@ -205,18 +202,6 @@ def test_unrecoverable_input_is_refused(bag: Path, tmp_path: Path) -> None:
     assert not (tmp_path / "new").exists()
 
 
-def message_bag(path: Path, messages: Sequence[Message], *, namespace: str = NAMESPACE, **changes: object) -> Path:
-    """Write messages with the manifest of the bench, in which some entries differ; None removes an entry."""
-    about = json.loads(opening(Configuration(), BODIES, namespace)[MANIFEST]["manifest"]) | changes
-    manifest = record_text({key: value for key, value in about.items() if value is not None})
-    bag = Bag(
-        path, opening={MANIFEST: {"manifest": manifest}}, closing=lambda: {OUTCOME: {"outcome": "{}"}}, settings=Settings(compression="lz4")
-    )
-    bag.write((channel_of(message.topic, namespace), message.time_ns, message.data) for message in messages)
-    bag.close()
-    return path
-
-
 def compressions(bag: Path) -> set[str]:
     """Return the compressions of the chunks in a recording."""
     found = set()
@@ -268,8 +253,8 @@ def test_a_manifest_without_a_sound_copy_is_reported(tmp_path: Path) -> None:
 
 
 def test_imported_data_are_recovered_as_one_file(tmp_path: Path) -> None:
-    messages = [message for block in blocks(3) for message in BlockEncoder(Configuration(), BODIES).encode(block)]
-    imported = message_bag(tmp_path / "bag", messages, imported={}, configuration=None)
+    messages = encoded(3)
+    imported = written(tmp_path / "bag", messages, imported={}, configuration=None, outcome={})
     assert recover(imported, tmp_path / "new").damage == ()
     recording = Recording(tmp_path / "new")
     assert recording.imported
@@ -278,14 +263,14 @@ def test_imported_data_are_recovered_as_one_file(tmp_path: Path) -> None:
 
 
 def test_a_recording_with_an_impossible_sampling_rate_is_recovered(tmp_path: Path) -> None:
-    messages = [message for block in blocks(3) for message in BlockEncoder(Configuration(), BODIES).encode(block)]
-    bag = message_bag(tmp_path / "bag", messages, sampling_rate=0)
+    messages = encoded(3)
+    bag = written(tmp_path / "bag", messages, sampling_rate=0, outcome={})
     assert recover(bag, tmp_path / "new").messages == len(messages)
 
 
 def test_a_hundred_sentences_about_corrupt_messages_are_kept(tmp_path: Path) -> None:
     corrupt = [Message(topic, 20_000_000 * k, b"corrupt") for k in range(60) for topic in (VIBRATION, GROUND_TRUTH)]
-    source = message_bag(tmp_path / "bag", [*corrupt, Message(FEATURES, 7, b"kept")])
+    source = written(tmp_path / "bag", [*corrupt, Message(FEATURES, 7, b"kept")], outcome={})
     salvage = recover(source, tmp_path / "new")
     assert (salvage.messages, salvage.last_ns, len(salvage.damage)) == (1, 7, 100)
     assert salvage.damage[0].startswith("outer_ring/vibration at 0.000 s: ")
@@ -293,12 +278,11 @@ def test_a_hundred_sentences_about_corrupt_messages_are_kept(tmp_path: Path) -> 
 
 
 def test_messages_of_another_namespace_are_not_examined(tmp_path: Path) -> None:
-    source = message_bag(tmp_path / "bag", [Message(VIBRATION, 7, b"corrupt")], namespace="/other")
-    about = json.loads(opening(Configuration(), BODIES, NAMESPACE)[MANIFEST]["manifest"])
-    assert Recording(source).manifest["namespace"] == "/other" != about["namespace"]
+    source = written(tmp_path / "bag", [Message(VIBRATION, 7, b"corrupt")], below="/other", namespace="/other", outcome={})
+    assert Recording(source).manifest["namespace"] == "/other" != NAMESPACE
     with pytest.raises(Refusal, match="no message can be read: outer_ring/vibration"):
         recover(source, tmp_path / "new")
-    bag = Bag(tmp_path / "two", opening={MANIFEST: {"manifest": record_text(about)}}, closing=dict)
+    bag = Bag(tmp_path / "two", opening=opening(Configuration(), BODIES, NAMESPACE), closing=dict)
     bag.write([(channel_of(VIBRATION, "/other"), 7, b"corrupt")])
     bag.close()
     assert recover(tmp_path / "two", tmp_path / "kept").messages == 1
@@ -317,8 +301,8 @@ def test_what_was_lost_is_listed_in_the_recovered_recording(bag: Path, tmp_path:
 
 def test_the_reason_why_nothing_can_be_recovered_is_the_first_damage(tmp_path: Path) -> None:
     with pytest.raises(Refusal, match=r"because no message can be read$"):
-        recover(message_bag(tmp_path / "empty", []), tmp_path / "new")
-    source = message_bag(tmp_path / "bag", [Message(VIBRATION, 20_000_000 * k, b"corrupt") for k in range(1, 4)])
+        recover(written(tmp_path / "empty", [], outcome={}), tmp_path / "new")
+    source = written(tmp_path / "bag", [Message(VIBRATION, 20_000_000 * k, b"corrupt") for k in range(1, 4)], outcome={})
     with pytest.raises(Refusal, match=r"because no message can be read: outer_ring/vibration at 0\.020 s: "):
         recover(source, tmp_path / "new")
 

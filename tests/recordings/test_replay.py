@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from made_up_blocks import BODIES, blocks, narrowed, recorded
+from made_up_blocks import BODIES, encoded, narrowed, recorded, written
 from pydantic import ValidationError
 from same_process import dcrb
 
 from dcrb_ros.messages.description import decode_range, sensor_text
-from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.plain import decode_text
-from dcrb_ros.messages.topics import FEATURES, GROUND_TRUTH, MANIFEST, SENSOR, SIMULATED, VIBRATION, Message
+from dcrb_ros.messages.topics import FEATURES, GROUND_TRUTH, SENSOR, SIMULATED, VIBRATION, Message
 from dcrb_ros.messages.topics.vehicle import VEHICLE_DIAGNOSIS
-from dcrb_ros.recordings.manifest import opening, record_text
-from dcrb_ros.recordings.recorder import Recorder, channel_of
+from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.recordings.replay import Replay, ReplayParameters
-from dcrb_ros.recordings.splitting import Bag
 from dcrb_ros.recordings.vehicle_recorder import VehicleRecorder
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
@@ -192,7 +188,7 @@ def vehicle(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Record a vehicle: its description, the vibration of one box, and a judgement of the vehicle."""
     path, parameters = tmp_path_factory.mktemp("vehicle") / "run", read_parameters("healthy_bogie", ())
     with VehicleRecorder(path, parameters, VehicleSimulation(vehicle_of(parameters, "test"))) as recorder:
-        vibration = next(message for message in BlockEncoder(Configuration(), BODIES).encode(next(blocks(1))) if message.topic == VIBRATION)
+        vibration = next(message for message in encoded(1) if message.topic == VIBRATION)
         recorder.write_messages([Message(VIBRATION.below("axle_2/right"), 0, vibration.data), Message(VEHICLE_DIAGNOSIS, 50, b"")])
     return path
 
@@ -241,18 +237,11 @@ def test_a_range_that_changes_is_replayed_with_its_block(offset: float, passed: 
 
 @pytest.mark.parametrize("described", [True, False])
 def test_without_a_recorded_description_that_of_the_manifest_is_sent(described: bool, tmp_path: Path) -> None:
-    configuration = Configuration()
-    about = json.loads(opening(configuration, BODIES, "/dcrb")[MANIFEST]["manifest"])
-    about["sensor"] = {"sampling_rate": 51200, "range": 7.0, "frame": "a"} if described else None
-    bag = Bag(tmp_path / "bag", opening={MANIFEST: {"manifest": record_text({k: v for k, v in about.items() if v})}}, closing=dict)
-    encoder = BlockEncoder(configuration, BODIES)
-    bag.write(
-        (channel_of(message.topic, "/dcrb"), message.time_ns, message.data) for block in blocks(2) for message in encoder.encode(block)
-    )
-    bag.close()
-    (message,) = Replay(ReplayParameters(bag=str(tmp_path / "bag"))).start()
+    sensor = {"sampling_rate": 51200, "range": 7.0, "frame": "a"} if described else None
+    bag = written(tmp_path / "bag", encoded(2), outcome=None, sensor=sensor)
+    (message,) = Replay(ReplayParameters(bag=str(bag))).start()
     assert (message.topic, message.time_ns) == (SENSOR, 0)
-    expected = '{"frame": "a", "range": 7.0, "sampling_rate": 51200}' if described else sensor_text(configuration)
+    expected = '{"frame": "a", "range": 7.0, "sampling_rate": 51200}' if described else sensor_text(Configuration())
     assert decode_text(message.data) == expected
 
 

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 from hostile_mutations import NUMBERS, changed_bytes, hostile_value
-from made_up_blocks import BODIES, blocks
+from made_up_blocks import blocks
+from ros2_bag_record import messages_of
 
-from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.plain import encode_clock, encode_temperature, encode_text
 from dcrb_ros.messages.points import encode_spectrum
 from dcrb_ros.messages.pulses import encode_pulses
@@ -24,7 +24,6 @@ from dcrb_ros.messages.topics.vehicle import VEHICLE_COMMANDS, VEHICLE_DESCRIPTI
 from dcrb_ros.messages.topics.vibration import VIBRATION_CLEAN
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.schema.parameter_field import ParameterField
-from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.diagnosis import Diagnosis
 from dcrb_ros.vehicle.description import described
 from dcrb_ros.vehicle.file import read_vehicle
@@ -57,8 +56,7 @@ def sound_messages() -> dict[str, bytes]:
     for message in Recording(ROOT / "bags" / "outer_ring_defect").messages():
         found[message.topic.name] = message
     messages = {name: message.data for name, message in found.items()}
-    encoder = BlockEncoder(Configuration(), BODIES)
-    for message in (*encoder.start(), *(message for block in blocks(1) for message in encoder.encode(block))):
+    for message in messages_of(1):
         messages.setdefault(message.topic.name, message.data)
     messages |= {topic.name: encode_temperature(10**9, 40.0, 0.5) for topic in TEMPERATURES}
     messages |= {topic.name: numbers_message(1.0) for topic in (*COMMANDS, *VEHICLE_COMMANDS.values())}

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import json
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from dcrb_ros.recordings.recorder import Recorder
+from dcrb_ros.messages.encoder import BlockEncoder
+from dcrb_ros.messages.topics import MANIFEST, NAMESPACE, Message
+from dcrb_ros.recordings.manifest import OUTCOME, opening, record_text
+from dcrb_ros.recordings.recorder import Recorder, channel_of
+from dcrb_ros.recordings.splitting import Bag
 from dcrb_ros.schema.simulated_time import nanoseconds
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.parameters import Recording as Settings
 from dcrb_ros.stream.block import Block, Truth
 from dcrb_ros.stream.events import Event, Start
 from dcrb_ros.stream.states import BodyNames
@@ -37,6 +43,29 @@ def recorded(path: Path, count: int, *, events: Mapping[int, Event] | None = Non
     with Recorder(path, configuration, BODIES) as recorder:
         for block in blocks(count, events=events):
             recorder.write(block)
+    return path
+
+
+def encoded(count: int, *, events: Mapping[int, Event] | None = None) -> list[Message]:
+    """Return the messages of blocks of noise."""
+    encoder = BlockEncoder(Configuration(), BODIES)
+    return [message for block in blocks(count, events=events) for message in encoder.encode(block)]
+
+
+def written(
+    path: Path, messages: Iterable[Message], *, outcome: Mapping[str, object] | None, below: str = NAMESPACE, **changes: object
+) -> Path:
+    """Write messages in the namespace ``below``, with an ``outcome`` if one is given, and with the manifest of a bench.
+
+    Some of its entries differ by ``changes``; None removes an entry.
+    """
+    about = json.loads(opening(Configuration(), BODIES, NAMESPACE)[MANIFEST]["manifest"]) | changes
+    manifest = record_text({key: value for key, value in about.items() if value is not None})
+    end = {} if outcome is None else {OUTCOME: {"outcome": json.dumps(outcome)}}
+    records = {MANIFEST: {"manifest": manifest}, "other": {"a": "1"}}
+    bag = Bag(path, opening=records, closing=lambda: end, settings=Settings(compression="lz4"))
+    bag.write((channel_of(message.topic, below), message.time_ns, message.data) for message in messages)
+    bag.close()
     return path
 
 

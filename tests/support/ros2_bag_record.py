@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from made_up_blocks import BODIES, blocks
+from made_up_blocks import BODIES, encoded
 from ros_types import typestore
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 
@@ -29,8 +29,7 @@ WALL_NS = 1_795_337_994_178_865_448
 
 def messages_of(count: int) -> list[Message]:
     """Return the messages of a bench that publishes blocks of noise."""
-    encoder = BlockEncoder(Configuration(), BODIES)
-    return [*encoder.start(), *(message for block in blocks(count) for message in encoder.encode(block))]
+    return [*BlockEncoder(Configuration(), BODIES).start(), *encoded(count)]
 
 
 def bag_of(path: Path, messages: Iterable[Message], form: str = "mcap", *, namespace: str = NAMESPACE) -> Path:
