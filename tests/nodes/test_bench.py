@@ -141,34 +141,6 @@ def test_signals_close_the_recording(kind: signal.Signals, number_of_signals: in
         assert np.array_equal(recorded[block.stamp_ns].acceleration, block.acceleration)  # the same bytes, published and recorded
 
 
-@pytest.mark.parametrize(
-    ("values", "sentence"),
-    [
-        ({"bearing__roler_radius": 0.015}, "did you mean 'bearing.roller_radius'?"),
-        ({"operating__speed": 1772}, "is outside -1000 .. 1000 rad/s"),
-    ],
-)
-def test_invalid_parameters_end_the_node_with_one_sentence(values: dict[str, object], sentence: str, tmp_path: Path) -> None:
-    with node("simulator", parameters(**values), environment(domain()), tmp_path / "log") as simulator:
-        assert simulator.process.wait(PATIENCE) == 2, simulator.output
-    assert sentence in simulator.output
-    assert "Traceback" not in simulator.output
-
-
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        (["--duration", "nan"], "--duration nan s is not a finite number"),
-        (["--scenario", "nowhere"], "there is no scenario 'nowhere': give a YAML file or one of bogie_ride, braking, burn_off"),
-    ],
-)
-def test_invalid_arguments_end_the_node_with_one_sentence(arguments: list[str], sentence: str, tmp_path: Path) -> None:
-    with node("simulator", arguments, environment(domain()), tmp_path / "log") as simulator:
-        assert simulator.process.wait(PATIENCE) == 2, simulator.output
-    assert sentence in simulator.output
-    assert "Traceback" not in simulator.output
-
-
 @pytest.mark.parametrize("module", ["simulator", "fault_detector"])
 def test_a_missing_middleware_ends_the_node_with_one_sentence(module: str, tmp_path: Path) -> None:
     env = environment(domain(), RMW_IMPLEMENTATION="rmw_absent_cpp")

@@ -9,7 +9,6 @@ from collections import defaultdict
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -68,6 +67,8 @@ def vehicle(tmp_path: Path) -> Path:
 class VehicleClient(GraphClient):
     """Keeps the messages of a vehicle by topic and box."""
 
+    simulator = "vehicle_simulator"
+
     def __init__(self, number: int) -> None:
         super().__init__(number)
         self.boxes: dict[tuple[Topic, str], list[bytes]] = defaultdict(list)
@@ -78,15 +79,6 @@ class VehicleClient(GraphClient):
             for box in reversed(BOXES):
                 below = topic.below(box)
                 self.listen(below, f"/dcrb/{below.name}", self.boxes[topic, box], [])
-
-    def set_of_vehicle(self, **values: Any) -> tuple[bool, str]:
-        """Set parameters of the vehicle atomically; return whether they were accepted, and the reason."""
-        from rcl_interfaces.srv import SetParametersAtomically
-        from rclpy.parameter import Parameter
-
-        wanted = [Parameter(key.replace("__", "."), value=value).to_parameter_msg() for key, value in values.items()]
-        result = self.ask(SetParametersAtomically, "vehicle_simulator/set_parameters_atomically", parameters=wanted).result
-        return result.successful, result.reason
 
     def statuses(self, topic: Topic) -> dict[str, Status]:
         """The statuses of the last message on a topic of the vehicle."""
@@ -174,7 +166,7 @@ def test_parameters_change_boxes_wheels_and_slides_or_are_refused_with_a_reason(
     arguments = ["--vehicle", str(vehicle), "--ros-args", "-p", "time_scale:=0.1"]
     with node("vehicle_simulator", arguments, environment(number_of(client)), tmp_path / "log"):
         client.until(lambda: client.boxes[VIBRATION, "axle_2/left"], "a block")
-        accepted = client.set_of_vehicle(axle_2__left__faults__inner_1__width=0.002, axle_2__right__wheel__flat=0.04, time_scale=0.2)
+        accepted = client.set(axle_2__left__faults__inner_1__width=0.002, axle_2__right__wheel__flat=0.04, time_scale=0.2)
         assert accepted == (True, "")
         client.until(lambda: b"faults.inner_1" in client.boxes[GROUND_TRUTH, "axle_2/left"][-1], "the fault in its box")
         assert all(b"faults.inner_1" not in data for data in client.boxes[GROUND_TRUTH, "axle_2/right"])
@@ -189,9 +181,9 @@ def test_parameters_change_boxes_wheels_and_slides_or_are_refused_with_a_reason(
             ({"axle_2__slide": 0.9}, "axle_2.slide = 0.9 is outside 0 .. 0.2"),
             ({"axle_2__left__faults__inner_1__width": 0.001, "axle_1__left__faults__outer_1__width": 5.0}, "faults.outer_1.width"),
         ):
-            done, why = client.set_of_vehicle(**values)
+            done, why = client.set(**values)
             assert (done, reason in why) == (False, True), (values, why)
-        assert client.set_of_vehicle(axle_2__left__faults__inner_1__width=0.002) == (True, "")
+        assert client.set(axle_2__left__faults__inner_1__width=0.002) == (True, "")
 
 
 def test_a_recorded_run_has_the_samples_of_simulate_and_the_verdicts_of_the_detector(
@@ -338,22 +330,6 @@ def test_a_model_that_fails_ends_the_node_with_a_sentence(vehicle: Path, tmp_pat
     output = (tmp_path / "log").read_text()
     assert "axle_2.left: the model failed on purpose" in output
     assert "Traceback" not in output
-
-
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        ([], "there is no vehicle: give --vehicle"),
-        (["--vehicle", "no_such"], "there is no vehicle 'no_such'"),
-        (["--vehicle", "bogie", "--ros-args", "-p", "vehicle.speed_kmh:=1.0"], "speed_kmh = 1.0"),
-        (["--vehicle", "bogie", "--ros-args", "-p", "axle_1.left.faults.outer_1.widht:=0.002"], "widht"),
-    ],
-)
-def test_a_vehicle_that_cannot_be_ends_the_node_with_a_sentence(arguments: list[str], sentence: str, tmp_path: Path) -> None:
-    with node("vehicle_simulator", arguments, environment(domain()), tmp_path / "log") as simulator:
-        assert simulator.process.wait(PATIENCE) == 2
-        assert sentence in simulator.output
-        assert "Traceback" not in simulator.output
 
 
 def test_the_command_refuses_what_does_not_belong_to_a_vehicle(capsys: pytest.CaptureFixture[str]) -> None:

@@ -115,6 +115,9 @@ class GraphClient:
     They are taken only while the client waits (`until`), in the order of their topic; topics are not ordered among one another.
     """
 
+    simulator = "simulator"
+    """Name of the node whose parameters are set."""
+
     def __init__(self, number: int) -> None:
         import rclpy
         from rclpy.executors import SingleThreadedExecutor
@@ -166,7 +169,7 @@ class GraphClient:
         from rclpy.parameter import Parameter
 
         wanted = [Parameter(key.replace("__", "."), value=value).to_parameter_msg() for key, value in values.items()]
-        result = self.ask(SetParametersAtomically, "simulator/set_parameters_atomically", parameters=wanted).result
+        result = self.ask(SetParametersAtomically, f"{self.simulator}/set_parameters_atomically", parameters=wanted).result
         return result.successful, result.reason
 
     @property
