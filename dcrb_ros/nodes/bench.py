@@ -174,8 +174,6 @@ class Bench:
 
     about: str
     """Name and parts."""
-    simulator: str
-    """Name."""
     waiting_for: Callable[[int], Any]
     """Returns the parameters with which the simulator waits for a number of subscribers to the waveform."""
     detector: tuple[str, Group]
@@ -192,7 +190,6 @@ def bearing_bench(name: str, configuration: Configuration, detector_parameters: 
     """Return the bench of a bearing; with ``shown`` Rerun shows it, whose failure does not stop the bench."""
     return Bench(
         f"'{name}': simulator and fault detector",
-        "simulator",
         lambda listeners: _waiting_for(configuration, listeners),
         ("fault_detector", detector_parameters),
         ("viewer", []) if shown else None,
@@ -223,7 +220,7 @@ def run(bench: Bench, configuration: Configuration, duration: float, scenario: P
             console.print("stopped before the simulator was started")
             return STOPPED
         # Its first block waits until they have discovered it.
-        with node_process(bench.simulator, arguments, bench.waiting_for(1 + _running(subscribers))) as process:
+        with node_process(bench.observer.simulator, arguments, bench.waiting_for(1 + _running(subscribers))) as process:
             status = _watch(bench.observer, spin, process, detector, duration, stop, console)
     status = status or _exit_status(process.returncode)  # a stopped simulator may have failed to write its recording
     return _conclude(bench.observer, "" if status else configuration.recording.path, console, status)

@@ -6,6 +6,7 @@ import time
 from collections.abc import Sequence
 
 from dcrb_ros.messages.statuses import ERROR, OK, WARN, Status
+from dcrb_ros.nodes.pacing import MAX_LAG
 from dcrb_ros.nodes.ros import installed
 from dcrb_ros.nodes.served import ServedNode
 from dcrb_ros.nodes.simulation_interfaces import PACKAGE
@@ -15,8 +16,6 @@ SERVICES = ("pause", "step", "reset", "record", "set_simulation_state", "step_si
 """Services that may refuse a call."""
 ACTIONS = ("simulate_steps",)
 """Actions that may refuse a goal."""
-MAX_LAG = 0.1
-"""Lag above which the status is a warning [s]."""
 
 
 def _lubrication(state: LubricationState | None) -> dict[str, str]:

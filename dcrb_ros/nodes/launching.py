@@ -269,16 +269,13 @@ def detector_parameters(detector: str) -> dict[str, Any]:
     Raises:
         Refusal: there is no such file, or it is invalid; the sentence names the argument.
     """
-    shipped = {"detector": shipped_folder() / "detector.yaml"}
     path = Path(detector)
     with naming("detector", detector):
-        exists = is_file(path)
-    if not exists:
-        if detector not in shipped:
-            remedy = f"give a YAML file, or detector for the shipped parameters{nearest(detector, shipped)}"
-            raise Refusal(f"detector:={detector}: there is no such file: {remedy}")
-        path = shipped[detector]
-    with naming("detector", detector):
+        if not is_file(path):
+            if detector != "detector":
+                remedy = f"give a YAML file, or detector for the shipped parameters{nearest(detector, ['detector'])}"
+                raise Refusal(f"there is no such file: {remedy}")
+            path = shipped_folder() / "detector.yaml"
         check_parameters(validated(read_parameters(path, "fault_detector"), DetectorParameters, str(path)))
         return _parameters(path, "fault_detector")
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 
+MAX_LAG = 0.1
+"""Lag above which the status of a node is a warning [s]."""
 MAX_CATCH_UP = 1.0
 """Lag that is caught up [s of wall time]; beyond it the deadlines are postponed."""
 

@@ -15,7 +15,7 @@ from dcrb_ros.nodes.base import BenchNode
 from dcrb_ros.nodes.clock import ClockPublisher
 from dcrb_ros.nodes.engine import Engine, Progress, Sink
 from dcrb_ros.nodes.gate import Gate
-from dcrb_ros.nodes.pacing import Pacer
+from dcrb_ros.nodes.pacing import MAX_LAG, Pacer
 from dcrb_ros.nodes.programs import main
 from dcrb_ros.nodes.publisher import Publisher
 from dcrb_ros.nodes.ros import own_arguments, run_node
@@ -23,8 +23,6 @@ from dcrb_ros.nodes.subscriber_wait import SubscriberWait
 from dcrb_ros.recordings.replay import Replay, ReplayParameters
 from dcrb_ros.settings.files import flatten, validated
 
-MAX_LAG = 0.1
-"""Lag above which the status is a warning [s]."""
 RUN_TIME = ("rate",)
 """Parameters that can be set while the node runs."""
 

@@ -19,7 +19,7 @@ LOOPBACK = "127.0.0.1"
 
 
 class ReservedDomain:
-    """A ROS domain, reserved until this object is closed or deleted, or the process ends."""
+    """A ROS domain, reserved until this object is deleted or the process ends."""
 
     def __init__(self) -> None:
         """Reserve a domain.
@@ -38,7 +38,3 @@ class ReservedDomain:
                 self._lock.close()
         last = FIRST_DOMAIN + DOMAINS - 1
         raise Refusal(f"the ROS domains {FIRST_DOMAIN} .. {last} are all reserved by exams on this machine: wait until one has ended")
-
-    def close(self) -> None:
-        """Free the domain."""
-        self._lock.close()

@@ -102,7 +102,6 @@ def vehicle_bench(
     least = vehicle.boxes[0].configuration.publishing.listeners
     return Bench(
         f"'{name}': {len(vehicle.boxes)} axle boxes and the detector that compares them",
-        "vehicle_simulator",
         lambda listeners: {**parameters, "publishing.listeners": max(least, listeners)},
         ("vehicle_detector", VehicleDetectorSettings(boxes=box_parameters)),
         ("viewer", ["--vehicle"]) if shown else None,
