@@ -26,7 +26,6 @@ from dcrb_ros.recordings.verification import RECOVERY, stated_losses
 from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.parameters import Recording as RecordingSettings
-from dcrb_ros.text.files import checked_path
 
 ENCODING = ("cdr", "ros2msg")
 """Encodings of messages and their definitions in recordings of ROS 2."""
@@ -196,8 +195,6 @@ def recover(source: Path, target: Path) -> Recovered:
     whole, box = box_of(source)
     if box:
         raise Refusal(f"{source} is a box in the recording {whole}, which is recovered as a whole: give {whole}")
-    if checked_path(target).exists():
-        raise Refusal(f"{target} exists: give another name or remove it, a recording is never overwritten")
     return Recovery(source).write(target)
 
 
