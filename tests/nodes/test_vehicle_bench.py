@@ -97,13 +97,9 @@ def client() -> Iterator[VehicleClient]:
     listener.close()
 
 
-def number_of(client: GraphClient) -> int:
-    return int(client.context.get_domain_id())
-
-
 def test_all_boxes_have_the_topics_of_a_bench_with_equal_stamps(vehicle: Path, client: VehicleClient, tmp_path: Path) -> None:
     arguments = ["--vehicle", str(vehicle), "--duration", "0.4", "--ros-args", "-p", "publishing.listeners:=1", "-p", "time_scale:=0.0"]
-    with node("vehicle_simulator", arguments, environment(number_of(client)), tmp_path / "log") as simulator:
+    with node("vehicle_simulator", arguments, environment(client.number), tmp_path / "log") as simulator:
         client.until(lambda: all(len(client.boxes[VIBRATION, box]) == 20 for box in BOXES), "20 blocks of every box")
         client.until(lambda: len(client.received[VEHICLE_TRUTH]) == 20, "the ground truth of every block")
         client.until(lambda: len(client.received[VEHICLE_STATE]) == 20, "the state after every block")
@@ -135,7 +131,7 @@ def test_commands_act_and_those_to_a_box_are_refused_and_counted(vehicle: Path, 
     speed = client.node.create_publisher(Float64, f"/dcrb/axle_1/left/{SPEED_COMMAND.name}", 10)
     load = client.node.create_publisher(Wrench, "/dcrb/axle_2/right/command/load", 10)
     arguments = ["--vehicle", str(vehicle), "--ros-args", "-p", "time_scale:=0.1"]
-    with node("vehicle_simulator", arguments, environment(number_of(client)), tmp_path / "log") as simulator:
+    with node("vehicle_simulator", arguments, environment(client.number), tmp_path / "log") as simulator:
         client.connect(*publishers.values(), speed, load)
         publishers["speed_kmh"].publish(Float64(data=90.0))
         publishers["curvature"].publish(Float64(data=0.001))
@@ -164,7 +160,7 @@ def test_parameters_change_boxes_wheels_and_slides_or_are_refused_with_a_reason(
     vehicle: Path, client: VehicleClient, tmp_path: Path
 ) -> None:
     arguments = ["--vehicle", str(vehicle), "--ros-args", "-p", "time_scale:=0.1"]
-    with node("vehicle_simulator", arguments, environment(number_of(client)), tmp_path / "log"):
+    with node("vehicle_simulator", arguments, environment(client.number), tmp_path / "log"):
         client.until(lambda: client.boxes[VIBRATION, "axle_2/left"], "a block")
         accepted = client.set(axle_2__left__faults__inner_1__width=0.002, axle_2__right__wheel__flat=0.04, time_scale=0.2)
         assert accepted == (True, "")
@@ -197,7 +193,7 @@ def test_a_recorded_run_has_the_samples_of_simulate_and_the_verdicts_of_the_dete
             recorder.write(block)
     arguments = ["--vehicle", str(vehicle), "--duration", "3.0", "--ros-args", "-p", "time_scale:=0.0"]
     arguments += ["-p", "publishing.listeners:=2", "-p", f"recording.path:={bag}"]
-    env = environment(number_of(client))
+    env = environment(client.number)
     with node("vehicle_detector", [], env, tmp_path / "detector"), node("vehicle_simulator", arguments, env, tmp_path / "log") as simulator:
         client.until(lambda: VEHICLE_DIAGNOSIS.stamp(client.received[VEHICLE_DIAGNOSIS][-1]) > 2.9e9, "the last verdicts")
         client.until(lambda: simulator.process.poll() is not None, "the end")
@@ -231,7 +227,7 @@ def test_a_replay_publishes_all_boxes_with_equal_stamps(vehicle: Path, client: V
         for block in simulation.blocks(0.2):
             recorder.write(block)
     arguments = ["--ros-args", "-p", f"bag:={bag}", "-p", "rate:=0.0"]
-    with node("replayer", arguments, environment(number_of(client)), tmp_path / "log") as replayer:
+    with node("replayer", arguments, environment(client.number), tmp_path / "log") as replayer:
         client.until(lambda: all(len(client.boxes[VIBRATION, box]) == 10 for box in BOXES), "10 blocks of every box")
         client.until(lambda: len(client.received[VEHICLE_TRUTH]) == 10, "the ground truth of every block")
         client.until(lambda: client.received[VEHICLE_DESCRIPTION], "the description")
@@ -310,7 +306,7 @@ def others_go_on(client: VehicleClient) -> None:
 
 def test_a_box_whose_model_fails_is_silent_and_the_others_go_on(vehicle: Path, client: VehicleClient, tmp_path: Path) -> None:
     arguments = ["--vehicle", str(vehicle), "--ros-args", "-p", "vehicle.on_failure:=continue", "-p", "time_scale:=0.2"]
-    with altered(FAILING, arguments, environment(number_of(client)), tmp_path / "log"):
+    with altered(FAILING, arguments, environment(client.number), tmp_path / "log"):
         client.until(lambda: client.status["silent"] == "axle_2.left", "the report of a silent box")
         client.until(lambda: client.statuses(VEHICLE_TRUTH)["axle_2/left"].level == ERROR, "the ground truth without this box")
         others_go_on(client)  # the topics are not ordered among one another: the last block of the silent box may come after the report
@@ -342,7 +338,7 @@ def test_the_command_refuses_what_does_not_belong_to_a_vehicle(capsys: pytest.Ca
 
 def test_the_status_says_that_the_vehicle_is_loading(vehicle: Path, client: VehicleClient, tmp_path: Path) -> None:
     arguments = [str(tmp_path / "go"), "--vehicle", str(vehicle)]
-    with altered(LOADING, arguments, environment(number_of(client)), tmp_path / "log"):
+    with altered(LOADING, arguments, environment(client.number), tmp_path / "log"):
         client.until(lambda: client.status["model"] == "loading", "the report of a vehicle that is set up")
         assert client.status["blocks"] == "0"
         (tmp_path / "go").touch()

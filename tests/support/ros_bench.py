@@ -10,7 +10,7 @@ import sys
 import time
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,7 @@ from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, CLOCK, DETECTED, NAMESPACE, SIMULATED, VIBRATION, Topic
 from dcrb_ros.nodes.publisher import message_class, qos
 from dcrb_ros.nodes.reserved_domain import FIRST_PORT, LOOPBACK
+from dcrb_ros.nodes.ros import node_in
 
 PATIENCE = 600.0
 """Longest wait for anything [s]; a cold compile on a busy machine is the longest."""
@@ -119,15 +120,9 @@ class GraphClient:
     """Name of the node whose parameters are set."""
 
     def __init__(self, number: int) -> None:
-        import rclpy
-        from rclpy.executors import SingleThreadedExecutor
-
         os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
-        self.context = rclpy.Context()
-        rclpy.init(context=self.context, domain_id=number, args=[])
-        self.node = rclpy.create_node("listener", namespace=NAMESPACE, context=self.context)
-        self.executor = SingleThreadedExecutor(context=self.context)
-        self.executor.add_node(self.node)
+        self.number, self._resources = number, ExitStack()
+        self.node, self._spin = self._resources.enter_context(node_in("listener", number))
         self.received: dict[Topic, list[bytes]] = defaultdict(list)
         self.published: dict[Topic, list[float]] = defaultdict(list)
         """Wall times at which the messages were published [s], since the epoch."""
@@ -212,22 +207,13 @@ class GraphClient:
         """Serve callbacks for some wall time [s]."""
         end = time.monotonic() + seconds
         while (remaining := end - time.monotonic()) > 0.0:
-            self.executor.spin_once(timeout_sec=remaining)
+            self._spin(remaining)
 
     def close(self) -> None:
         """Leave the ROS graph."""
-        import rclpy
-
-        self.executor.shutdown()
-        self.node.destroy_node()
-        rclpy.try_shutdown(context=self.context)
+        self._resources.close()
 
 
-@contextmanager
-def graph_client(number: int) -> Iterator[GraphClient]:
-    """Yield a client in a ROS domain."""
-    found = GraphClient(number)
-    try:
-        yield found
-    finally:
-        found.close()
+def graph_client(number: int) -> closing[GraphClient]:
+    """Return a context with a client in a ROS domain."""
+    return closing(GraphClient(number))
