@@ -19,13 +19,15 @@ from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.other_publishers import OtherPublishers
 from dcrb_ros.nodes.pacing import Pacer
 from dcrb_ros.nodes.publisher import Publisher
-from dcrb_ros.nodes.recording_switch import CreateRecorder, RecordingSwitch
+from dcrb_ros.nodes.recording_switch import RecordingSwitch
 from dcrb_ros.nodes.refusal_counts import Refusals
 from dcrb_ros.nodes.ros import installed
 from dcrb_ros.nodes.served import ServedNode
 from dcrb_ros.nodes.services import OVER, Services
 from dcrb_ros.nodes.simulation_interfaces import PACKAGE, SimulationInterfaces
 from dcrb_ros.nodes.subscriber_wait import SubscriberWait
+from dcrb_ros.recordings.recorder import RunRecorder
+from dcrb_ros.recordings.recorder_thread import RecorderThread
 from dcrb_ros.recordings.splitting import RecordingFailed
 from dcrb_ros.runtime.threads import repeating
 from dcrb_ros.schema.refusal import Refusal
@@ -65,7 +67,7 @@ class SimulatingNode(ServedNode):
         configuration: Configuration,
         begin: Callable[[Gate], BundleSource],
         topics: Iterable[Topic],
-        recorder: CreateRecorder,
+        recorder: Callable[..., RunRecorder[Any]],
         *,
         waveform: Topic,
         description: Topic,
@@ -77,7 +79,7 @@ class SimulatingNode(ServedNode):
             configuration: gives time scale, publishing and recording.
             begin: returns the source, whose bundles pass the gate.
             topics: those that the source fills.
-            recorder: creates a recorder.
+            recorder: returns the recorder of a new folder, with the ``namespace`` and what `RecordingSwitch` adds.
             waveform: the topic whose subscribers are waited for.
             description: the latched topic by which they know the others.
             answers: the diagnoses that are waited for at the end.
@@ -92,7 +94,11 @@ class SimulatingNode(ServedNode):
         self._publisher = Publisher(self, [*topics, BENCH_DIAGNOSTICS, *self._clock_topics])
         self._clocks = [ClockPublisher(self._publisher.write_messages)] if publishing.clock else []
         self.progress, self.refusals = Progress(), Refusals(log.warning)
-        self.recording = RecordingSwitch(recorder, log, expanded_path(path).absolute() if path else None)
+
+        def record(path: Path, **options: Any) -> RecorderThread:
+            return RecorderThread(recorder(path, namespace=self.get_namespace(), **options), configuration.recording.queue)
+
+        self.recording = RecordingSwitch(record, log, expanded_path(path).absolute() if path else None)
         sinks: list[Sink] = [self.progress, *self._clocks, self._publisher, self.recording, FirstBlockLog(log.info)]
         self._source = begin(gate)
         self.engine = Engine("model", self._source, sinks, gate)

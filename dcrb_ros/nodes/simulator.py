@@ -25,7 +25,6 @@ from dcrb_ros.nodes.publisher import Publisher
 from dcrb_ros.nodes.ros import own_arguments, run_node
 from dcrb_ros.nodes.simulating import SimulatingNode, decoded_by, scenario_of_run
 from dcrb_ros.recordings.recorder import Recorder, check_topics
-from dcrb_ros.recordings.recorder_thread import RecorderThread
 from dcrb_ros.runtime.prefetch import prefetch
 from dcrb_ros.schema.parameter_field import wrong_type
 from dcrb_ros.schema.simulated_time import checked_duration
@@ -35,7 +34,6 @@ from dcrb_ros.settings.parameters import COMMANDED
 from dcrb_ros.simulation.ground_truth import commands_in
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.scenario import ScheduledChange, scheduled_changes, starting_configuration
-from dcrb_ros.stream.events import TimedCommand
 
 RUN_TIME = tuple(field.key for field in parameter_fields() if field.run_time and field.key not in COMMANDED)
 """Parameters that can be set while the node runs."""
@@ -77,15 +75,16 @@ class SimulatorNode(SimulatingNode):
             Refusal: the parameters or the scenario are invalid.
         """
         super().__init__("simulator")
-        self._scenario, name = scenario_of_run(scenario, duration), str(scenario)
+        tree, name = scenario_of_run(scenario, duration), str(scenario)
         configuration = self.declare(
-            Configuration, run_time=RUN_TIME, adjust=lambda given: starting_configuration(self._scenario, parameters or given, name)
+            Configuration, run_time=RUN_TIME, adjust=lambda given: starting_configuration(tree, parameters or given, name)
         )
         check_topics(configuration, detector=True)  # also without a recording, as the service may start one later
-        changes = scheduled_changes(self._scenario, configuration, name) if scenario else []
+        changes = scheduled_changes(tree, configuration, name) if scenario else []
         topics = [topic for topic in SIMULATED if topic.enabled(configuration)]
         begin, answers = partial(SimulationSource, configuration, changes, duration), self.follow_detector()
-        self.assemble(configuration, begin, topics, self._recorder, waveform=VIBRATION, description=SENSOR, answers=answers)
+        recorder = partial(Recorder, configuration=configuration, bodies=body_names(configuration), scenario=tree)
+        self.assemble(configuration, begin, topics, recorder, waveform=VIBRATION, description=SENSOR, answers=answers)
 
     def receive(self) -> None:
         """Subscribe to commands and to the detector, and publish the place of the sensor."""
@@ -96,19 +95,6 @@ class SimulatorNode(SimulatingNode):
                 self.record_detected(topic)
         # Latched, so that once is enough.
         Publisher(self, [TRANSFORMS]).write_messages([Message(TRANSFORMS, 0, encode_transforms(self.configuration))])
-
-    def _recorder(self, path: Path, *, commands: Sequence[TimedCommand], start_ns: int) -> RecorderThread:
-        configuration = self.configuration
-        recorder = Recorder(
-            path,
-            configuration,
-            body_names(configuration),
-            namespace=self.get_namespace(),
-            scenario=self._scenario,
-            commands=commands,
-            start_ns=start_ns,
-        )
-        return RecorderThread(recorder, configuration.recording.queue)
 
     def _on_command(self, topic: Topic, data: bytes) -> None:
         with self.refusals.suppressed(topic.name):

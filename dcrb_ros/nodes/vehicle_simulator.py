@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Mapping
 from contextlib import closing
 from dataclasses import replace
 from functools import partial
@@ -25,8 +25,7 @@ from dcrb_ros.nodes.programs import main
 from dcrb_ros.nodes.ros import own_arguments, run_node
 from dcrb_ros.nodes.simulating import SimulatingNode, decoded_by, scenario_of_run
 from dcrb_ros.recordings.recorder import check_topics
-from dcrb_ros.recordings.recorder_thread import RecorderThread
-from dcrb_ros.recordings.vehicle_recorder import BoxCommand, VehicleCommand, VehicleRecorder, commands_of
+from dcrb_ros.recordings.vehicle_recorder import VehicleRecorder, commands_of
 from dcrb_ros.runtime.prefetch import prefetch
 from dcrb_ros.schema.parameter_field import ParameterField, wrong_type
 from dcrb_ros.schema.refusal import Refusal, nearest_key
@@ -105,12 +104,12 @@ class VehicleSimulatorNode(SimulatingNode):
             raise Refusal("there is no vehicle: give --vehicle with a YAML file or a shipped name, such as bogie")
         base = read_parameters(source) if source is not None else {}
         name, changes = source or "parameters", scenario_of_run(scenario, duration)
-        self._tree = starting_parameters(changes, parameters if parameters is not None else layered(base, given), str(scenario))
+        tree = starting_parameters(changes, parameters if parameters is not None else layered(base, given), str(scenario))
 
         def simulation() -> VehicleSimulation:
-            return simulation_of(self._tree, name, changes, str(scenario))
+            return simulation_of(tree, name, changes, str(scenario))
 
-        self._vehicle = vehicle_of(self._tree, name)
+        self._vehicle = vehicle_of(tree, name)
         check_topics(*(box.configuration for box in self._vehicle.boxes))
         if changes is not None:
             vehicle_scenario(changes, self._vehicle, str(scenario))
@@ -124,7 +123,7 @@ class VehicleSimulatorNode(SimulatingNode):
             self._vehicle.boxes[0].configuration,
             partial(VehicleSource, simulation, duration),
             simulated_topics(self._vehicle),
-            self._recorder,
+            lambda path, **options: VehicleRecorder(path, tree, self._source.simulation, **options),
             waveform=VIBRATION.below(box_path(self._vehicle.boxes[0].name)),
             description=VEHICLE_DESCRIPTION,
             answers=self.follow_detector(VEHICLE_DIAGNOSIS),
@@ -191,12 +190,6 @@ class VehicleSimulatorNode(SimulatingNode):
             self.refusals.note(topic.name, f"{topic.name} is refused, as the {what} of a box follows from the vehicle: publish on {remedy}")
 
         self.subscribe(topic, refuse)
-
-    def _recorder(self, path: Path, *, commands: Sequence[VehicleCommand | BoxCommand], start_ns: int) -> RecorderThread:
-        namespace = self.get_namespace()
-        simulation = self._source.simulation
-        recorder = VehicleRecorder(path, self._tree, simulation, namespace=namespace, commands=commands, start_ns=start_ns)
-        return RecorderThread(recorder, self.configuration.recording.queue)
 
     def change(self, changes: Mapping[str, Any]) -> None:
         """Change parameters of boxes, wheels and slides."""
