@@ -1,11 +1,8 @@
-"""The messages of a vehicle: frames, motion, ground truth, verdicts, and the paths of its Foxglove layout."""
+"""The messages of a vehicle: frames, motion, ground truth and verdicts."""
 
 from __future__ import annotations
 
-import json
 import math
-import re
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,13 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from made_up_blocks import BODIES, blocks
-from ros_types import typestore
 
 from dcrb_ros.messages.cdr import decoded, stamp_of
 from dcrb_ros.messages.statuses import ERROR, OK, WARN, decode_diagnostics
-from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, SIMULATED
 from dcrb_ros.messages.topics.transforms import TF
-from dcrb_ros.messages.topics.vehicle import VEHICLE, VEHICLE_DIAGNOSIS, VEHICLE_STATE
+from dcrb_ros.messages.topics.vehicle import VEHICLE_STATE
 from dcrb_ros.messages.vehicle import (
     Pose,
     decode_vehicle_commands,
@@ -34,8 +29,6 @@ from dcrb_ros.vehicle.block import VehicleBlock, VehicleTruth
 from dcrb_ros.vehicle.file import read_vehicle, vehicle_of
 from dcrb_ros.vehicle.frame import TrackEvent
 
-ROOT = Path(__file__).parents[2]
-LAYOUT: dict[str, Any] = json.loads((ROOT / "foxglove" / "vehicle.json").read_text(encoding="utf-8"))
 BOXES = ("axle_1/left", "axle_1/right", "axle_2/left", "axle_2/right")
 
 
@@ -181,40 +174,3 @@ def test_verdicts_have_levels_by_what_they_mean() -> None:
         "axle_1/gear": OK,
         "track": OK,
     }
-
-
-def panels(place: Any) -> list[str]:
-    """Return the panels of a part of the layout."""
-    if isinstance(place, dict):
-        return [*panels(place["first"]), *panels(place["second"])]
-    return [place, *(panel for tab in LAYOUT["configById"][place].get("tabs", ()) for panel in panels(tab["layout"]))]
-
-
-def test_every_panel_of_the_foxglove_layout_has_a_place_and_a_configuration() -> None:
-    assert sorted(panels(LAYOUT["layout"])) == sorted(LAYOUT["configById"])
-
-
-def test_every_path_of_the_foxglove_layout_leads_to_a_field() -> None:
-    of_boxes = (topic.below(box) for topic in SIMULATED for box in BOXES)
-    topics = {topic.resolved("/dcrb"): topic for topic in (*of_boxes, *VEHICLE, BENCH_DIAGNOSTICS)}
-    configured = LAYOUT["configById"].values()
-    paths = [path["value"] for config in configured for path in config.get("paths", ())]
-    paths += [config[key] for config in configured for key in ("topicPath", "topicToRender") if key in config]
-    assert len(paths) > 20
-    for path in paths:
-        name, *steps = re.sub(r"\[[^]]*\]|\{[^}]*\}", "", path).split(".")
-        kind = topics[name].type
-        for step in steps:
-            fields = dict(typestore().get_msgdef(kind).fields)
-            assert step in fields, path
-            about = fields[step][1]
-            while not isinstance(about, str):  # an array has the type of its elements, a plain type its length
-                about = about[0][1] if isinstance(about[0], tuple) else about[0]
-            kind = about
-    assert any(VEHICLE_DIAGNOSIS.name in path for path in paths)
-
-
-def test_the_foxglove_layout_has_a_verdict_on_every_part_of_the_shipped_bogie() -> None:
-    parts = {f"{box}/{part}" for box in BOXES for part in ("bearing", "wheel", "sensor")}
-    gears = {f"{axle.name}/gear" for axle in read_vehicle("bogie").axles if axle.gear.teeth}
-    assert set(re.findall(r'\{name=="([^"]+)"\}', json.dumps(LAYOUT).replace('\\"', '"'))) == {*parts, *gears, "track"}
