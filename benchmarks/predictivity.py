@@ -42,6 +42,8 @@ def compared(given: argparse.Namespace, without: tuple[str, ...]) -> Comparison:
     plan = ReplicaPlan(machines=given.machines, counterparts=given.counterparts, longest=given.longest, without=without)
     with checked_folder(given.recordings) as folder:
         members, broken = families_of(given.detectors, folder)
+        if given.published:
+            members = [member for member in members if member.published]
         members = [*shipped_members(), *members]
 
         def replica() -> Exam:
@@ -93,6 +95,7 @@ def main() -> int:
     parser.add_argument("--machines", type=int, default=6)
     parser.add_argument("--counterparts", type=int, default=3)
     parser.add_argument("--longest", type=float, default=ReplicaPlan.longest)
+    parser.add_argument("--published", action="store_true", help="only the published settings of each family but the shipped one")
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--leaderboard", type=Path, help="folder with entries, and with those on MEASURED in its subfolder measured/")
     parser.add_argument("--replica", type=Path, default=ROOT / "examples" / "detectors" / "exam.yaml", help="exam of these entries")
