@@ -17,9 +17,10 @@ import numpy as np
 from dcrb_ros.measurement.random_streams import random_stream
 from dcrb_ros.schema.arrays import Complexes, Floats
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.settings.parameters import STEEL_DENSITY
 from dcrb_ros.vehicle.description import Vehicle, levels
 from dcrb_ros.vehicle.kernels import add_paths
-from dcrb_ros.vehicle.structure import BODY_DIAMETER, DENSITY, ELASTICITY
+from dcrb_ros.vehicle.structure import BODY_DIAMETER, ELASTICITY
 
 BANDS = (200.0, 500.0, 1000.0, 2000.0, 5000.0, 20000.0)
 """Limits of the bands of a path [Hz]."""
@@ -35,7 +36,11 @@ CONTACT_LEVELS = {
 }
 """Levels of the motion of a contact at other boxes, over the box above it [dB]."""
 MOST_ENERGY = 0.5
-"""Largest sum of |P|^2 of the paths from a bearing in a band [-]."""
+"""Largest sum of the levels of the paths from a bearing in a band, as shares of its energy [-]."""
+THIRDS = np.array([1000.0 * 10.0 ** (k / 10.0) for k in range(-7, 14)])
+"""Middles of the third octaves of a path [Hz]."""
+WITHIN = 10.0 ** (np.linspace(-0.05, 0.05, 48, endpoint=False) + 0.05 / 48)
+"""Frequencies within a third octave, over its middle [-]; their distance is 0.24 of the width of the narrowest resonance."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +90,7 @@ class Paths:
 
 def group_velocity(frequency: Floats) -> Floats:
     """Return the group velocity of bending waves of an axle, at most that of its surface waves [m/s]: 2 sqrt(w) (EI / rho A)^(1/4)."""
-    ratio = ELASTICITY / DENSITY * BODY_DIAMETER**2 / 16.0
+    ratio = ELASTICITY / STEEL_DENSITY * BODY_DIAMETER**2 / 16.0
     return np.asarray(np.minimum(2.0 * np.sqrt(2.0 * np.pi * frequency) * ratio**0.25, FASTEST), np.float64)
 
 
@@ -133,7 +138,7 @@ def bearing_paths(vehicle: Vehicle, rate: float) -> dict[tuple[int, int], Path]:
     """Return the paths between the bearings by source and receiver; both directions of a pair are one draw (reciprocity).
 
     Raises:
-        Refusal: the paths from a bearing carry more than half of its energy.
+        Refusal: the levels are more than half of a bearing's energy, or the drawn paths carry more than all of it in a third octave.
     """
     chosen: dict[tuple[int, int], Path] = {}
     energy = np.zeros((len(vehicle.boxes), len(BANDS) - 1))
@@ -147,7 +152,23 @@ def bearing_paths(vehicle: Vehicle, rate: float) -> dict[tuple[int, int], Path]:
             energy[[first, second]] += 10.0 ** (np.asarray(decibels) / 10.0)
     if energy.max() > MOST_ENERGY:
         raise Refusal(f"paths: {energy.max():.2f} of a bearing's energy reaches other boxes, above {MOST_ENERGY:g}: lower the levels")
+    _check_drawn(vehicle, chosen, rate)
     return chosen
+
+
+def _check_drawn(vehicle: Vehicle, chosen: Mapping[tuple[int, int], Path], rate: float) -> None:
+    """Refuse paths that carry more energy than a bearing has in a third octave: that of a path lies in its resonances."""
+    middles = THIRDS[THIRDS * WITHIN[-1] < 0.4 * rate]
+    each = {id(path): path.response((middles[:, None] * WITHIN).ravel(), rate) for path in chosen.values()}
+    shares = np.zeros((len(vehicle.boxes), len(middles)))
+    for (source, _), path in chosen.items():
+        shares[source] += each[id(path)].reshape(-1, len(WITHIN)).mean(axis=1)
+    box, band = np.unravel_index(int(np.argmax(shares)), shares.shape)
+    if shares[box, band] > 1.0:
+        raise Refusal(
+            f"paths: in the third octave at {float(f'{middles[band]:.2g}'):g} Hz, {shares[box, band]:.2f} of the energy of the bearing of "
+            f"{vehicle.boxes[int(box)].name} reaches other boxes, above 1: lower the levels, or give another paths.seed"
+        )
 
 
 def contact_paths(vehicle: Vehicle, rate: float, gains: Sequence[float]) -> dict[tuple[int, int], Path]:

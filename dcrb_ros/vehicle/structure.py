@@ -14,10 +14,11 @@ from functools import cached_property
 import numpy as np
 
 from dcrb_ros.schema.arrays import Complexes, Floats
+from dcrb_ros.settings.parameters import STEEL_DENSITY
 from dcrb_ros.vehicle.description import JOURNAL_DISTANCE, WHEEL_DISTANCE, Vehicle
 
-ELASTICITY, DENSITY = 2.06e11, 7850.0
-"""Of steel [Pa], [kg/m^3]."""
+ELASTICITY = 2.06e11
+"""Of steel [Pa]."""
 BODY_DIAMETER, SEAT_DIAMETER, SEAT = 0.17, 0.13, 0.85
 """Diameters of the axle within and beyond the distance `SEAT` from its middle [m]."""
 WHEEL_MASS, WHEEL_INERTIA, DISC_MASS, DISC_INERTIA, BOX_MASS = 450.0, 25.0, 145.0, 3.0, 60.0
@@ -83,7 +84,7 @@ def wheelset() -> Wheelset:
     stiffness, mass = np.zeros((size, size)), np.zeros((size, size))
     for e, (a, b) in enumerate(itertools.pairwise(nodes)):
         h, diameter = b - a, SEAT_DIAMETER if abs(a + b) / 2 > SEAT else BODY_DIAMETER
-        bending, whole = ELASTICITY * math.pi * diameter**4 / 64, DENSITY * math.pi * diameter**2 / 4 * h
+        bending, whole = ELASTICITY * math.pi * diameter**4 / 64, STEEL_DENSITY * math.pi * diameter**2 / 4 * h
         part = slice(2 * e, 2 * e + 4)
         stiffness[part, part] += (
             bending

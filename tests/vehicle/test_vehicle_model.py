@@ -408,6 +408,18 @@ def test_paths_are_reciprocal_and_take_energy() -> None:
         bearing_paths(bogie(paths__same_side="-30, -6, -6, -6, -6", paths__diagonal="-6, -6, -6, -6, -6"), 102400.0)
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_drawn_paths_that_carry_more_energy_than_a_bearing_has_are_refused(seed: int) -> None:
+    loud = {
+        f"paths.{kind}": ", ".join([level] * 5) for kind, level in (("same_wheelset", "-6"), ("same_side", "-9.5"), ("diagonal", "-10"))
+    }
+    message = (
+        r"third octave at \d+ Hz, 1\.\d\d of the energy of the bearing of axle_\d\.\w+ .*: lower the levels, or give another paths\.seed$"
+    )
+    with pytest.raises(Refusal, match=message):
+        bearing_paths(read_vehicle("healthy_bogie", {**loud, "paths.seed": seed}), 102400.0)
+
+
 def test_drawn_paths_keep_their_bits() -> None:
     path = bearing_paths(bogie(paths__seed=3), 102400.0)[0, 1]
     # Of commit 584becef, which evaluated every resonance in each of the 60 steps.
