@@ -85,7 +85,7 @@ class VehicleModel:
         self._load_sections = _lowpass(2, LOAD_CUTOFF, 1.0 / self._interval)
         self._force_sections = _lowpass(4, FORCE_CUTOFF, 1.0 / self._interval)
         self._force_memory = np.zeros((len(self._force_sections), 2, count))
-        grids = [np.geomspace(low, high, 40) for low, high in itertools.pairwise(BANDS)]
+        grids = [np.geomspace(low, high, 40) for low, high in itertools.pairwise(BANDS[:3])]
         gains = [math.sqrt(float(np.mean([abs(structure.response(f)[0, 0]) ** 2 for f in grid]))) for grid in grids]
         self._bearing_paths = Paths(bearing_paths(vehicle, self.rate), count, 2)
         self._contact_paths = Paths(contact_paths(vehicle, self.rate, gains), count, 1)
@@ -111,13 +111,12 @@ class VehicleModel:
         behind = settled * TICKS * self._interval * self.targets["speed"]
         self._speed, self._place = self.targets["speed"], -behind
         self._angle = np.array([-behind * (1.0 + axle.creep - axle.slide) / axle.radius for axle in vehicle.axles])
-        self._frames = -settled
         self._rolled = -settled
         """Frame that the next call of `_roll` gives."""
         self._next = self._roll()
         for _ in range(settled):
             self._before, self._next = self._next.outputs[-BEFORE:], self._roll()
-        self._frames = 0
+        self._jerked, self._kinks = self._contacts(self._next)
 
     def _connect(self) -> None:
         """Choose the inputs of the structure: contacts and gears, and the wheels if one has an unbalance."""
@@ -154,12 +153,13 @@ class VehicleModel:
 
     def plan(self) -> Plan:
         """Return the next frame; commands given before act from its end on."""
-        now, first = self._next, self._frames * FRAME
+        now, jerked, kinks = self._next, self._jerked, self._kinks
         self._next = self._roll()
+        self._jerked, self._kinks = self._contacts(self._next)
         motion = between_ticks(np.vstack([self._before, now.outputs, self._next.outputs[:AHEAD]]), self._weights)
         self._before = now.outputs[-BEFORE:]
-        events = sorted([*now.slides, *self._add_contacts(now, motion, first)], key=lambda event: (event.time, event.box))
-        self._frames += 1
+        self._contact_paths.add(jerked, motion[:, None])
+        events = sorted([*now.slides, *kinks], key=lambda event: (event.time, event.box))
         speed, place = float(now.speed[0]), float(now.place[0])
         return Plan(self.shaft_speed(), self.load(), motion, speed, place, now.creep[:, 0].copy(), tuple(events))
 
@@ -243,9 +243,12 @@ class VehicleModel:
         self._slide = before + np.clip(self.slides - before, -step, step)
         return events, self._creep - (before[:, None] + (self._slide - before)[:, None] * (np.arange(TICKS + 1) / TICKS))
 
-    def _add_contacts(self, now: Rolling, motion: Floats, first: int) -> list[TrackEvent]:
-        """Add to ``motion`` what the paths make of roughness and kinks beyond the structure's modes; return the kinks."""
-        vehicle, ticks, count = self.vehicle, np.arange(TICKS + 1), len(self.vehicle.axles)
+    def _contacts(self, now: Rolling) -> tuple[Floats, list[TrackEvent]]:
+        """Return the motion of the contacts in the frame that was rolled last, shape (boxes, 1, `FRAME`) [m/s^2], and the kinks in it.
+
+        The structure and the drawn paths carry the same frame on the same wheels, so that it is computed before these change.
+        """
+        vehicle, ticks, count, first = self.vehicle, np.arange(TICKS + 1), len(self.vehicle.axles), (self._rolled - 1) * FRAME
         speed, place, *each = along_lines(np.vstack([now.speed, now.place, now.angle, now.creep]), TICK)
         at, turning = positions(np.array(each[:count])), speed * (1.0 + np.array(each[count:]))
         places = (place + self._behind).ravel()
@@ -272,8 +275,7 @@ class VehicleModel:
                 jerked[j, step + 1] += share * height * self.rate
                 events.append(TrackEvent((first + tick * TICK) / self.rate, where, box.name, cause, height))
         self._next_jump = jerked[:, FRAME].copy()
-        self._contact_paths.add(np.ascontiguousarray(jerked[:, None, :FRAME]), motion[:, None])
-        return events
+        return np.ascontiguousarray(jerked[:, None, :FRAME]), events
 
 
 def _columns(before: Complexes, after: Complexes, direct: Floats, inputs: list[int]) -> tuple[Complexes, Complexes, Floats]:

@@ -18,7 +18,7 @@ from scipy.signal import butter, sosfiltfilt
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.vehicle.description import Track, Vehicle, Wheel
 from dcrb_ros.vehicle.file import read_vehicle, vehicle_of
-from dcrb_ros.vehicle.frame import FRAME, TICK, TrackEvent
+from dcrb_ros.vehicle.frame import FRAME, TICK, Plan, TrackEvent
 from dcrb_ros.vehicle.loads import quasi_static
 from dcrb_ros.vehicle.model import AHEAD, BEFORE, VehicleModel, tick_weights
 from dcrb_ros.vehicle.paths import BANDS, Paths, bearing_paths, contact_paths
@@ -362,6 +362,25 @@ def test_a_flat_strikes_with_the_jump_of_both_regimes(kmh: float, expected: floa
     peak = 20.0 * np.log10(abs(lowpass(motion, 1000.0, 102400.0)).max(axis=1))
     assert peak[1] - peak[0] == pytest.approx(-8.0, abs=2.0)
     assert peak[2] - peak[0] == pytest.approx(-13.0, abs=3.5)
+
+
+def test_a_wheel_that_changes_acts_on_structure_paths_and_events_from_the_same_frame_on() -> None:
+    time = [event.time for event in run(smooth(axle_1__left__wheel__flat=0.04), 0.2)[2]][1]
+    struck = int(time * 102400.0) // FRAME
+
+    def strike(before: int) -> Plan:
+        """Return the frame of the strike, with the flat given before another frame is planned."""
+        model = VehicleModel(smooth())
+        for number in range(struck + 1):
+            if number == before:
+                model.wear(0, Wheel(flat=0.04))
+            plan = model.plan()
+        return plan
+
+    late = strike(struck)  # the frame was rolled before
+    assert not late.events
+    assert not late.motion[:, : FRAME - AHEAD * TICK].any()
+    assert [event.time for event in strike(struck - 1).events] == pytest.approx([time])
 
 
 def test_bearings_are_heard_with_the_levels_of_the_file() -> None:
