@@ -132,11 +132,10 @@ def add_path(sections: Floats, delays: Floats, memory: Floats, known: Floats, le
     """Add a source after the resonances of a path to ``target``, shape (steps,).
 
     Each of ``sections``, shape (resonances, 3), is a resonance gain (u[n] - u[n-2]) / (1 - a1 z^-1 - a2 z^-2) of the source some ``delays``
-    ago [steps]. ``known`` is the source with its last ``lead`` samples before; ``memory``, shape (resonances, 2), is updated. Four
-    resonances are computed at once to use the pipelines of the processor; they are added in their order.
+    ago [steps]. ``known`` is the source with its last ``lead`` samples before; ``memory``, shape (resonances, 2), is updated. The
+    number of resonances is a multiple of four. Four are computed at once to use the pipelines of the processor, and added in their order.
     """
-    whole = sections.shape[0] - sections.shape[0] % 4
-    for k in range(0, whole, 4):
+    for k in range(0, sections.shape[0], 4):
         ga, a1, a2 = sections[k]
         gb, b1, b2 = sections[k + 1]
         gc, c1, c2 = sections[k + 2]
@@ -160,18 +159,6 @@ def add_path(sections: Floats, delays: Floats, memory: Floats, known: Floats, le
         memory[k + 1, 0], memory[k + 1, 1] = fb, sb
         memory[k + 2, 0], memory[k + 2, 1] = fc, sc
         memory[k + 3, 0], memory[k + 3, 1] = fd, sd
-    for k in range(whole, sections.shape[0]):
-        gain, a1, a2 = sections[k]
-        first, second = memory[k]
-        start = lead - int(delays[k])
-        for n in range(target.shape[0]):
-            at = start + n
-            value = gain * (known[at] - known[at - 2]) + a1 * first + a2 * second
-            second = first
-            first = value
-            target[n] += value
-        memory[k, 0] = first
-        memory[k, 1] = second
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -160,12 +160,8 @@ class Rails:
                 )
             self._corrugation = wavelength, amplitude, side
 
-    def displacement(self, place: Floats, side: int) -> Floats:
-        """Return the height of the left (1) or right (-1) rail at places [m]."""
-        return self.displacements(place, (side,))[side]
-
     def displacements(self, place: Floats, sides: Sequence[int]) -> dict[int, Floats]:
-        """Return the heights of rails at places [m] by side; both rails share the irregularity."""
+        """Return the heights of the left (1) and right (-1) rail at places [m] by side; both share the irregularity."""
         both = tuple(part.at(place) for part in self._irregularity) if self._irregularity is not None else None
         return {side: self._displacement(place, side, both) for side in sides}
 

@@ -143,7 +143,7 @@ def test_rails_share_the_vertical_irregularity_and_lean_to_either_side() -> None
     pair, place = irregularity(track), np.linspace(0.0, 300.0, 1000)
     assert pair is not None
     vertical, cross = (part.at(place) for part in pair)
-    left, right = (Rails(track).displacement(place, side) for side in (1, -1))
+    left, right = (Rails(track).displacements(place, (side,))[side] for side in (1, -1))
     assert 0.5 * (left + right) == pytest.approx(vertical, abs=1e-12)
     assert 0.5 * (left - right) == pytest.approx(cross, abs=1e-12)
 
@@ -159,17 +159,17 @@ def test_a_random_function_has_its_spectrum_across_pages() -> None:
 @given(st.floats(100.0, 3000.0), st.floats(0.1, 50.0))
 def test_the_track_is_the_same_in_any_order_and_direction(start: float, length: float) -> None:
     place = np.linspace(start, start + length, 500)
-    forwards = Rails(Track(joint_spacing=25.0)).displacement(place, 1)
+    forwards = Rails(Track(joint_spacing=25.0)).displacements(place, (1,))[1]
     other = Rails(Track(joint_spacing=25.0))
-    other.displacement(np.array([5000.0]), 1)
-    backwards = np.concatenate([other.displacement(part, 1) for part in np.array_split(place[::-1], 3)])[::-1]
+    other.displacements(np.array([5000.0]), (1,))
+    backwards = np.concatenate([other.displacements(part, (1,))[1] for part in np.array_split(place[::-1], 3)])[::-1]
     assert np.array_equal(forwards, backwards)
 
 
 def test_the_curvature_of_a_rail_is_that_of_its_roughness_and_has_shorter_waves() -> None:
     rails, step = Rails(Track(spectrum="none")), 5e-4
     place = np.arange(300.0, 310.0, step)
-    bent = np.gradient(np.gradient(rails.displacement(place, 1), step), step)
+    bent = np.gradient(np.gradient(rails.displacements(place, (1,))[1], step), step)
     curvature = rails.curvature(place, 1)
     smoothed = [gaussian_filter1d(values, 60)[500:-500] for values in (bent, curvature)]
     assert np.corrcoef(*smoothed)[0, 1] > 0.999
