@@ -137,7 +137,10 @@ class VehicleReproduction(RunReproduction[VehicleSimulation, VehicleBlock]):
 
     def simulation(self) -> VehicleSimulation:
         """Return the vehicle at the start of the run."""
-        return simulation_of(self._recording.parameters, str(self.path), self._recording.scenario, f"{self.path}: scenario")
+        recorded = {name: box.configuration for name, box in self._recording.boxes.items()}
+        return simulation_of(
+            self._recording.parameters, str(self.path), self._recording.scenario, f"{self.path}: scenario", recorded=recorded
+        )
 
     def recorder(self, path: Path, simulation: VehicleSimulation) -> VehicleRecorder:
         """Return the recorder of the vehicle."""

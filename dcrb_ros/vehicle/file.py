@@ -117,8 +117,13 @@ def layered(tree: Mapping[str, Any], settings: Sequence[str] | Mapping[str, Any]
     return flat
 
 
-def vehicle_of(flat: Mapping[str, Any], source: str) -> Vehicle:
+def vehicle_of(flat: Mapping[str, Any], source: str, recorded: Mapping[str, Configuration] | None = None) -> Vehicle:
     """Return the vehicle that parameters by dotted keys describe.
+
+    Args:
+        flat: the parameters.
+        source: the vehicle's name in error messages.
+        recorded: the configuration of each box in a recording of the vehicle, which replace the benches that its parameters name.
 
     Raises:
         Refusal: a name is unknown, or a value is out of range or does not fit the others.
@@ -136,7 +141,7 @@ def vehicle_of(flat: Mapping[str, Any], source: str) -> Vehicle:
         parts += [(f"{name}.{side}", number, side, given) for side, given in sides.items()]
     _check_wheelsets(source, axles, [axle for _, axle, _, _ in parts], groups["track"])
     journey: Journey = groups["vehicle"]
-    bench = load_configuration(journey.bench)
+    bench = next(iter(recorded.values())) if recorded else _bench(source, "vehicle.bench", journey.bench)
     _check_run(source, bench, common)
     bare = tuple(Box(name, axle, 1 if side == SIDES[0] else -1, bench, Wheel()) for name, axle, side, _ in parts)
     vehicle = Vehicle(journey, groups["body"], groups["frame"], groups["suspension"], groups["track"], groups["paths"], tuple(axles), bare)
@@ -146,7 +151,7 @@ def vehicle_of(flat: Mapping[str, Any], source: str) -> Vehicle:
     for box, (name, _, _, given), (x, y) in zip(bare, parts, loads, strict=True):
         axle = axles[box.axle]
         turning = speed * (1.0 + axle.creep - axle.slide) / axle.radius
-        configuration, wheel, swapped = _box(source, name, {**common, **given}, journey, turning, axle.radius, x, -y)
+        configuration, wheel, swapped = _box(source, name, {**common, **given}, recorded, journey, turning, axle.radius, x, -y)
         boxes.append(Box(name, box.axle, box.side, configuration, wheel, swapped))
         if wheel.defective and [each.axle for each in bare].count(box.axle) == 1:
             raise Refusal(f"{source}: {axle.name} {ONE_BOX}")
@@ -257,8 +262,24 @@ def _axle(source: str, name: str, given: Any) -> tuple[Axle, dict[str, Mapping[s
     return Axle(name, values["x"], values["radius"], values["creep"], values["slide"], **drive), boxes
 
 
+def _bench(source: str, key: str, name: str) -> Configuration:
+    """Return the configuration that a key names."""
+    try:
+        return load_configuration(name)
+    except Refusal as refusal:
+        raise Refusal(f"{source}: {key}: {refusal}") from None
+
+
 def _box(
-    source: str, name: str, given: Mapping[str, Any], journey: Journey, shaft_speed: float, radius: float, x: float, load: float
+    source: str,
+    name: str,
+    given: Mapping[str, Any],
+    recorded: Mapping[str, Configuration] | None,
+    journey: Journey,
+    shaft_speed: float,
+    radius: float,
+    x: float,
+    load: float,
 ) -> tuple[Configuration, Wheel, str]:
     """Return configuration and wheel of a box, and the box whose accelerometer is connected to its channel."""
     flat = flatten(given)
@@ -273,7 +294,9 @@ def _box(
     for key in flat:
         if owner := made_by_vehicle(key):
             raise Refusal(f"{source}: {name}.{key} would count twice: it follows from {owner}")
-    own = load_configuration(bench)
+    if recorded:  # the parameters are in it
+        return recorded[name], validated(as_floats(wheel, Wheel), Wheel, f"{source}: {name}: wheel"), swapped
+    own = _bench(source, f"{name}.bench", bench)
     twice = [key for key in own.background.described() if key not in OWN_BACKGROUND]
     if twice:
         raise Refusal(f"{source}: the bench '{bench}' of {name} has background.{twice[0]}, which the vehicle makes: choose another bench")

@@ -55,7 +55,14 @@ class _Stepped(NamedTuple):
     """Angle of the shaft in each box that has not failed [rad]."""
 
 
-def simulation_of(parameters: Mapping[str, Any], source: str, tree: Any = None, scenario: str = "scenario") -> VehicleSimulation:
+def simulation_of(
+    parameters: Mapping[str, Any],
+    source: str,
+    tree: Any = None,
+    scenario: str = "scenario",
+    *,
+    recorded: Mapping[str, Configuration] | None = None,
+) -> VehicleSimulation:
     """Return the simulation of a vehicle.
 
     Args:
@@ -63,11 +70,12 @@ def simulation_of(parameters: Mapping[str, Any], source: str, tree: Any = None, 
         source: the vehicle's name in error messages.
         tree: a scenario as parsed from YAML; None for a run without changes.
         scenario: the scenario's name in error messages.
+        recorded: the configurations of the boxes in a recording, which replace their benches; see `dcrb_ros.vehicle.file.vehicle_of`.
 
     Raises:
         Refusal: a parameter or a change of the scenario is invalid.
     """
-    vehicle = vehicle_of(parameters, source)
+    vehicle = vehicle_of(parameters, source, recorded)
     return VehicleSimulation(vehicle, None if tree is None else vehicle_scenario(tree, vehicle, scenario))
 
 

@@ -365,7 +365,8 @@ def test_a_run_in_which_every_channel_is_silent_ends_with_a_sentence(monkeypatch
         ),
         ({"axle_1.left.operating.load": 5e4}, "would count twice"),
         ({"axle_1.left.background.track_level": 5.0}, "would count twice"),
-        ({"axle_1.left.bench": "nothing"}, "there is no configuration 'nothing'"),
+        ({"axle_2.left.bench": "outer_ring_defct"}, r"^mine\.yaml: axle_2\.left\.bench: there is no configuration 'outer_ring_defct'"),
+        ({"vehicle.bench": "nothing"}, r"^mine\.yaml: vehicle\.bench: there is no configuration 'nothing'"),
         ({"axle_1.left.sensor.sampling_rate": 25600}, "differ in sensor.sampling_rate"),
         ({"axle_1.left.thermal.acceleration": 100.0}, "differ in thermal.acceleration"),
         ({"vehicle.speed_kmh": 1.0}, "speed_kmh = 1"),
@@ -530,6 +531,23 @@ def test_a_recording_is_simulated_again_with_its_commands(run: Path, capsys: pyt
     assert about["boxes"].keys() == set(BOXES)
     assert dcrb("simulate", "--from", str(run / "axle_1.left"), "--quiet") == 2
     assert "is a box of the vehicle in" in capsys.readouterr().err
+
+
+def test_a_recording_is_simulated_again_without_the_file_of_its_bench(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (bench,) = [path for path in shipped("configuration").values() if path.stem == "dry"]
+    Path("my.yaml").write_text(bench.read_text())
+    benches = ("--set", "vehicle.bench=my.yaml", "--set", "axle_1.left.faults.outer_1.width=0.003")
+    assert dcrb("simulate", "--vehicle", "healthy_bogie", *benches, "-o", "run", "--duration", "0.04", "--quiet") == 0
+    recording = VehicleRecording("run")
+    again = VehicleReproduction(recording).simulation().vehicle
+    assert again == vehicle_of(recording.parameters, "test")
+    Path("my.yaml").unlink()
+    capsys.readouterr()
+    assert dcrb("simulate", "--from", "run", "--quiet") == 0
+    assert "the same samples in 4 boxes" in capsys.readouterr().out
 
 
 def test_commands_of_one_time_are_given_again_together_and_in_their_order() -> None:
