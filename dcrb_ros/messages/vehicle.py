@@ -106,11 +106,11 @@ def encode_vehicle_truth(truth: VehicleTruth) -> bytes:
     said = GIVEN + json.dumps(truth.commands) if truth.commands else ""
     statuses = [Status("vehicle", OK, said, run)]
     for name, load in truth.load.items():
-        silent = name in truth.silent
         own, others, track = truth.parts[name]
         values = {"load [N]": load, "own_bearing [m/s^2]": own, "other_bearings [m/s^2]": others, "track_and_wheels [m/s^2]": track}
         words = {key: repr(value) for key, value in values.items()}
-        statuses.append(Status(box_path(name), ERROR if silent else OK, "its model failed: silent" if silent else "", words))
+        silent = f"{truth.silent[name]}: silent" if name in truth.silent else ""
+        statuses.append(Status(box_path(name), ERROR if silent else OK, silent, words))
     for number, event in enumerate(truth.events):
         about = {key: value for key, value in dataclasses.asdict(event).items() if key != "cause"}
         words = {key: box_path(value) if isinstance(value, str) else repr(value) for key, value in about.items()}

@@ -28,8 +28,8 @@ class VehicleTruth:
     """Share by which each wheelset turned faster than it rolled at the start of the last frame; below zero in a slide [-]."""
     events: tuple[TrackEvent, ...]
     """Joints, crossings and flats that wheels met, and slides that began or ended."""
-    silent: tuple[str, ...]
-    """Boxes whose model failed."""
+    silent: Mapping[str, str]
+    """Boxes that are silent, and why: their model failed, or their sensor is swapped with that of a box whose model failed."""
     commanded: Mapping[str, float] = field(default_factory=dict)
     """The commands in effect at the start of the block, by the names of `RANGES`."""
     commands: tuple[tuple[str, Any], ...] = ()

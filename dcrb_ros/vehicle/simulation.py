@@ -143,7 +143,7 @@ class VehicleSimulation:
         """The simulation of each box."""
         self._threads = min(threads or os.cpu_count() or 1, len(vehicle.boxes))
         self._steps = self._samples = 0
-        self._silent: dict[str, str] = {}
+        self._failed: dict[str, str] = {}
         self._plan: Plan
         self._parts: Floats
 
@@ -177,7 +177,7 @@ class VehicleSimulation:
             A key names no box or wheelset, belongs to the vehicle or cannot change, or a box has failed or refuses the change; nothing is
             changed.
         """
-        self._requests.change(changes, {name: box for name, box in self.simulations.items() if name not in self._silent})
+        self._requests.change(changes, {name: box for name, box in self.simulations.items() if name not in self._failed})
 
     def blocks(self, duration: float | None = None) -> Iterator[VehicleBlock]:
         """Yield blocks until ``duration`` [s] of samples is reached, endlessly without one.
@@ -204,6 +204,7 @@ class VehicleSimulation:
     def _block(self, pool: ThreadPoolExecutor, size: int) -> VehicleBlock:
         began, events = self.time_ns, list[TrackEvent]()
         commands = self._requests.apply()
+        commanded = dict(self._requests.commanded)
         for simulation in self._running.values():
             simulation.prepare(size)
         frames = self._step(pool, max(simulation.steps_of(size) for simulation in self._running.values()))
@@ -224,8 +225,8 @@ class VehicleSimulation:
             {name: (float(level[j, 0]), float(level[j, 1]), float(level[j, 2])) for j, name in enumerate(names)},
             {axle.name: float(present.creep[p]) for p, axle in enumerate(self.vehicle.axles)},
             tuple(events),
-            tuple(self._silent),
-            dict(self._requests.commanded),
+            dict.fromkeys(self._failed, "its model failed") | self._swapped,
+            commanded,
             commands,
         )
         return VehicleBlock(boxes, truth, self.time_ns)
@@ -243,7 +244,7 @@ class VehicleSimulation:
             block, other = boxes[box.name], boxes[box.swapped_with or box.name]
             connected[box.name] = block if other is block else replace(block, **{name: getattr(other, name) for name in MEASURED})
         if not connected:
-            raise ModelFailure(f"every box has failed, or is swapped with one that has: {'; '.join(self._silent.values())}")
+            raise ModelFailure(f"every box has failed, or is swapped with one that has: {'; '.join(self._failed.values())}")
         return connected
 
     def worn(self) -> dict[str, Any]:
@@ -252,15 +253,21 @@ class VehicleSimulation:
 
     @property
     def silent(self) -> Mapping[str, str]:
-        """Boxes whose model failed, and why."""
-        return dict(self._silent)
+        """Boxes that are silent, and why: their model failed, or their sensor is swapped with that of a box whose model failed."""
+        return self._failed | {name: f"{name}: {reason}" for name, reason in self._swapped.items()}
+
+    @property
+    def _swapped(self) -> dict[str, str]:
+        """Boxes that are silent although their model runs, and why."""
+        silent = (box for box in self.vehicle.boxes if box.swapped_with in self._failed and box.name not in self._failed)
+        return {box.name: f"its sensor is swapped with that of {box.swapped_with}" for box in silent}
 
     @property
     def _running(self) -> dict[str, Simulation]:
         """Boxes whose model has not failed."""
-        running = {name: simulation for name, simulation in self.simulations.items() if name not in self._silent}
+        running = {name: simulation for name, simulation in self.simulations.items() if name not in self._failed}
         if not running:
-            raise ModelFailure(f"the models of all boxes failed: {'; '.join(self._silent.values())}")
+            raise ModelFailure(f"the models of all boxes failed: {'; '.join(self._failed.values())}")
         return running
 
     def _step(self, pool: ThreadPoolExecutor, end: int) -> list[_Stepped]:
@@ -310,7 +317,7 @@ class VehicleSimulation:
             except ModelFailure as failure:
                 if self.vehicle.journey.on_failure == "stop":
                     raise ModelFailure(f"{name}: {failure}") from None
-                self._silent[name] = f"{name}: {failure}"
+                self._failed[name] = f"{name}: {failure}"
         return _Stepped(plan, ring, angles)
 
     def _sense(self, pool: ThreadPoolExecutor, frames: Sequence[_Stepped], motions: Sequence[Floats]) -> None:

@@ -128,7 +128,7 @@ def truth(**changes: Any) -> VehicleTruth:
         "parts": {"axle_1.left": (3.0, 2.0, 1.0)},
         "creep": {"axle_1": 0.0},
         "events": (TrackEvent(0.0412, 25.0, "axle_1.left", "joint", 0.24),),
-        "silent": (),
+        "silent": {},
         "commanded": {"speed_kmh": 108.0},
     }
     return VehicleTruth(**{**about, **changes})
@@ -144,8 +144,10 @@ def test_the_truth_names_boxes_levels_and_events() -> None:
         "axle_1/left",
         "25.0",
     )
-    (silent,) = (s for s in decode_diagnostics(encode_vehicle_truth(truth(silent=("axle_1.left",))))[1] if s.name == "axle_1/left")
-    assert silent.level == ERROR
+    reason = "its sensor is swapped with that of axle_2.left"
+    _, statuses = decode_diagnostics(encode_vehicle_truth(truth(silent={"axle_1.left": reason})))
+    (silent,) = (status for status in statuses if status.name == "axle_1/left")
+    assert (silent.level, silent.message) == (ERROR, f"{reason}: silent")
 
 
 @given(st.lists(st.tuples(st.text(min_size=1), st.one_of(st.floats(allow_nan=False, allow_infinity=False), st.text())), max_size=5))

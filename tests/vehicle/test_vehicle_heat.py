@@ -118,7 +118,7 @@ def test_boxes_of_a_wheelset_are_each_other_s_neighbour() -> None:
 def test_a_box_that_failed_heats_its_neighbour_no_longer() -> None:
     simulation = VehicleSimulation(read_vehicle("healthy_bogie", {**SMOOTH, **NETWORK, "vehicle.on_failure": "continue"}))
     next(simulation.blocks(0.02))
-    simulation._silent["axle_1.left"] = "axle_1.left: the model failed on purpose"
+    simulation._failed["axle_1.left"] = "axle_1.left: the model failed on purpose"
     next(simulation.blocks(0.02))
     opposite = {name: box._heating.surroundings.opposite for name, box in simulation.simulations.items() if name != "axle_1.left"}
     assert [name for name, temperatures in opposite.items() if temperatures is None] == ["axle_1.right"]

@@ -303,19 +303,21 @@ def test_a_box_that_fails_ends_the_run_after_its_earlier_blocks(monkeypatch: pyt
 
 
 @pytest.mark.parametrize(
-    ("swapped", "left"),
-    [
-        ({}, {"axle_1.left", "axle_1.right", "axle_2.right"}),
-        ({"axle_1.right.sensor.swapped_with": "axle_2.left"}, {"axle_1.left", "axle_2.right"}),
-    ],
+    ("swapped", "partner"),
+    [({}, {}), ({"axle_1.right.sensor.swapped_with": "axle_2.left"}, {"axle_1.right": "its sensor is swapped with that of axle_2.left"})],
 )
-def test_the_others_go_on_where_the_file_asks_for_it(swapped: dict[str, str], left: set[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_others_go_on_where_the_file_asks_for_it(
+    swapped: dict[str, str], partner: dict[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     simulation = bogie({"vehicle.on_failure": "continue"}, swapped)
     monkeypatch.setattr(Simulation, "step_to", failing(Simulation.step_to, simulation.simulations["axle_2.left"], 6000))
     blocks = list(simulation.blocks(DURATION))
     assert set(blocks[0].boxes) == {"axle_1.left", "axle_1.right", "axle_2.left", "axle_2.right"}
-    assert set(blocks[-1].boxes) == left
-    assert blocks[-1].truth.silent == ("axle_2.left",)
+    assert set(blocks[-1].boxes) == {"axle_1.left", "axle_1.right", "axle_2.right"} - partner.keys()
+    assert blocks[-1].truth.silent == {"axle_2.left": "its model failed", **partner}
+    assert simulation.silent.keys() == blocks[-1].truth.silent.keys()
+    for name, reason in partner.items():
+        assert simulation.silent[name] == f"{name}: {reason}"
     with pytest.raises(Refusal, match=r"axle_2\.left: its model failed"):
         simulation.change({"axle_2.left.faults.outer_1.width": 0.002, "axle_2.right.faults.outer_1.width": 0.002})
     simulation.change({"axle_2.right.faults.outer_1.width": 0.002})

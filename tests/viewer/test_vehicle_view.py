@@ -121,7 +121,7 @@ def truth(number: int) -> bytes:
             dict.fromkeys(boxes, (1.0, 2.0, 3.0)),
             {"axle_1": 0.0, "axle_2": 0.0},
             (event,),
-            (),
+            {},
         )
     )
 
