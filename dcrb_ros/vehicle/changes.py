@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -10,7 +10,7 @@ from dcrb_ros.schema.numbers import finite_number
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.files import validated
 from dcrb_ros.vehicle.description import Vehicle, Wheel, orders
-from dcrb_ros.vehicle.file import MOST_SLIDING, ONE_BOX, SHARE, SWAPPED, as_floats, made_by_vehicle
+from dcrb_ros.vehicle.file import DRIVE, GROUPS, MOST_SLIDING, ONE_BOX, PLACES, RUN, SHARE, SWAPPED, as_floats, made_by_vehicle
 
 RANGES = {
     "speed_kmh": (5.0, 300.0, "km/h"),
@@ -20,6 +20,8 @@ RANGES = {
     "brake": (0.0, 1.5, "m/s^2"),
 }
 """Commands, their ranges and units."""
+FIXED = "cannot change during a run: give it in the vehicle's file"
+"""Why a parameter is refused."""
 
 
 def checked_command(name: str, value: Any, where: str = "", end: str = "") -> float:
@@ -51,10 +53,11 @@ class VehicleChanges:
     slides: dict[str, float] = field(default_factory=dict)
     """Share by which a wheelset is to slide [-]."""
 
-    @property
-    def of_model(self) -> bool:
-        """Whether they change wheels or slides, which the model of the vehicle has."""
-        return bool(self.wheels or self.slides)
+
+def of_model(key: str) -> bool:
+    """Return whether the key of a valid change names a wheel or a slide, which the model of the vehicle has, not a parameter of a box."""
+    parts = key.split(".")
+    return len(parts) == 2 or parts[2] == "wheel"
 
 
 def sorted_changes(vehicle: Vehicle, wheels: Mapping[str, Wheel], changes: Mapping[str, Any], where: str = "") -> VehicleChanges:
@@ -79,16 +82,13 @@ def sorted_changes(vehicle: Vehicle, wheels: Mapping[str, Wheel], changes: Mappi
             sorted_.slides[axle] = slide
             continue
         if name not in names or not parameter:
-            known = [*names, *(f"{axle}.slide" for axle in axles)]
-            raise Refusal(f"{where}'{key}' names no box{nearest(name, known)} (known: {', '.join(known)})")
-        owner = made_by_vehicle(parameter)
-        if owner:
-            raise Refusal(f"{where}'{key}' belongs to the vehicle: it follows from {owner}; command {', '.join(RANGES)}")
+            raise Refusal(f"{where}'{key}' {_beside_boxes(key, names, axles)}")
+        check_own(parameter, f"{where}'{key}'")
         if parameter == "wheel":
             defects = ", ".join(f"{key}.{defect}" for defect in Wheel.model_fields)
             raise Refusal(f"{where}'{key}' is a group of parameters: give one of {defects}")
         if parameter in (SWAPPED, "bench"):
-            raise Refusal(f"{where}'{key}' cannot change during a run: give it in the vehicle's file")
+            raise Refusal(f"{where}'{key}' {FIXED}")
         if parameter.startswith("wheel."):
             worn.setdefault(name, {})[parameter.removeprefix("wheel.")] = value
         else:
@@ -101,3 +101,28 @@ def sorted_changes(vehicle: Vehicle, wheels: Mapping[str, Wheel], changes: Mappi
         if wheel.defective and sum(box.startswith(f"{axle}.") for box in names) == 1:
             raise Refusal(f"{where}{name}.wheel: {axle} {ONE_BOX}")
     return sorted_
+
+
+def check_own(parameter: str, said: str) -> None:
+    """Refuse a parameter of a box that it cannot have of its own; ``said`` begins the refusal."""
+    owner = made_by_vehicle(parameter)
+    if owner:
+        moving = parameter.partition(".")[0] == "operating"
+        remedy = f"command {', '.join(RANGES)}" if moving else "change the wheel of the box, or give track and gear in the vehicle's file"
+        raise Refusal(f"{said} belongs to the vehicle: it follows from {owner}; {remedy}")
+    if parameter.startswith(RUN):
+        raise Refusal(f"{said} belongs to the whole vehicle: give {parameter} beside the group vehicle in its file")
+
+
+def _beside_boxes(key: str, names: Sequence[str], axles: Sequence[str]) -> str:
+    """Return why a key that is neither a parameter of a box nor a slide is refused."""
+    group, _, rest = key.partition(".")
+    if key in names:
+        return f"is a box: give one of its parameters, such as {key}.faults.outer_1.width"
+    if group == "vehicle" and rest in RANGES:
+        return f"is a command: give it as {rest} to command"
+    of_axle = {*PLACES, *(f"{part}.{name}" for part, model in DRIVE.items() for name in model.model_fields)}
+    if rest in (of_axle if group in axles else GROUPS[group].model_fields if group in GROUPS else ()):
+        return FIXED
+    name, known = ".".join(key.split(".")[:2]), [*names, *(f"{axle}.slide" for axle in axles)]
+    return f"names no box{nearest(name, known)} (known: {', '.join(known)})"

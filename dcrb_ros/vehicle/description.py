@@ -38,7 +38,7 @@ class Journey(Group):
     speed_kmh: float = quantity(120.0, "km/h", "Speed at the start; a vehicle always moves", 5.0, 300.0)
     ramp: float = quantity(0.5, "m/s^2", "Rate at which a commanded speed is approached", 0.01, 3.0)
     curvature: float = quantity(0.0, "1/m", "Curvature of the track, positive to the left", -0.01, 0.01)
-    cant: float = length(0.0, "Height of the outer rail over the inner one", 0.0, 0.18)
+    cant: float = length(0.0, "Height of the outer rail over the inner one; it acts in a curve only", 0.0, 0.18)
     brake: float = quantity(0.0, "m/s^2", "Deceleration by the brakes that loads the boxes along the track", 0.0, 1.5)
     wind: float = quantity(0.0, "N", "Force of the wind on the side of the vehicle, positive to the left", -1e5, 1e5)
     on_failure: Literal["stop", "continue"] = Field(

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 
 from dcrb_ros.core.layout.state import TARGET_SPEED, TARGET_X, TARGET_Y, State
 from dcrb_ros.core.payload import Payload
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import flatten
 from dcrb_ros.settings.parameters import Operating
 from dcrb_ros.simulation.drive import Drive
+from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.vehicle.changes import check_own
 from dcrb_ros.vehicle.frame import FRAME
 
 ROUNDING = 1.0 + 1e-9
@@ -42,3 +49,21 @@ class GuidedDrive(Drive):
     def with_ramps(self, payload: Payload, operating: Operating, present: float) -> Payload:
         """Return a payload with the ramps of the present frame."""
         return payload._replace(speed_ramp=present, load_ramp=self._load_ramp)
+
+
+class GuidedSimulation(Simulation):
+    """The simulation of a box of a vehicle, which refuses commands and changes of what the vehicle gives it."""
+
+    def command_speed(self, speed: float) -> None:
+        """Refuse the command."""
+        raise Refusal(f"speed = {speed} rad/s is refused, as the speed of a box follows from the vehicle: command its speed_kmh")
+
+    def command_load(self, x: float, y: float) -> None:
+        """Refuse the command."""
+        remedy = "command its curvature, cant, wind or brake"
+        raise Refusal(f"force = {x}, {y} N is refused, as the load of a box follows from the vehicle: {remedy}")
+
+    def _altered(self, changes: Mapping[str, Any], configuration: Configuration | None = None) -> Configuration:
+        for key in flatten(changes):
+            check_own(key, f"'{key}'")
+        return super()._altered(changes, configuration)

@@ -14,7 +14,7 @@ from dcrb_ros.schema.arguments import keyed
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.pending import MAX_PENDING
-from dcrb_ros.vehicle.changes import RANGES, checked_command, sorted_changes
+from dcrb_ros.vehicle.changes import RANGES, checked_command, of_model, sorted_changes
 from dcrb_ros.vehicle.description import Vehicle
 from dcrb_ros.vehicle.loads import check_loads
 from dcrb_ros.vehicle.model import VehicleModel
@@ -67,7 +67,7 @@ class VehicleRequests:
         # A recording contains the values as Python prints them.
         changes = {key: value.item() if isinstance(value, np.generic) else value for key, value in keyed("changes", changes).items()}
         asked = sorted_changes(self._vehicle, self._wheels, changes)
-        model = {key: value for key, value in changes.items() if sorted_changes(self._vehicle, self._wheels, {key: value}).of_model}
+        model = {key: value for key, value in changes.items() if of_model(key)}
         with self._lock:
             if model:
                 self._check_room()

@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+from dcrb_ros.measurement.stages.machine_background import MachineBackgroundParameters
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import flatten
 from dcrb_ros.simulation.scenario import (
@@ -23,9 +24,9 @@ from dcrb_ros.simulation.scenario import (
     planned_changes,
     timeline_entries,
 )
-from dcrb_ros.vehicle.changes import RANGES, checked_command, sorted_changes
+from dcrb_ros.vehicle.changes import RANGES, checked_command, of_model, sorted_changes
 from dcrb_ros.vehicle.description import Vehicle
-from dcrb_ros.vehicle.file import layered
+from dcrb_ros.vehicle.file import layered, vehicle_of
 from dcrb_ros.vehicle.frame import FRAME
 from dcrb_ros.vehicle.loads import check_loads
 
@@ -61,15 +62,30 @@ class VehicleScenario:
 def starting_parameters(tree: Any, parameters: Mapping[str, Any], source: str) -> dict[str, Any]:
     """Return the parameters of a vehicle at the start of a scenario, None for none: with the values under ``start``, if there are any.
 
+    A level of a healthy box keeps the speed of the vehicle without ``start``.
+
     Raises:
-        Refusal: ``start`` has no parameters, or those of a bearing.
+        Refusal: ``start`` has no parameters, or those of a bearing; or the vehicle without it is invalid, and a box has such a level.
     """
     start = tree.get("start", {}) if isinstance(tree, Mapping) else {}
     if not isinstance(start, Mapping):
         raise Refusal(f"{source}: 'start' must name parameters and their values, such as vehicle.speed_kmh: 60.0")
     if any(str(key).partition(".")[0] in START_GROUPS for key in start):
         raise Refusal(f"{source} is a scenario of a bearing, not of a vehicle: give one with keys of a vehicle's file, such as bogie_ride")
-    return layered(parameters, start)
+    starting = layered(parameters, start)
+    return starting | _references(parameters, starting, source) if start else starting
+
+
+def _references(parameters: Mapping[str, Any], starting: Mapping[str, Any], source: str) -> dict[str, float]:
+    """Return the speed of the shaft at which the level of a healthy box holds, that without ``start``, where a box states none."""
+    try:
+        boxes = vehicle_of(starting, source).boxes
+    except Refusal:  # who runs the vehicle names what is invalid
+        return {}
+    levels = {box.name: box.configuration.measurement.parameters[MachineBackgroundParameters] for box in boxes}
+    asked = [name for name, level in levels.items() if level.healthy_level > 0.0 and level.healthy_speed == 0.0]
+    before = vehicle_of(parameters, f"{source}, without its start").boxes if asked else ()
+    return {f"{box.name}.structure.healthy_speed": abs(box.configuration.operating.speed) for box in before if box.name in asked}
 
 
 def vehicle_scenario(tree: Any, vehicle: Vehicle, source: str) -> VehicleScenario:
@@ -97,7 +113,7 @@ def vehicle_scenario(tree: Any, vehicle: Vehicle, source: str) -> VehicleScenari
         for key, value in entry.values.items():
             if key.startswith(PREFIX):
                 settings += course.settings(entry, key, checked_command(key.removeprefix(PREFIX), value, where))
-            elif not _is_of_box(key):
+            elif of_model(key):
                 settings += course.settings(entry, key, value)
         sources += [entry.source] * (len(settings) - known)
         course.wheels.update(asked.wheels)
@@ -125,12 +141,6 @@ def _flat(given: Mapping[Any, Any], source: str) -> dict[str, Any]:
     if bare is not None:
         raise Refusal(f"{source}: '{bare}' names nothing: did you mean '{PREFIX}{bare}'?")
     return values
-
-
-def _is_of_box(key: str) -> bool:
-    """Return whether a key names a parameter of a box, rather than its wheel or a slide."""
-    parts = key.split(".")
-    return len(parts) > 2 and parts[2] != "wheel"
 
 
 def _approached(value: float, wanted: float, change: float) -> float:
@@ -189,27 +199,30 @@ class _Course:
         """Frame of the latest change of the speed, the speed at this frame and the commanded one [km/h]."""
 
     def settings(self, entry: Entry, key: str, value: Any) -> Iterator[ScheduledSetting]:
-        """Yield the settings by which an entry changes a value, at once or gradually."""
+        """Yield the settings by which an entry changes a value, at once or gradually; a change within one frame is made at its end."""
         first, last = (-(-step // FRAME) for step in (entry.first, entry.last))
         before = self._speed_at(first) if key == SPEED else self._before(key)
         self._present[key] = value
         if key == SPEED:
-            self._last_speed = (first, before, value) if last == first else (last, value, value)
-        if last == first:
-            yield ScheduledSetting(first, key, value)
-        elif key == SPEED:
-            slope = abs(value - before) / 3.6 / ((last - first) * self._frame)
+            slope = abs(value - before) / 3.6 / (max(1, last - first) * self._frame) if entry.gradual else 0.0
             if slope > STEEPEST:
                 raise Refusal(f"{entry.source}: {key} would change by {slope:.3g} m/s^2, above {STEEPEST:g} m/s^2: give a longer 'over'")
-            yield ScheduledSetting(first, RAMP, slope)
+            ramped = slope > 0.0 and last > first
+            self._last_speed = (last, value, value) if ramped else (first, before, value)
+            if ramped:
+                yield ScheduledSetting(first, RAMP, slope)
             yield ScheduledSetting(first, key, value)
-            yield ScheduledSetting(last, RAMP, self._ramp)
+            if ramped:
+                yield ScheduledSetting(last, RAMP, self._ramp)
+        elif not entry.gradual:
+            yield ScheduledSetting(first, key, value)
         elif isinstance(value, bool) or not isinstance(value, (int, float)):
             raise Refusal(f"{entry.source}: {key} cannot change gradually 'over' {entry.over:g} s: leave out 'over'")
         else:
-            count = min(MAX_TICKS, last - first)
-            for k in range(1, count + 1):
+            count = max(1, min(MAX_TICKS, last - first))
+            for k in range(1, count):
                 yield ScheduledSetting(first + (last - first) * k // count, key, before + k / count * (value - before))
+            yield ScheduledSetting(last, key, float(value))  # `before + (value - before)` may be another number
 
     def _speed_at(self, frame: int) -> float:
         """Return the speed at a frame [km/h], which may still be on its way to the commanded one."""

@@ -25,7 +25,7 @@ from dcrb_ros.vehicle.block import VehicleBlock, VehicleTruth
 from dcrb_ros.vehicle.description import Box, Vehicle
 from dcrb_ros.vehicle.file import vehicle_of
 from dcrb_ros.vehicle.frame import FRAME, Plan, TrackEvent
-from dcrb_ros.vehicle.guided_drive import GuidedDrive
+from dcrb_ros.vehicle.guided_drive import GuidedDrive, GuidedSimulation
 from dcrb_ros.vehicle.heat import VehicleHeat
 from dcrb_ros.vehicle.model import VehicleModel
 from dcrb_ros.vehicle.requests import VehicleRequests
@@ -131,8 +131,8 @@ class VehicleSimulation:
         self._upcoming = self._plan_next()
         self._drives = [GuidedDrive(configuration) for configuration in starting]
         self._heat = VehicleHeat(vehicle)
-        self.simulations = {
-            box.name: Simulation(
+        self.simulations: dict[str, Simulation] = {
+            box.name: GuidedSimulation(
                 configuration,
                 self.scenario.boxes.get(box.name, ()),
                 drive=drive,
@@ -140,7 +140,7 @@ class VehicleSimulation:
             )
             for box, configuration, drive in zip(vehicle.boxes, starting, self._drives, strict=True)
         }
-        """The simulation of each box."""
+        """The simulation of each box, which refuses what belongs to the vehicle."""
         self._threads = min(threads or os.cpu_count() or 1, len(vehicle.boxes))
         self._steps = self._samples = 0
         self._failed: dict[str, str] = {}

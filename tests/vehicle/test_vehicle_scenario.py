@@ -80,6 +80,41 @@ def test_a_gradual_change_begins_at_the_speed_that_the_vehicle_has() -> None:
     assert ramps == pytest.approx([28.8 / 3.6 / 4.0, 0.5], rel=2e-3)
 
 
+def test_a_gradual_change_ends_at_the_given_value() -> None:
+    """0.7 + (0.1 - 0.7) is below 0.1, the least share of a worn flat."""
+    worn = vehicle(axle_1__left__wheel__flat_worn=0.7)
+    entries = [{"at": 0.01, "over": 0.02, "set": {"axle_1.left.wheel.flat_worn": 0.1}}]
+    scenario = vehicle_scenario({"timeline": entries}, worn, "ride.yaml")
+    assert [setting.value for setting in scenario.settings] == [*(pytest.approx(value) for value in (0.55, 0.4, 0.25)), 0.1]
+
+
+@pytest.mark.parametrize("over", [0.002, 10.0])
+def test_an_entry_that_keeps_the_speed_leaves_the_ramp_to_commands(over: float) -> None:
+    entries = [{"at": 1.001, "over": over, "set": {"vehicle.speed_kmh": 72.0, "axle_2.slide": 0.1}}]
+    settings = vehicle_scenario({"timeline": entries}, vehicle(), "ride.yaml").settings
+    assert {setting.key for setting in settings} == {"vehicle.speed_kmh", "axle_2.slide"}
+    assert settings[-1].value == 0.1
+
+
+def test_a_level_of_a_healthy_box_keeps_the_speed_without_start() -> None:
+    parameters = read_parameters("healthy_bogie", {"axle_1.left.structure.healthy_level": 1.0, "axle_1.creep": 0.001})
+    tree = {"start": {"vehicle.speed_kmh": 18.0, "axle_1.creep": 0.0}}
+    start = starting_parameters(tree, parameters, "ride.yaml")
+    assert start["axle_1.left.structure.healthy_speed"] == pytest.approx(1.001 * 120.0 / 3.6 / 0.46)
+    assert not any(key.endswith("right.structure.healthy_speed") for key in start)
+    assert vehicle_of(start, "healthy_bogie").boxes[0].configuration.operating.speed == pytest.approx(18.0 / 3.6 / 0.46)
+    assert starting_parameters(tree, start, "ride.yaml") == start
+    stated = {"axle_1.left.structure.healthy_speed": 50.0}
+    assert starting_parameters(tree, {**parameters, **stated}, "ride.yaml")["axle_1.left.structure.healthy_speed"] == 50.0
+
+
+def test_the_truth_has_the_commands_at_the_start_of_its_block() -> None:
+    start = vehicle()
+    scenario = vehicle_scenario({"timeline": [{"at": 0.035, "set": {"vehicle.wind": 1e4}}]}, start, "ride.yaml")
+    truths = [block.truth for block in VehicleSimulation(start, scenario).blocks(0.06)]
+    assert [(truth.time_ns, truth.commanded["wind"]) for truth in truths] == [(0, 0.0), (20_000_000, 0.0), (40_000_000, 1e4)]
+
+
 def test_the_start_replaces_parameters_of_the_vehicle() -> None:
     start = vehicle()
     assert start.journey.speed_kmh == 72.0
@@ -112,6 +147,13 @@ def test_the_scenario_of_a_bearing_is_refused_by_its_name(start: dict[str, Any])
         ([{"at": 1.0, "set": {"vehicle.speed_kmh": 800.0}}], "entry 1: speed_kmh = 800 km/h is outside 5 .. 300"),
         ([{"at": 1.0, "set": {"vehicle.brake": "full"}}], "entry 1: brake = 'full' is not a number"),
         ([{"at": 1.0, "over": 1.0, "set": {"vehicle.speed_kmh": 150.0}}], "would change by .* above 3 m/s"),
+        ([{"at": 1.001, "over": 0.002, "set": {"vehicle.speed_kmh": 300.0}}], "would change by .* above 3 m/s"),
+        ([{"at": 1.001, "over": 0.002, "set": {"axle_1.left.wheel.polygon": "3 1e-5"}}], "cannot change gradually"),
+        (
+            [{"at": 1.0, "set": {"axle_1.left.time_scale": 2.0}}],
+            "entry 1: 'axle_1.left.time_scale' belongs to the whole vehicle: give time_s",
+        ),
+        ([{"at": 1.0, "set": {"track.roughness": 2.0}}], "entry 1: 'track.roughness' cannot change during a run: give it in the vehicle's"),
         ([{"at": 1.0, "set": {"axle_1.left.operating.speed": 80.0}}], "entry 1: .* belongs to the vehicle"),
         ([{"at": 1.0, "set": {"axle_3.slide": 0.1}}], "entry 1: .* names no box"),
         ([{"at": 1.0, "set": {"axle_2.slide": 0.9}}], "entry 1: axle_2.slide = 0.9 is outside"),

@@ -50,6 +50,7 @@ DRY = {"vehicle.bench": "dry", "vehicle.speed_kmh": 100.0}
 """The quickest bench."""
 SMOOTH = {"track.spectrum": "none", "track.roughness": -40.0}
 ROLLING = {"left.wheel.flat": 0.02, "left.wheel.unbalance": 0.05, "left.wheel.polygon": "3 1e-5", "gear.teeth": 87}
+FIXED = ("track.roughness", "axle_1.gear.level", "axle_1.creep", "vehicle.seed")
 NOTCH = {"axle_1.left.faults.outer_1.width": 0.003}
 DURATION = 0.12
 
@@ -184,7 +185,12 @@ def test_slides_and_wheels_change_while_the_vehicle_runs() -> None:
         ({"axle_1.left.faults.outer_1.width": 0.001, "axle_2.right.faults.outer_1.width": 0.05}, r"^axle_2\.right: .*width = 0\.05 m"),
         ({"axle_1.left.wheel.polygon": "80 1e-5"}, "whole orders"),
         ({"axle_2.slide": 0.1, "axle_1.left.bearing.rows": 1}, "rows"),
-        ({"axle_1.left": 1.0}, "names no box"),
+        ({"axle_1.left": {"wheel.flat": 0.02}}, r"^'axle_1\.left' is a box: give one of its parameters, such as axle_1\.left\.faults"),
+        ({"axle_1.left.background.track_level": 5.0}, "wheels, track and gear; change the wheel of the box, or give track and gear in the"),
+        ({"axle_1.left.time_scale": 2.0}, r"^'axle_1\.left\.time_scale' belongs to the whole vehicle: give time_scale beside the group"),
+        ({"vehicle.speed_kmh": 50.0}, r"^'vehicle\.speed_kmh' is a command: give it as speed_kmh to command$"),
+        *(({key: 1}, f"'{key}' cannot change during a run: give it in the vehicle's file") for key in FIXED),
+        ({"axle_1.gear.levle": 1.0}, "'axle_1.gear.levle' names no box"),
     ],
 )
 def test_a_change_that_cannot_be_is_refused_and_changes_nothing(changes: dict[str, Any], message: str) -> None:
@@ -192,6 +198,20 @@ def test_a_change_that_cannot_be_is_refused_and_changes_nothing(changes: dict[st
     with pytest.raises(Refusal, match=message):
         simulation.change(changes)
     assert not any(event for block in simulation.blocks(0.05) for event in block.truth.events)
+
+
+def test_a_box_refuses_what_belongs_to_the_vehicle() -> None:
+    box = bogie(SMOOTH).simulations["axle_1.left"]
+    with pytest.raises(Refusal, match=r"^speed = 10\.0 rad/s is refused, .* follows from the vehicle: command its speed_kmh$"):
+        box.command_speed(10.0)
+    with pytest.raises(Refusal, match=r"^force = 0\.0, -50000\.0 N is refused, .* command its curvature, cant, wind or brake$"):
+        box.command_load(0.0, -5e4)
+    for change in ({"operating.speed": 10.0}, {"time_scale": 2.0}):
+        with pytest.raises(Refusal, match="belongs to the"):
+            box.change(change)
+        with pytest.raises(Refusal, match="belongs to the"):
+            box.check_change(change)
+    assert not box.has_pending
 
 
 def test_a_change_beyond_the_full_queue_changes_no_box() -> None:
