@@ -1,7 +1,8 @@
 """The autogram: demodulation of the band whose squared envelope has the most impulsive autocorrelation (Moshrefzadeh and Fasana 2018)."""
 
 import numpy as np
-from trending import Trending, bands, lines
+from spectra import best_band, line_ratios, order_spectrum, strike_count
+from trending import Trending
 
 VARIANTS = {
     "autogram": {},
@@ -28,12 +29,13 @@ def kurtosis_of(correlation):
 def most_periodic(acceleration, strikes, levels=5):
     """Return edges and squared envelope of the best band; ``strikes`` is the number of impacts of the fastest defect in the signal [-].
 
-    A band is wide enough to separate these impacts. Lags below three quarters of their period are left out: there, an impact
-    correlates with itself.
+    Lags below three quarters of the period of these impacts are left out: there, an impact correlates with itself.
     """
-    tree = list(bands(acceleration, levels))
-    usable = [band for band in tree if len(band[2]) >= 4.0 * strikes] or [max(tree, key=lambda band: len(band[2]))]
-    return max(usable, key=lambda band: kurtosis_of(autocorrelation(band[2], int(0.75 * len(band[2]) / strikes))))
+
+    def score(envelope):
+        return kurtosis_of(autocorrelation(envelope, int(0.75 * len(envelope) / strikes)))
+
+    return best_band(acceleration, strikes, score, levels)
 
 
 class Autogram(Trending):
@@ -44,5 +46,5 @@ class Autogram(Trending):
 
     def features(self, acceleration, angle):
         """Return the lines of every part relative to the spectrum around them."""
-        strikes = max(self.orders.values()) * abs(angle[-1] - angle[0]) / (2.0 * np.pi)
-        return lines(most_periodic(acceleration, strikes, self.levels)[2], angle, self.orders, relative=True)
+        _, _, envelope = most_periodic(acceleration, strike_count(self.orders, angle), self.levels)
+        return line_ratios(*order_spectrum(envelope, angle), self.orders)

@@ -10,9 +10,9 @@ import re
 import subprocess
 import sys
 import time
-from importlib import import_module
-from inspect import isabstract, isclass
 from pathlib import Path
+
+from dcrb_ros.exam.family_process import class_and_variants
 
 HERE = Path(__file__).resolve().parent
 SHIPPED = "shipped detector"
@@ -21,23 +21,9 @@ DCRB = [sys.executable, "-m", "dcrb_ros.cli.program"]
 
 
 def families() -> dict[str, str]:
-    """Return file and class of every family by the name of its published member.
-
-    A family is a file with `VARIANTS`; its detector is the class of the file that is complete and has a method ``update``.
-    """
-    sys.path.insert(0, str(HERE))
-    found = {}
-    for file in sorted(HERE.glob("*.py")):
-        if "VARIANTS =" not in file.read_text(encoding="utf-8") or file.stem == Path(__file__).stem:
-            continue
-        module = import_module(file.stem)
-        (kind,) = (
-            name
-            for name, value in vars(module).items()
-            if isclass(value) and value.__module__ == file.stem and hasattr(value, "update") and not isabstract(value)
-        )
-        found[next(iter(module.VARIANTS))] = f"{file.name}:{kind}"
-    return found
+    """Return file and class of every family by the name of its published member."""
+    about = {file.name: class_and_variants(str(file)) for file in sorted(HERE.glob("*.py"))}
+    return {next(iter(one["variants"])): f"{name}:{one['class']}" for name, one in about.items() if one["class"]}
 
 
 def main() -> None:

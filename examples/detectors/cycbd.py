@@ -2,6 +2,7 @@
 
 import numpy as np
 from scipy.linalg import eigh
+from spectra import struck
 from trending import SLIP, Trending, over_angle
 
 TAPS = 48
@@ -56,5 +57,5 @@ class Cycbd(Trending):
         """Return the indicator less that of a stationary signal for every part."""
         white = np.diff(acceleration)  # the impacts of rollers are high in frequency, and the level is not
         turns = np.abs(angle[1:] - angle[0]) / (2.0 * np.pi)
-        struck = {"outer_ring": self.orders["BPFO"], "inner_ring": self.orders["BPFI"], "roller": 2.0 * self.orders["BSF"]}
-        return {part: cyclostationarity(white, turns, strongest(white, angle[1:], order)) - 1.0 for part, order in struck.items()}
+        orders = ((part, order) for part, order in struck(self.orders).items() if part != "cage")
+        return {part: cyclostationarity(white, turns, strongest(white, angle[1:], order)) - 1.0 for part, order in orders}

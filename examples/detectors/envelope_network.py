@@ -8,7 +8,7 @@ import json
 from pathlib import Path
 
 import numpy as np
-from spectra import PARTS, highpass, order_spectrum, struck
+from spectra import highpass, order_spectrum, struck
 from trending import SLIP, Trending
 
 VARIANTS = {
@@ -53,7 +53,6 @@ class EnvelopeNetwork(Trending):
     def __init__(self, orders, rate, **settings):
         super().__init__(orders, rate, **settings)
         self.model = {name: np.array(value) for name, value in json.loads(MODEL.read_text()).items()}
-        self.verdict, self.healthy = "healthy", [dict.fromkeys(PARTS, 1.0)]
 
     def features(self, acceleration, angle):
         """Return the odds of every fault against the rest, relative to those of ``certain``."""

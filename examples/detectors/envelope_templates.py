@@ -36,7 +36,7 @@ class EnvelopeTemplates(Trending):
 
     def __init__(self, orders, rate, **settings):
         super().__init__(orders, rate, **settings)
-        self.verdict, self.healthy, self.levels = "healthy", [dict.fromkeys(SIDEBANDS, 1.0)], {}
+        self.levels = {}
 
     def templates(self, places, turns):
         """Return the template of each part on the orders ``places``, of unit norm."""

@@ -1,8 +1,7 @@
 """Demodulation of the band whose squared envelope is most unequal, by the Gini index (Miao, Zhao and Lin 2017)."""
 
 import numpy as np
-from spectra import Demodulation, usable_bands
-from trending import bands
+from spectra import Demodulation, best_band, strike_count
 
 VARIANTS = {
     "Gini index": {},
@@ -26,4 +25,4 @@ class GiniIndex(Demodulation):
 
     def demodulated(self, acceleration, angle):
         """Return the squared envelope of the band with the largest Gini index."""
-        return max(usable_bands(bands(acceleration, self.levels), self.orders, angle), key=gini)
+        return best_band(acceleration, strike_count(self.orders, angle), gini, self.levels)[2]

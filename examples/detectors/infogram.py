@@ -1,8 +1,7 @@
 """The infogram: demodulation of the band with the largest negentropy of squared envelope and of its spectrum (Antoni 2016)."""
 
 import numpy as np
-from spectra import Demodulation, usable_bands
-from trending import bands
+from spectra import Demodulation, best_band, strike_count
 
 from dcrb_ros import Refusal
 
@@ -46,4 +45,4 @@ class Infogram(Demodulation):
 
     def demodulated(self, acceleration, angle):
         """Return the squared envelope of the most informative band."""
-        return max(usable_bands(bands(acceleration), self.orders, angle), key=self.information)
+        return best_band(acceleration, strike_count(self.orders, angle), self.information)[2]

@@ -1,7 +1,8 @@
 """The fast kurtogram: demodulation of the band with the largest spectral kurtosis (Antoni 2007)."""
 
 import numpy as np
-from trending import Trending, bands, lines
+from spectra import line_ratios, order_spectrum
+from trending import Trending, bands
 
 VARIANTS = {
     "fast kurtogram": {},
@@ -25,4 +26,4 @@ class Kurtogram(Trending):
     def features(self, acceleration, angle):
         """Return the lines of every part relative to the spectrum around them, since every window has a band of its own."""
         usable = (envelope for _, _, envelope in bands(acceleration, self.levels) if len(envelope) >= len(acceleration) / 64)
-        return lines(max(usable, key=spectral_kurtosis), angle, self.orders, relative=True)
+        return line_ratios(*order_spectrum(max(usable, key=spectral_kurtosis), angle), self.orders)

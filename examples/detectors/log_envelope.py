@@ -19,6 +19,5 @@ class LogEnvelope(Demodulation):
 
     def demodulated(self, acceleration, angle):
         """Return the logarithm of the squared envelope, relative to its mean."""
-        signal = highpass(acceleration, self.rate, self.lowest) if self.lowest > 0.0 else acceleration
-        squared = squared_envelope(signal)
+        squared = squared_envelope(highpass(acceleration, self.rate, self.lowest))
         return np.log(squared / squared.mean() + 1e-6)

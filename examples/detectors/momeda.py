@@ -1,8 +1,9 @@
 """MOMEDA, a blind deconvolution: the filter whose output comes closest to a train of impulses (McDonald and Zhao 2017)."""
 
 import numpy as np
+from deconvolution import autocorrelation
 from scipy.linalg import solve_toeplitz
-from scipy.signal import butter, sosfilt
+from spectra import highpass, struck
 from trending import Trending
 
 TAPS = 64
@@ -26,11 +27,8 @@ def multi_d_norm(acceleration, period):
     count, samples = int(len(acceleration) / period), int(period)
     positions = (np.arange(count)[:, None] * period).astype(int) + np.arange(samples)
     folded = acceleration[positions].sum(axis=0)
-    power = np.abs(np.fft.rfft(acceleration, 2 * len(acceleration))) ** 2
-    correlation = np.fft.irfft(power)[:TAPS]
-    correlation[0] *= 1.0 + 1e-6
     targets = np.stack([np.roll(folded, lag) for lag in range(TAPS)])  # shape (taps, positions)
-    return np.sqrt(np.max(np.sum(targets * solve_toeplitz(correlation, targets), axis=0)) / count)
+    return np.sqrt(np.max(np.sum(targets * solve_toeplitz(autocorrelation(acceleration, TAPS), targets), axis=0)) / count)
 
 
 class Momeda(Trending):
@@ -41,15 +39,10 @@ class Momeda(Trending):
 
     factor = 1.5
 
-    def __init__(self, orders, rate, **settings):
-        super().__init__(orders, rate, **settings)
-        self.filter = butter(4, min(2000.0, 0.25 * rate), "highpass", fs=rate, output="sos")
-
     def features(self, acceleration, angle):
         """Return the multi D-norm at the mean period of every part, the largest of three within its slip."""
         turn = self.rate * self.window / (abs(angle[-1] - angle[0]) / (2.0 * np.pi))
-        squared = sosfilt(self.filter, acceleration) ** 2
+        squared = highpass(acceleration, self.rate, 2000.0) ** 2
         envelope = squared - squared.mean()
-        struck = {"outer_ring": self.orders["BPFO"], "inner_ring": self.orders["BPFI"], "roller": 2.0 * self.orders["BSF"]}
-        slips = (0.99, 1.0, 1.01)
-        return {part: max(multi_d_norm(envelope, slip * turn / order) for slip in slips) for part, order in struck.items()}
+        orders = ((part, order) for part, order in struck(self.orders).items() if part != "cage")
+        return {part: max(multi_d_norm(envelope, slip * turn / order) for slip in (0.99, 1.0, 1.01)) for part, order in orders}

@@ -4,7 +4,8 @@ A healthy bearing has one, too: its compliance varies as rollers pass the load.
 """
 
 import numpy as np
-from trending import Trending, lines
+from spectra import HARMONICS, line_ratios, order_spectrum
+from trending import Trending
 
 VARIANTS = {
     "naive BPFO": {},
@@ -20,10 +21,6 @@ class NaiveBpfo(Trending):
     factor = 4.0
     learning = 0
 
-    def __init__(self, orders, rate, **settings):
-        super().__init__(orders, rate, **settings)
-        self.verdict, self.healthy = "healthy", [{"outer_ring": 1.0}]
-
     def features(self, acceleration, angle):
-        """Return the mean ratio of three harmonics of BPFO to the spectrum around them."""
-        return {"outer_ring": lines(np.abs(acceleration), angle, self.orders, relative=True)["outer_ring"] / 3.0}
+        """Return the mean ratio of the harmonics of BPFO to the spectrum around them."""
+        return {"outer_ring": line_ratios(*order_spectrum(np.abs(acceleration), angle), self.orders)["outer_ring"] / HARMONICS}

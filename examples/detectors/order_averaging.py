@@ -34,11 +34,6 @@ class OrderAveraging(Trending):
     trials = 9
     """Orders that are tried within the slip [-]."""
 
-    def __init__(self, orders, rate, **settings):
-        super().__init__(orders, rate, **settings)
-        if not self.learning:
-            self.verdict, self.healthy = "healthy", [dict.fromkeys(("outer_ring", "inner_ring", "roller"), 1.0)]
-
     def features(self, acceleration, angle):
         """Return the power of the averages of rings and rollers relative to the median over other orders."""
         even, turns = over_angle(highpass(acceleration, self.rate, self.lowest) ** 2, angle)

@@ -25,7 +25,7 @@ class PredictionError(Demodulation):
 
     def demodulated(self, acceleration, angle):
         """Return the squared envelope of the prediction error."""
-        if len(self.healthy) < max(self.learning, 1) or not hasattr(self, "model"):
+        if len(self.healthy) < self.learning or not hasattr(self, "model"):
             power = np.abs(np.fft.rfft(acceleration, 2 * len(acceleration))) ** 2
             correlation = np.fft.irfft(power)[: self.coefficients + 1] / power.mean()
             self.correlation = getattr(self, "correlation", 0.0) + correlation

@@ -20,9 +20,6 @@ class RmsKurtosis(Trending):
     factor = 2.0
 
     def features(self, acceleration, angle):
-        """Return the larger growth of both as one feature: the level of each is learnt apart."""
+        """Return both."""
         power = np.mean(acceleration**2)
-        found = {"rms": np.sqrt(power), "kurtosis": np.mean(acceleration**4) / power**2}
-        if len(self.healthy) < self.learning:
-            self.levels = {name: max(value, getattr(self, "levels", {}).get(name, 0.0)) for name, value in found.items()}
-        return {"outer_ring": max(found[name] / self.levels[name] for name in found)}
+        return {"rms": np.sqrt(power), "kurtosis": np.mean(acceleration**4) / power**2}

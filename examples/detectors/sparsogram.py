@@ -1,8 +1,7 @@
 """The sparsogram: demodulation of the band whose envelope spectrum is sparsest (Tse and Wang 2013, MSSP 40, 499 to 519)."""
 
 import numpy as np
-from spectra import Demodulation, usable_bands
-from trending import bands
+from spectra import Demodulation, best_band, strike_count
 
 VARIANTS = {
     "sparsogram": {},
@@ -30,6 +29,9 @@ class Sparsogram(Demodulation):
 
     def demodulated(self, acceleration, angle):
         """Return the squared envelope of the band whose envelope spectrum is sparsest."""
-        found = usable_bands(bands(acceleration, self.levels), self.orders, angle)
-        slow = int(0.3 * abs(angle[-1] - angle[0]) / (2.0 * np.pi))  # lines below 0.3 orders are those of the taper and of slow variation
-        return max(found, key=lambda envelope: hoyer(np.abs(np.fft.rfft(np.sqrt(envelope))[max(slow, 1) :]) ** 2))
+        slow = max(int(0.3 * abs(angle[-1] - angle[0]) / (2.0 * np.pi)), 1)  # lower lines are those of the taper and of slow variation
+
+        def score(envelope):
+            return hoyer(np.abs(np.fft.rfft(np.sqrt(envelope))[slow:]) ** 2)
+
+        return best_band(acceleration, strike_count(self.orders, angle), score, self.levels)[2]

@@ -1,15 +1,15 @@
-"""What the families of envelope detectors share: lines of a given order spectrum, evidence against noise, and the class `Demodulation`."""
+"""What the families of envelope detectors share: filters, order spectra and their lines, evidence against noise, the best band."""
 
 from abc import abstractmethod
 
 import numpy as np
 from scipy.signal import butter, hilbert, sosfilt
-from trending import HARMONICS, SLIP, Trending, over_angle
+from trending import PARTS, SLIP, Trending, bands, over_angle
 
 from dcrb_ros import Refusal
 
-PARTS = ("outer_ring", "inner_ring", "roller", "cage")
-"""Verdicts on a part of the bearing."""
+HARMONICS = 3
+"""Harmonics of a characteristic order that are added [-]."""
 REFERENCES = ("healthy", "noise")
 """Values of the setting ``reference``: growth over the healthy level, or evidence against noise without a healthy level."""
 
@@ -30,7 +30,12 @@ def padded(signal, samples):
 
 
 def highpass(acceleration, rate, lowest):
-    """Return the signal above a frequency [Hz], at most a quarter of the sampling rate, by a Butterworth filter of order 4."""
+    """Return the signal above a frequency [Hz] by a Butterworth filter of order 4; all of it for 0.
+
+    The frequency is at most a quarter of the sampling rate.
+    """
+    if lowest <= 0.0:
+        return acceleration
     return sosfilt(butter(4, min(lowest, 0.25 * rate), "highpass", fs=rate, output="sos"), acceleration)
 
 
@@ -40,10 +45,10 @@ def order_spectrum(signal, angle):
     return np.abs(np.fft.rfft((even - even.mean()) * np.hanning(len(even)))) / len(even), turns
 
 
-def line_regions(spectrum, turns, order, harmonics=HARMONICS):
+def line_regions(spectrum, turns, order):
     """Yield for each harmonic within the spectrum its values within the slip, and those within 1.5 orders."""
     places = np.arange(len(spectrum)) / turns
-    for line in order * np.arange(1, harmonics + 1):
+    for line in order * np.arange(1, HARMONICS + 1):
         near = np.abs(places - line) <= max(SLIP * line, 1.0 / turns)
         if near.any():
             yield spectrum[near], spectrum[np.abs(places - line) <= 1.5]
@@ -93,7 +98,6 @@ class Demodulation(Trending):
             raise Refusal(f"reference = {self.reference!r} is not a reference. Choose among {', '.join(REFERENCES)}.")
         if self.reference == "noise":
             self.learning, self.factor, self.verdict = 0, 1.0, "healthy"
-            self.healthy = [dict.fromkeys(PARTS, 1.0)]
 
     @abstractmethod
     def demodulated(self, acceleration, angle):
@@ -107,8 +111,17 @@ class Demodulation(Trending):
         return line_ratios(spectrum, turns, self.orders)
 
 
-def usable_bands(bands, orders, angle):
-    """Return the squared envelopes that are long enough to separate the impacts of the fastest defect."""
-    strikes = max(orders.values()) * abs(angle[-1] - angle[0]) / (2.0 * np.pi)
-    envelopes = [envelope for _, _, envelope in bands]
-    return [envelope for envelope in envelopes if len(envelope) >= 4.0 * strikes] or [max(envelopes, key=len)]
+def strike_count(orders, angle):
+    """Return the number of impacts of the fastest defect in a window [-]."""
+    return max(orders.values()) * abs(angle[-1] - angle[0]) / (2.0 * np.pi)
+
+
+def best_band(acceleration, strikes, score, levels=5):
+    """Return edges and squared envelope of the band whose envelope has the largest score; see `bands`.
+
+    Bands that are too narrow to separate the impacts of the fastest defect, ``strikes`` in the signal, are left out; of such bands only,
+    the widest is taken.
+    """
+    tree = list(bands(acceleration, levels))
+    usable = [band for band in tree if len(band[2]) >= 4.0 * strikes] or [max(tree, key=lambda band: len(band[2]))]
+    return max(usable, key=lambda band: score(band[2]))

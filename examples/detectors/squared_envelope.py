@@ -1,7 +1,7 @@
 """The squared envelope spectrum of a fixed band, over the shaft angle (Randall, Antoni and Chobsaard 2001)."""
 
-from scipy.signal import butter, sosfilt
-from trending import Trending, lines
+from spectra import highpass, line_regions, order_spectrum, struck
+from trending import Trending
 
 VARIANTS = {
     "squared envelope, fixed band": {},
@@ -19,10 +19,8 @@ class SquaredEnvelope(Trending):
     lowest = 2000.0
     """Lower end of the band [Hz]; gears, unbalance and wheel are below it."""
 
-    def __init__(self, orders, rate, **settings):
-        super().__init__(orders, rate, **settings)
-        self.filter = butter(4, min(self.lowest, 0.25 * rate), "highpass", fs=rate, output="sos")
-
     def features(self, acceleration, angle):
         """Return the amplitude of the lines of every part."""
-        return lines(sosfilt(self.filter, acceleration) ** 2, angle, self.orders)
+        spectrum, turns = order_spectrum(highpass(acceleration, self.rate, self.lowest) ** 2, angle)
+        regions = {part: line_regions(spectrum, turns, order) for part, order in struck(self.orders).items()}
+        return {part: sum(near.max() for near, _ in harmonics) for part, harmonics in regions.items()}

@@ -19,5 +19,5 @@ class TeagerKaiser(Demodulation):
 
     def demodulated(self, acceleration, angle):
         """Return the energy of the window."""
-        signal = highpass(acceleration, self.rate, self.lowest) if self.lowest > 0.0 else acceleration
+        signal = highpass(acceleration, self.rate, self.lowest)
         return np.abs(signal[1:-1] ** 2 - signal[:-2] * signal[2:])

@@ -19,15 +19,8 @@ class TimeIndicators(Trending):
 
     factor = 2.0
 
-    def __init__(self, orders, rate, **settings):
-        super().__init__(orders, rate, **settings)
-        self.levels = {}
-
     def features(self, acceleration, angle):
-        """Return the largest growth of the factors as one feature; the level of each is learnt separately."""
+        """Return the factors."""
         size = np.abs(acceleration)
         peak, rms, mean = size.max(), np.sqrt(np.mean(size**2)), size.mean()
-        found = {"crest": peak / rms, "impulse": peak / mean, "shape": rms / mean, "clearance": peak / np.mean(np.sqrt(size)) ** 2}
-        if len(self.healthy) < self.learning:
-            self.levels = {name: max(value, self.levels.get(name, 0.0)) for name, value in found.items()}
-        return {"outer_ring": max(found[name] / self.levels[name] for name in found)}
+        return {"crest": peak / rms, "impulse": peak / mean, "shape": rms / mean, "clearance": peak / np.mean(np.sqrt(size)) ** 2}

@@ -10,8 +10,8 @@ from scipy.signal.windows import tukey
 
 from dcrb_ros import Diagnosis, Refusal
 
-HARMONICS = 3
-"""Harmonics of a characteristic order that are added [-]."""
+PARTS = ("outer_ring", "inner_ring", "roller", "cage")
+"""Verdicts on a part of the bearing."""
 SLIP = 0.02
 """Deviation of a characteristic order by slip [-]."""
 PER_TURN = 128
@@ -31,7 +31,7 @@ class Trending(ABC):
     window, hop = 1.0, 0.5
     """Length of a window, and time from one to the next [s]."""
     learning = 4
-    """Windows from which the healthy level is learnt [-]."""
+    """Windows from which the healthy level of a feature is learnt [-]; with 0 the level is 1."""
     factor = 3.0
     """Growth from which a feature is an alarm [-]."""
     fewest_turns = 4.0
@@ -46,11 +46,15 @@ class Trending(ABC):
             setattr(self, name, value)
         self.length, self.step = int(self.window * rate), int(self.hop * rate)
         self.acceleration, self.angle = np.zeros(0), np.zeros(0)
-        self.next_index, self.healthy, self.before, self.verdict = None, [], "healthy", "waiting"
+        self.next_index, self.healthy, self.before = None, [], "healthy"
+        self.verdict = "waiting" if self.learning else "healthy"
 
     @abstractmethod
     def features(self, acceleration, angle):
-        """Return a positive number for each verdict; ``acceleration`` is radial [m/s^2], ``angle`` is unwrapped [rad]."""
+        """Return a positive number for each part of the bearing, or for each indicator that names none.
+
+        ``acceleration`` is radial [m/s^2], ``angle`` is unwrapped [rad].
+        """
 
     def update(self, index, acceleration, shaft_angle):
         """Take a block; return a diagnosis at the end of a window."""
@@ -74,14 +78,18 @@ class Trending(ABC):
         return Diagnosis(last, last / self.rate, self.verdict, "growth over the healthy level", scores=scores)
 
     def judge(self, found):
-        """Set the verdict: after two windows with the same result; return the evidence relative to the threshold [dB]."""
+        """Set the verdict: after two windows with the same result; return the evidence relative to the threshold [dB].
+
+        An indicator that names no part is taken for the most frequent fault, a defect of the outer ring.
+        """
         if len(self.healthy) < self.learning:
             self.healthy.append(found)
             self.verdict = "healthy" if len(self.healthy) == self.learning else "waiting"
             return None
-        grown = {verdict: value / max(1e-12, *(past[verdict] for past in self.healthy)) for verdict, value in found.items()}
+        healthy = {name: max(1e-12, *(past[name] for past in self.healthy)) if self.learning else 1.0 for name in found}
+        grown = {name: value / healthy[name] for name, value in found.items()}
         largest = max(grown, key=grown.get)
-        now = largest if grown[largest] > self.factor else "healthy"
+        now = (largest if largest in PARTS else "outer_ring") if grown[largest] > self.factor else "healthy"
         self.verdict = now if now == self.before else self.verdict
         self.before = now
         return 20.0 * np.log10(max(grown[largest], 1e-6) / self.factor)
@@ -100,22 +108,6 @@ def over_angle(signal, angle):
     edges = np.linspace(0.0, turns[-1], int(turns[-1] * PER_TURN) + 1)
     total = np.concatenate([[0.0], np.cumsum(0.5 * (signal[1:] + signal[:-1]) * np.diff(turns))])
     return np.diff(np.interp(edges, turns, total)) / np.diff(edges), turns[-1]
-
-
-def lines(signal, angle, orders, *, relative=False):
-    """Return the amplitude of the lines of each fault in the order spectrum of a signal, or the ratio to the spectrum around them."""
-    even, turns = over_angle(signal, angle)
-    spectrum = np.abs(np.fft.rfft((even - even.mean()) * np.hanning(len(even)))) / len(even)
-    order, found = np.arange(len(spectrum)) / turns, {}
-    struck = {"outer_ring": orders["BPFO"], "inner_ring": orders["BPFI"], "roller": 2.0 * orders["BSF"], "cage": orders["FTF"]}
-    for verdict, first in struck.items():
-        found[verdict] = 0.0
-        for line in first * np.arange(1, HARMONICS + 1):
-            near = np.abs(order - line) <= max(SLIP * line, 1.0 / turns)
-            around = np.abs(order - line) <= 1.5
-            if near.any():  # otherwise the line is beyond the spectrum
-                found[verdict] += spectrum[near].max() / (np.median(spectrum[around]) if relative else 1.0)
-    return found
 
 
 def bands(acceleration, levels=5):
