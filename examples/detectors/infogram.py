@@ -1,9 +1,9 @@
 """The infogram: demodulation of the band with the largest negentropy of squared envelope and of its spectrum (Antoni 2016)."""
 
+from typing import Literal
+
 import numpy as np
 from spectra import Demodulation, best_band, strike_count
-
-from dcrb_ros import Refusal
 
 VARIANTS = {
     "infogram": {},
@@ -12,10 +12,6 @@ VARIANTS = {
     "infogram, no reference": {"reference": "noise"},
 }
 """Settings of each member of the family; the first has the published ones."""
-
-
-DOMAINS = ("average", "time", "spectrum")
-"""Values of the setting ``domain``."""
 
 
 def negentropy(power):
@@ -31,12 +27,7 @@ class Infogram(Demodulation):
     of both, as published.
     """
 
-    domain = "average"
-
-    def __init__(self, orders, rate, **settings):
-        super().__init__(orders, rate, **settings)
-        if self.domain not in DOMAINS:
-            raise Refusal(f"domain = {self.domain!r} is not a domain of the infogram. Choose among {', '.join(DOMAINS)}.")
+    domain: Literal["average", "time", "spectrum"] = "average"
 
     def information(self, envelope):
         """Return the negentropy of a squared envelope in the chosen domain [-]."""

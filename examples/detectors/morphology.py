@@ -1,10 +1,10 @@
 """Morphological closing: impacts stretched by a flat element, and the spectrum of the result (Nikolaou and Antoniadis 2003)."""
 
+from typing import Literal
+
 import numpy as np
 from scipy.ndimage import grey_closing, maximum_filter1d, minimum_filter1d
 from spectra import Demodulation
-
-from dcrb_ros import Refusal
 
 VARIANTS = {
     "morphological closing": {},
@@ -20,13 +20,8 @@ class Morphology(Demodulation):
 
     share = 0.6
     """Length of the flat element relative to the period of BPFO [-]; 0.6 as published."""
-    operator = "closing"
-    """``closing``, or ``gradient``: dilation less erosion."""
-
-    def __init__(self, orders, rate, **settings):
-        super().__init__(orders, rate, **settings)
-        if self.operator not in ("closing", "gradient"):
-            raise Refusal(f"operator = {self.operator!r} is not an operator. Choose closing or gradient.")
+    operator: Literal["closing", "gradient"] = "closing"
+    """The gradient is dilation less erosion."""
 
     def demodulated(self, acceleration, angle):
         """Return the output of the operator."""

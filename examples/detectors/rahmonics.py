@@ -1,10 +1,10 @@
 """Peaks of the cepstrum at the period of each part, its rahmonics (Bogert, Healy and Tukey 1963; Randall 2011)."""
 
+from typing import Literal
+
 import numpy as np
 from spectra import highpass, struck
 from trending import SLIP, Trending
-
-from dcrb_ros import Refusal
 
 VARIANTS = {
     "cepstrum": {},
@@ -22,15 +22,10 @@ class Rahmonics(Trending):
     """
 
     factor = 2.0
-    of = "signal"
-    """``signal``, or ``envelope``: the squared signal above 2 kHz."""
+    of: Literal["signal", "envelope"] = "signal"
+    """The envelope is the squared signal above 2 kHz."""
     highest = 3
     """Rahmonics that are added [-]."""
-
-    def __init__(self, orders, rate, **settings):
-        super().__init__(orders, rate, **settings)
-        if self.of not in ("signal", "envelope"):
-            raise Refusal(f"of = {self.of!r} is not a signal of the cepstrum. Choose signal or envelope.")
 
     def features(self, acceleration, angle):
         """Return the sum over rahmonics of peak over median of the cepstrum around it, for rings and rollers."""

@@ -1,10 +1,10 @@
 """Shock pulses: the largest pulse and the carpet value in the band of a resonant transducer (Butler 1973)."""
 
+from typing import Literal
+
 import numpy as np
 from scipy.signal import butter, sosfilt
 from trending import Trending
-
-from dcrb_ros import Refusal
 
 VARIANTS = {
     "shock pulse": {},
@@ -23,13 +23,11 @@ class ShockPulse(Trending):
     """
 
     factor = 10.0
-    of = "maximum"
-    """``maximum``, or ``ratio`` of maximum and carpet value."""
+    of: Literal["maximum", "ratio"] = "maximum"
+    """The ratio is that of maximum and carpet value."""
 
     def __init__(self, orders, rate, **settings):
         super().__init__(orders, rate, **settings)
-        if self.of not in ("maximum", "ratio"):
-            raise Refusal(f"of = {self.of!r} is not a value of shock pulses. Choose maximum or ratio.")
         centre = min(32_000.0, 0.35 * rate)
         self.filter = butter(2, (0.9 * centre, 1.1 * centre), "bandpass", fs=rate, output="sos")
 

@@ -1,17 +1,14 @@
 """What the families of envelope detectors share: filters, order spectra and their lines, evidence against noise, the best band."""
 
 from abc import abstractmethod
+from typing import Literal
 
 import numpy as np
 from scipy.signal import butter, hilbert, sosfilt
 from trending import PARTS, SLIP, Trending, bands, over_angle
 
-from dcrb_ros import Refusal
-
 HARMONICS = 3
 """Harmonics of a characteristic order that are added [-]."""
-REFERENCES = ("healthy", "noise")
-"""Values of the setting ``reference``: growth over the healthy level, or evidence against noise without a healthy level."""
 
 
 def struck(orders):
@@ -89,13 +86,11 @@ class Demodulation(Trending):
     sensor. Settings have seen no recording: ``significance`` is noise theory, ``factor`` is that of the other examples.
     """
 
-    reference = "healthy"
+    reference: Literal["healthy", "noise"] = "healthy"
     significance = 6.0
 
     def __init__(self, orders, rate, **settings):
         super().__init__(orders, rate, **settings)
-        if self.reference not in REFERENCES:
-            raise Refusal(f"reference = {self.reference!r} is not a reference. Choose among {', '.join(REFERENCES)}.")
         if self.reference == "noise":
             self.learning, self.factor, self.verdict = 0, 1.0, "healthy"
 

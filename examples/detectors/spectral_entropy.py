@@ -1,9 +1,9 @@
 """Spectral entropy and flatness: how evenly the power is spread over the frequencies (Pan, Chen and Li 2009; Dubnov 2004)."""
 
+from typing import Literal
+
 import numpy as np
 from trending import Trending
-
-from dcrb_ros import Refusal
 
 VARIANTS = {
     "spectral entropy": {},
@@ -22,13 +22,10 @@ class SpectralEntropy(Trending):
     """
 
     factor = 1.5
-    of = "entropy"
-    """``entropy`` or ``flatness``."""
+    of: Literal["entropy", "flatness"] = "entropy"
 
     def __init__(self, orders, rate, **settings):
         super().__init__(orders, rate, **settings)
-        if self.of not in ("entropy", "flatness"):
-            raise Refusal(f"of = {self.of!r} is not a measure of a spectrum. Choose entropy or flatness.")
         self.levels = []
 
     def features(self, acceleration, angle):

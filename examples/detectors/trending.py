@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from itertools import pairwise
+from typing import get_args, get_type_hints
 
 import numpy as np
 from scipy.signal.windows import tukey
@@ -25,7 +26,8 @@ HIGHEST = 0.43
 class Trending(ABC):
     """A detector that reports the feature that has grown most since the first windows; a subclass computes the features of a window.
 
-    The public class attributes of numbers and texts are its settings; keyword arguments of the constructor replace their values.
+    The public class attributes of numbers and texts are its settings; keyword arguments of the constructor replace their values. A text
+    with a few possible values has the type `Literal`.
     """
 
     window, hop = 1.0, 0.5
@@ -44,6 +46,9 @@ class Trending(ABC):
             if name not in allowed:
                 raise Refusal(f"{type(self).__name__} has no setting {name!r}. Choose among {', '.join(allowed)}.")
             setattr(self, name, value)
+        for name, kind in get_type_hints(type(self)).items():
+            if (value := getattr(self, name)) not in get_args(kind):
+                raise Refusal(f"{name} = {value!r} is unknown. Choose among {', '.join(get_args(kind))}.")
         self.length, self.step = int(self.window * rate), int(self.hop * rate)
         self.acceleration, self.angle = np.zeros(0), np.zeros(0)
         self.next_index, self.healthy, self.before = None, [], "healthy"

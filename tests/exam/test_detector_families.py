@@ -153,5 +153,5 @@ def test_the_gain_of_a_second_recording_matters_to_amplitude_based_members_only(
 def test_an_unknown_setting_is_refused() -> None:
     with pytest.raises(Refusal, match=r"Kurtogram has no setting 'level'\. Choose among factor, .*levels"):
         made("kurtogram.py:Kurtogram", "fast kurtogram", level=3)
-    with pytest.raises(Refusal, match="reference = 'new' is not a reference"):
+    with pytest.raises(Refusal, match=r"reference = 'new' is unknown\. Choose among healthy, noise"):
         made("infogram.py:Infogram", "infogram", reference="new")
