@@ -5,7 +5,8 @@ The score is the credit for faults, times a factor for false alarms and silence.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -17,7 +18,6 @@ from dcrb_ros.exam.credit import Credit
 from dcrb_ros.exam.profile import PROFILES, Profile
 from dcrb_ros.exam.statistics import CONFIDENCE, Interval, class_mean
 from dcrb_ros.schema.arrays import Floats
-from dcrb_ros.schema.refusal import Refusal
 
 RESAMPLES = 2000
 """Bootstrap samples of the scenarios [-]."""
@@ -75,8 +75,7 @@ def exam_scores(contributions: Sequence[Contribution]) -> list[ExamScore]:
 def _exam_score(contributions: Sequence[Contribution], profile: Profile, whole: Floats, samples: Floats) -> ExamScore:
     detection, clean = _parts(contributions, profile, whole)
     score = 100.0 * detection[0] * clean[0] ** profile.alarms
-    # One scenario alone says nothing about others of its kind.
-    known = all(len(members) > 1 for members in _grouped(contributions).values())
+    known = several_of_each(contribution.family for contribution in contributions)
     low, high = interval(scores(contributions, profile, samples)) if known else (0.0, 100.0)
     rounded = [round(float(value), DECIMALS) for value in (score, low, high, detection[0], clean[0])]
     return ExamScore(profile.name, Interval(*rounded[:3]), *rounded[3:])
@@ -86,6 +85,11 @@ def scores(contributions: Sequence[Contribution], profile: Profile, samples: Flo
     """Return the exam score of every sample; ``samples`` has shape (samples, scenarios) and weighs the scenarios."""
     detection, clean = _parts(contributions, profile, samples)
     return np.asarray(100.0 * detection * clean**profile.alarms)
+
+
+def several_of_each(families: Iterable[str]) -> bool:
+    """Return whether every family has several scenarios; one alone says nothing about others of its kind."""
+    return all(count > 1 for count in Counter(families).values())
 
 
 def interval(values: Floats) -> tuple[float, float]:
@@ -143,35 +147,13 @@ def _grouped(contributions: Sequence[Contribution]) -> Mapping[str, list[int]]:
 class ScoreDifference:
     """The difference of the exam scores of two detectors."""
 
-    difference: Interval
-    """Score of the first minus that of the second, with its bootstrap interval [-]."""
+    low: float
+    high: float
+    """Bootstrap interval of the score of the first minus that of the second [-]."""
     confidence: float
     """Share of the bootstrap samples in which the first is better; ties count one half [-]."""
 
     @property
     def distinguished(self) -> bool:
         """Whether the interval of the difference excludes 0."""
-        return self.difference.low > 0.0 or self.difference.high < 0.0
-
-
-def compare(first: Sequence[Contribution], second: Sequence[Contribution], profile: Profile) -> ScoreDifference:
-    """Return the difference of two detectors by a paired bootstrap: both are judged on the same scenarios in every sample.
-
-    Raises:
-        Refusal: they were not evaluated on the same scenarios.
-    """
-    first, second = (sorted(contributions, key=lambda contribution: contribution.name) for contributions in (first, second))
-    if [(c.name, c.family, c.credit.periods) for c in first] != [(c.name, c.family, c.credit.periods) for c in second]:
-        raise Refusal("the detectors were evaluated on different scenarios: compare entries of one exam")
-    whole, samples = np.ones((1, len(first))), draws(first)
-    value = float((scores(first, profile, whole) - scores(second, profile, whole))[0])
-    known = all(len(members) > 1 for members in _grouped(first).values())
-    return difference(value, scores(first, profile, samples) - scores(second, profile, samples), known=known)
-
-
-def difference(value: float, samples: Floats, *, known: bool) -> ScoreDifference:
-    """Return a difference with its interval from bootstrap ``samples``; ``known`` is whether they say anything about other scenarios."""
-    differences = np.round(samples, DECIMALS)
-    low, high = interval(differences) if known else (-100.0, 100.0)
-    confidence = float(np.mean(differences > 0.0) + 0.5 * np.mean(differences == 0.0)) if known else 0.5
-    return ScoreDifference(Interval(round(value, DECIMALS), low, high), confidence)
+        return self.low > 0.0 or self.high < 0.0

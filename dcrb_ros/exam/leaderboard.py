@@ -5,13 +5,13 @@ from __future__ import annotations
 import html
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise, starmap
+from itertools import pairwise
 from pathlib import Path
 
 from dcrb_ros.exam.agreement import Agreement, agreement
 from dcrb_ros.exam.exam_score import ScoreDifference
 from dcrb_ros.exam.leaderboard_entry import Entry, read_entry
-from dcrb_ros.exam.marking import Marking, marking_of
+from dcrb_ros.exam.marking import Marking, compare, marking_of
 from dcrb_ros.exam.statistics import CONFIDENCE
 from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal, repeated
@@ -96,7 +96,7 @@ def _board(entries: Sequence[Entry]) -> Board:
         raise Refusal(f"two entries of the exam {entries[0].exam} are called '{twice}': give them different names with --name")
     marking = marking_of(entries[0])
     ordered = sorted(entries, key=lambda entry: (-marking.mark(entry), entry.detector))
-    return Board(entries[0].exam, entries[0].scenarios_sha256, tuple(ordered), tuple(starmap(marking.compare, pairwise(ordered))))
+    return Board(entries[0].exam, entries[0].scenarios_sha256, tuple(ordered), tuple(compare(marking, *pair) for pair in pairwise(ordered)))
 
 
 def rows(board: Board) -> Iterator[tuple[str, ...]]:

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from dcrb_ros.exam.leaderboard import Board
+from dcrb_ros.exam.marking import compare
 from dcrb_ros.schema.printable import printable, shortened
 
 COLOURS = {"safety": "#b23a48", "cost": "#2a9d5c"}
@@ -70,7 +71,7 @@ def _pairs(axes: Axes, board: Board) -> None:
     count = len(board.entries)
     shares, marking, entries = np.full((count, count), np.nan), board.marking, board.entries
     for i, j in itertools.combinations(range(count), 2):
-        comparison = marking.compare(entries[i], entries[j])
+        comparison = compare(marking, entries[i], entries[j])
         shares[i, j], shares[j, i] = 100.0 * comparison.confidence, 100.0 * (1.0 - comparison.confidence)
         for row, column in ((i, j), (j, i)):
             weight = "bold" if comparison.distinguished else "normal"

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
-from dcrb_ros.exam.exam_score import DECIMALS, SEED, ScoreDifference, compare, difference, draws, interval, scores
+from dcrb_ros.exam.exam_score import DECIMALS, SEED, ScoreDifference, draws, interval, scores, several_of_each
 from dcrb_ros.exam.leaderboard_entry import Entry, EntryScenario, entry_of
 from dcrb_ros.exam.profile import HEADLINE, HEADLINE_PROFILE, PROFILES
 from dcrb_ros.exam.report import Report
@@ -51,9 +51,9 @@ class ScoreMarking:
         contributions = entry.contributions()
         return scores(contributions, HEADLINE_PROFILE, draws(contributions, seed))
 
-    def compare(self, first: Entry, second: Entry) -> ScoreDifference:
-        """Return the difference of two scores; see `exam_score.compare`."""
-        return compare(first.contributions(), second.contributions(), HEADLINE_PROFILE)
+    def scenarios(self, entry: Entry) -> list[tuple[Any, ...]]:
+        """Return name, family and healthy periods of each scenario by name."""
+        return sorted((scenario.name, scenario.family, scenario.periods) for scenario in entry.scenarios)
 
 
 class VerdictMarking:
@@ -78,7 +78,8 @@ class VerdictMarking:
 
     def series(self, entry: Entry) -> Mapping[str, Interval]:
         """Return the mark."""
-        limits = interval(self.samples(entry)) if _several_of_each(entry) else (0.0, 100.0)
+        known = several_of_each(family for _, family in self.scenarios(entry))
+        limits = interval(self.samples(entry)) if known else (0.0, 100.0)
         return {self.name: Interval(self.mark(entry), *limits)}
 
     def mark(self, entry: Entry) -> float:
@@ -92,17 +93,9 @@ class VerdictMarking:
         required = sorted((c for c in entry.contributions() if c.name in names), key=lambda c: c.name)
         return _shares(entry, draws(required, seed))
 
-    def compare(self, first: Entry, second: Entry) -> ScoreDifference:
-        """Return the difference of two shares by a paired bootstrap.
-
-        Raises:
-            Refusal: the entries have different scenarios.
-        """
-        scenarios = [[(scenario.name, scenario.family) for scenario in _required(entry)] for entry in (first, second)]
-        if scenarios[0] != scenarios[1]:
-            raise Refusal("the detectors were evaluated on different scenarios: compare entries of one exam")
-        samples = self.samples(first) - self.samples(second)
-        return difference(self.mark(first) - self.mark(second), samples, known=_several_of_each(first))
+    def scenarios(self, entry: Entry) -> list[tuple[Any, ...]]:
+        """Return name and class of each required scenario by name."""
+        return [(scenario.name, scenario.family) for scenario in _required(entry)]
 
 
 Marking: TypeAlias = ScoreMarking | VerdictMarking
@@ -112,6 +105,21 @@ Marking: TypeAlias = ScoreMarking | VerdictMarking
 def marking_of(entry: Entry) -> Marking:
     """Return how the entries of the same exam are marked."""
     return VerdictMarking() if entry.last_verdict else ScoreMarking()
+
+
+def compare(marking: Marking, first: Entry, second: Entry) -> ScoreDifference:
+    """Return the difference of two marks by a paired bootstrap: both are judged on the same scenarios in every sample.
+
+    Raises:
+        Refusal: the entries have different scenarios.
+    """
+    scenarios = marking.scenarios(first)
+    if scenarios != marking.scenarios(second):
+        raise Refusal("the detectors were evaluated on different scenarios: compare entries of one exam")
+    if not several_of_each(family for _, family, *_ in scenarios):
+        return ScoreDifference(-100.0, 100.0, 0.5)
+    differences = np.round(marking.samples(first) - marking.samples(second), DECIMALS)
+    return ScoreDifference(*interval(differences), float(np.mean(differences > 0.0) + 0.5 * np.mean(differences == 0.0)))
 
 
 def report_mark(report: Report) -> Interval:
@@ -132,12 +140,6 @@ def _required(entry: Entry) -> list[EntryScenario]:
     if not required:
         raise Refusal(f"the entry '{entry.detector}' of the exam {entry.exam} has no required scenario and so no share of correct verdicts")
     return required
-
-
-def _several_of_each(entry: Entry) -> bool:
-    """Return whether every class has several required scenarios; one alone says nothing about others of its kind."""
-    families = [scenario.family for scenario in _required(entry)]
-    return all(families.count(family) > 1 for family in families)
 
 
 def _shares(entry: Entry, weights: Floats) -> Floats:

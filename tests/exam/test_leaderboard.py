@@ -13,14 +13,14 @@ from full_disk import files_of_at_most
 from matplotlib.axes import Axes
 from same_process import dcrb
 
+from dcrb_ros.exam import leaderboard_figure
 from dcrb_ros.exam.agreement import agreement
 from dcrb_ros.exam.criteria import Criteria
-from dcrb_ros.exam.exam_score import compare
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.leaderboard import about, boards, markdown, page, read_entries, rows
 from dcrb_ros.exam.leaderboard_entry import Entry, StoredDiagnoses, entry_of, read_entry, write_entry
 from dcrb_ros.exam.leaderboard_figure import board_figure
-from dcrb_ros.exam.marking import ScoreMarking
+from dcrb_ros.exam.marking import ScoreMarking, compare
 from dcrb_ros.exam.profile import PROFILES
 from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.scoring import score_scenario
@@ -29,7 +29,7 @@ from dcrb_ros.schema.refusal import Refusal
 
 pytestmark = pytest.mark.slow
 
-RESEARCH = PROFILES[2]
+MARKING = ScoreMarking()
 COUNT = 24
 EXPECTATIONS = [
     *(Expectation(f"outer/{k}", "outer_ring", 10.0, 4.0, {"speed": 125.0, "width": 0.002}, twin="twin/0") for k in range(COUNT)),
@@ -186,22 +186,21 @@ def test_a_written_entry_that_was_edited_is_refused(path: tuple[Any, ...], value
 
 
 def test_a_detector_is_not_distinguished_from_itself() -> None:
-    own = detector(1, 0.5).contributions()
-    found = compare(own, own, RESEARCH)
-    assert (found.difference.value, found.difference.low, found.difference.high, found.confidence) == (0.0, 0.0, 0.0, 0.5)
+    own = detector(1, 0.5)
+    found = compare(MARKING, own, own)
+    assert (found.low, found.high, found.confidence) == (0.0, 0.0, 0.5)
     assert not found.distinguished
 
 
 def test_a_comparison_is_antisymmetric() -> None:
-    first, second = detector(1, 0.5).contributions(), detector(2, 0.6).contributions()
-    there, back = compare(first, second, RESEARCH), compare(second, first, RESEARCH)
+    first, second = detector(1, 0.5), detector(2, 0.6)
+    there, back = compare(MARKING, first, second), compare(MARKING, second, first)
     assert there.confidence == pytest.approx(1.0 - back.confidence)
-    assert there.difference.value == -back.difference.value
-    assert (there.difference.low, there.difference.high) == pytest.approx((-back.difference.high, -back.difference.low))
+    assert (there.low, there.high) == pytest.approx((-back.high, -back.low))
 
 
 def test_detectors_of_different_skill_are_distinguished() -> None:
-    found = compare(detector(1, 0.9).contributions(), detector(2, 0.4).contributions(), RESEARCH)
+    found = compare(MARKING, detector(1, 0.9), detector(2, 0.4))
     assert found.distinguished
     assert found.confidence > 0.99
 
@@ -209,9 +208,7 @@ def test_detectors_of_different_skill_are_distinguished() -> None:
 def test_detectors_of_equal_skill_are_distinguished_as_rarely_as_the_confidence_says() -> None:
     """At 95 % confidence, one pair in twenty is told apart wrongly; percentile intervals of 24 scenarios are a little too narrow."""
     pairs = 60
-    wrong = sum(
-        compare(detector(k, 0.5).contributions(), detector(k + 1000, 0.5).contributions(), RESEARCH).distinguished for k in range(pairs)
-    )
+    wrong = sum(compare(MARKING, detector(k, 0.5), detector(k + 1000, 0.5)).distinguished for k in range(pairs))
     assert wrong <= 9  # a binomial number with p = 0.07 exceeds 9 of 60 with a probability below 1 %
 
 
@@ -222,15 +219,15 @@ def test_the_paired_comparison_sees_a_small_difference_on_the_same_scenarios() -
     full = next(s.credit for s in weaker.scenarios if s.found)
     better = [s.model_copy(update={"credit": full}) if s.name in missed else s for s in weaker.scenarios]
     stronger = weaker.model_copy(update={"scenarios": better})
-    found = compare(stronger.contributions(), weaker.contributions(), RESEARCH)
+    found = compare(MARKING, stronger, weaker)
     assert found.distinguished
     assert stronger.scores()[2].score.low < weaker.scores()[2].score.high
 
 
 def test_detectors_on_different_scenarios_are_not_compared() -> None:
-    own = detector(1, 0.5).contributions()
+    own = detector(1, 0.5)
     with pytest.raises(Refusal, match="different scenarios"):
-        compare(own, own[1:], RESEARCH)
+        compare(MARKING, own, own.model_copy(update={"scenarios": own.scenarios[1:]}))
 
 
 def test_the_leaderboard_is_sorted_by_the_score() -> None:
@@ -280,8 +277,8 @@ def test_a_leaderboard_of_last_verdicts_names_its_marks() -> None:
 
 def test_the_figure_compares_every_pair_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (board,) = boards([detector(k, 0.2 * k) for k in range(1, 5)])
-    pairs, compared, drawn = [], type(board.marking).compare, []
-    monkeypatch.setattr(ScoreMarking, "compare", lambda self, *pair: pairs.append(pair) or compared(self, *pair))
+    pairs, drawn = [], []
+    monkeypatch.setattr(leaderboard_figure, "compare", lambda marking, *pair: pairs.append(pair) or compare(marking, *pair))
     monkeypatch.setattr(Axes, "imshow", lambda _, shares, **options: drawn.append(shares))
     board_figure(board).savefig(tmp_path / "f.png")
     assert len(pairs) == 4 * 3 / 2
@@ -289,7 +286,7 @@ def test_the_figure_compares_every_pair_once(tmp_path: Path, monkeypatch: pytest
     assert np.isnan(shares.diagonal()).all()
     apart = ~np.eye(4, dtype=bool)
     assert (shares + shares.T)[apart] == pytest.approx(100.0)
-    assert shares[0, 1] == pytest.approx(100.0 * compared(board.marking, *board.entries[:2]).confidence)
+    assert shares[0, 1] == pytest.approx(100.0 * compare(board.marking, *board.entries[:2]).confidence)
 
 
 def test_names_are_text_in_markdown_and_html() -> None:

@@ -10,7 +10,7 @@ import pytest
 
 from dcrb_ros.exam.exam_score import draws
 from dcrb_ros.exam.leaderboard_entry import FORMAT, Entry, EntryScenario, StoredDiagnoses
-from dcrb_ros.exam.marking import ScoreMarking, VerdictMarking, marking_of
+from dcrb_ros.exam.marking import ScoreMarking, VerdictMarking, compare, marking_of
 from dcrb_ros.exam.profile import PROFILES
 from dcrb_ros.schema.refusal import Refusal
 
@@ -70,14 +70,14 @@ def test_the_interval_is_that_of_a_mean_over_classes() -> None:
 def test_the_difference_is_taken_on_the_same_scenarios() -> None:
     better = entry({"healthy": [True] * 20, "outer_ring": [k % 2 == 0 for k in range(20)]})
     worse = entry({"healthy": [k % 5 != 0 for k in range(20)], "outer_ring": [k % 2 == 0 for k in range(20)]})
-    same, apart = MARKING.compare(better, better), MARKING.compare(better, worse)
-    assert (same.difference, same.confidence) == ((0.0, 0.0, 0.0), 0.5)
+    same, apart = compare(MARKING, better, better), compare(MARKING, better, worse)
+    assert (same.low, same.high, same.confidence) == (0.0, 0.0, 0.5)
     # Of unpaired samples the outer ring alone would have a standard deviation of 8 percentage points.
-    assert apart.difference.value == pytest.approx(10.0)
-    assert 0.0 < apart.difference.low < apart.difference.high < 20.0
+    assert MARKING.mark(better) - MARKING.mark(worse) == pytest.approx(10.0)
+    assert 0.0 < apart.low < apart.high < 20.0
     assert apart.distinguished
-    turned = MARKING.compare(worse, better)
-    assert turned.difference.low == pytest.approx(-apart.difference.high)
+    turned = compare(MARKING, worse, better)
+    assert turned.low == pytest.approx(-apart.high)
     assert turned.confidence == pytest.approx(1.0 - apart.confidence)
 
 
@@ -85,14 +85,14 @@ def test_a_class_with_one_scenario_leaves_the_mark_unknown() -> None:
     given = entry({"healthy": [True, True], "outer_ring": [True]})
     assert MARKING.series(given)["correct verdicts"] == (100.0, 0.0, 100.0)
     other = entry({"healthy": [False, False], "outer_ring": [False]})
-    compared = MARKING.compare(given, other)
+    compared = compare(MARKING, given, other)
     assert (compared.confidence, compared.distinguished) == (0.5, False)
 
 
 def test_entries_with_other_scenarios_are_refused() -> None:
     first, second = entry({"healthy": [True, True]}), entry({"healthy": [True, True], "outer_ring": [True]})
     with pytest.raises(Refusal, match="the detectors were evaluated on different scenarios"):
-        MARKING.compare(first, second)
+        compare(MARKING, first, second)
 
 
 def test_entries_of_last_verdicts_are_sorted_by_them() -> None:
