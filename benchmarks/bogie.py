@@ -19,7 +19,6 @@ import numpy as np
 
 from dcrb_ros.diagnosis.vehicle.detector import VehicleDetector
 from dcrb_ros.exam.statistics import share
-from dcrb_ros.exam.vehicle.evaluation import pieces
 from dcrb_ros.exam.vehicle.exam_file import VehicleCase, read_vehicle_exam
 from dcrb_ros.exam.vehicle.signals import VehicleSignal, kept_signal, signal_path
 from dcrb_ros.schema.verdicts import BEARING_FAULTS
@@ -66,7 +65,7 @@ def answers(signal: VehicleSignal) -> Answers:
     evidence: dict[str, dict[str, float]] = {name: dict.fromkeys(signal.acceleration, -math.inf) for name in DETECTORS}
     evidence["loudest"] = {name: float(np.square(values).mean()) for name, values in signal.acceleration.items()}
     causes: set[str] = set()
-    for blocks, _, _ in pieces(signal):
+    for blocks, _, _ in signal.pieces():
         diagnosis = detector.add(blocks)
         for name, block in blocks.items():
             for reading in block.temperatures:

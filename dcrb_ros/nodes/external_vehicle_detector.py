@@ -46,13 +46,13 @@ def _vehicle_feed(signal: VehicleSignal) -> Feed:
 
     def bundles() -> Iterator[Bundle]:
         rate, begin = signal.description.sampling_rate, 0
-        for blocks in signal.blocks():
+        for blocks, _, last in signal.pieces():
             messages = []
             for name, block in blocks.items():
                 angle = block.shaft_angle if block.shaft_angle is not None else np.full(len(block.acceleration), np.nan)
                 data = encode_waveform(block.index, rate, block.acceleration, angle, f"{name}/outer_ring")
                 messages.append(Message(waveforms[name], block.index * 1_000_000_000 // rate, data))
-            end = max(block.index + len(block.acceleration) for block in blocks.values()) * 1_000_000_000 // rate
+            end = last * 1_000_000_000 // rate
             for name, (air, ring) in thermometers.items():
                 for time, warm, ambient in signal.readings(name, begin * 1e-9, end * 1e-9):
                     at = round(time * 1e9)

@@ -7,7 +7,7 @@ any.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -21,10 +21,10 @@ from dcrb_ros.exam.evaluation import CandidateRefusal, Scenario, ScenarioSet
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.limits import Limits
 from dcrb_ros.exam.plugin_process import DetectorFailure, running_process
-from dcrb_ros.exam.running_detector import BoxSamples, RunningVehicleDetector, VehicleDetectorFactory
+from dcrb_ros.exam.running_detector import RunningVehicleDetector, VehicleDetectorFactory
 from dcrb_ros.exam.scoring import ScenarioResult, score_scenario
 from dcrb_ros.exam.vehicle.exam_file import VehicleCase, VehicleExam
-from dcrb_ros.exam.vehicle.signals import BLOCK, VehicleSignal, kept_signal, signal_path
+from dcrb_ros.exam.vehicle.signals import VehicleSignal, kept_signal, signal_path
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.schema.verdicts import VERDICTS
 from dcrb_ros.stream.vehicle_description import VehicleDescription
@@ -76,7 +76,7 @@ class PythonVehicleDetector:
             RuntimeError: it raised an exception.
         """
         outcome, detector = VehicleOutcome(), RunningVehicleDetector(self.factory, signal.description)
-        for piece, _, end in pieces(signal):
+        for piece, _, end in signal.pieces():
             statuses = detector.take(piece)
             if statuses is not None:
                 outcome.add(signal.description, (end - 1) / signal.description.sampling_rate, statuses)
@@ -104,7 +104,7 @@ class ProcessVehicleDetector:
         try:
             with running_process(self.given, self.limits) as process, process.guarded(outcome):
                 begin = BeginVehicle(description.to_json())
-                for kind, content, end in process.answers(begin, pieces(signal), description.sampling_rate):
+                for kind, content, end in process.answers(begin, signal.pieces(), description.sampling_rate):
                     if kind == STATUSES:
                         outcome.add(description, (end - 1) / description.sampling_rate, _statuses(content))
         except CandidateRefusal as refusal:
@@ -156,19 +156,6 @@ def scored_boxes(case: VehicleCase, description: VehicleDescription, outcome: Ve
             result = replace(result, credit=replace(result.credit, detection=detection))
         results.append(result)
     return results
-
-
-def pieces(signal: VehicleSignal) -> Iterator[tuple[dict[str, BoxSamples], int, int]]:
-    """Yield blocks of all boxes, with the index of their first sample and the one after their last."""
-    rate = signal.description.sampling_rate
-    for number, blocks in enumerate(signal.blocks(BLOCK)):
-        first = number * BLOCK
-        last = first + max(len(block.acceleration) for block in blocks.values())
-        piece = {
-            name: BoxSamples(block.index, block.acceleration, block.shaft_angle, signal.readings(name, first / rate, last / rate))
-            for name, block in blocks.items()
-        }
-        yield piece, first, last
 
 
 def _statuses(content: bytes) -> dict[str, tuple[str, float | None]]:

@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from dcrb_ros.diagnosis.vehicle.detector import BoxBlock
 from dcrb_ros.exam.case import canonical
 from dcrb_ros.exam.recording_cache import keep, kept_content
+from dcrb_ros.exam.running_detector import BoxSamples
 from dcrb_ros.exam.vehicle.exam_file import resolved
 from dcrb_ros.measurement.sensor import Measurement, Sensor
 from dcrb_ros.messages.vehicle import box_path
@@ -65,14 +65,16 @@ class VehicleSignal:
         rows = self.temperatures.get(box, np.zeros((0, 3)))
         return tuple((time, ring, air) for time, ring, air in rows.tolist() if first <= time < last)
 
-    def blocks(self, size: int = BLOCK) -> Iterator[dict[str, BoxBlock]]:
-        """Yield blocks of all boxes with equal stamps."""
-        samples = max(len(angle) for angle in self.shaft_angle.values())
-        for first in range(0, samples, size):
-            last = first + size
-            yield {
-                name: BoxBlock(first, self.acceleration[name][first:last], angle[first:last]) for name, angle in self.shaft_angle.items()
-            }
+    def pieces(self) -> Iterator[tuple[dict[str, BoxSamples], int, int]]:
+        """Yield blocks of all boxes, with the index of their first sample and the one after their last."""
+        samples, rate = max(map(len, self.shaft_angle.values())), self.description.sampling_rate
+        for first in range(0, samples, BLOCK):
+            last = min(first + BLOCK, samples)
+            piece = {}
+            for name, angle in self.shaft_angle.items():
+                readings = self.readings(name, first / rate, last / rate)
+                piece[name] = BoxSamples(first, self.acceleration[name][first:last], angle[first:last], readings)
+            yield piece, first, last
 
 
 class MotionMemory:
