@@ -111,19 +111,18 @@ def evaluate_exam(exam: AnyExam, options: DetectorOptions, recordings: Path | No
     """Return the report of an exam of a bearing or of a vehicle; ``recordings`` is the folder that keeps what is simulated."""
     from dcrb_ros.exam.evaluation import evaluate
     from dcrb_ros.exam.exam_file import Exam
-    from dcrb_ros.exam.exam_scenarios import replica_scenarios, simulated_scenarios
+    from dcrb_ros.exam.exam_scenarios import scenarios_of
     from dcrb_ros.exam.recording_cache import checked_folder, default_folder
     from dcrb_ros.exam.vehicle.evaluation import vehicle_scenarios
 
     with checked_folder(recordings or (default_folder() if isinstance(exam, Exam) else default_folder() / "vehicles")) as folder:
         candidate: Candidate[Any]
         scenarios: Any
-        if not isinstance(exam, Exam):
-            candidate, scenarios = options.vehicle_candidate(), vehicle_scenarios(exam, folder, workers)
-        elif exam.replica is not None:
-            candidate, scenarios = options.candidate_in_python(), replica_scenarios(exam, folder)
+        if isinstance(exam, Exam):
+            candidate = options.candidate() if exam.replica is None else options.candidate_in_python()
+            scenarios = scenarios_of(exam, folder)
         else:
-            candidate, scenarios = options.candidate(), simulated_scenarios(exam, folder)
+            candidate, scenarios = options.vehicle_candidate(), vehicle_scenarios(exam, folder, workers)
         announce_compilation(quiet=quiet)
         return evaluate(candidate, scenarios, workers=workers, progress=partial(progress_of, quiet=quiet))
 

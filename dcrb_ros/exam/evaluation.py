@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import secrets
-from collections.abc import Callable, Iterator, Mapping, Sequence, Sized
+from collections.abc import Callable, Iterable, Mapping, Sequence, Sized
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
 from functools import partial
@@ -131,8 +131,9 @@ def evaluate(
         RuntimeError: a detector in Python raised an exception.
     """
     if not candidate.parallel:
-        _simulate_missing(scenario_set.scenarios, workers, progress)
-    calls = {scenario.name: partial(_outcome, candidate, scenario.signal) for scenario in _order(scenario_set)}
+        signals = {s.name: (s.recorded, partial(_record, s.name, s.signal)) for s in scenario_set.scenarios if s.recorded is not None}
+        simulate_missing(signals, workers, progress)
+    calls = {scenario.name: partial(_outcome, candidate, scenario.name, scenario.signal) for scenario in _order(scenario_set)}
     outcomes: dict[str, AnyOutcome] = {}
     with progress("evaluated", len(calls)) as on_done:
         for name, outcome in _results(calls, workers, apart=candidate.parallel):
@@ -140,12 +141,14 @@ def evaluate(
                 raise NoDiagnosis(f"the detector '{candidate.name}' failed on the first scenario ({name}): {outcome.failure}")
             outcomes[name] = outcome
             on_done(name)
-    results = tuple(
-        result for scenario in scenario_set.scenarios for result in scenario.results(outcomes[scenario.name], scenario_set.criteria)
-    )
-    return Report(
-        scenario_set.name, candidate.name, scenario_set.criteria, scenario_set.digest, results, scenario_set.seal, scenario_set.seeds
-    )
+    return report_of(scenario_set, candidate.name, outcomes)
+
+
+def report_of(scenario_set: ScenarioSet[Any], detector: str, outcomes: Mapping[str, AnyOutcome]) -> Report:
+    """Return the report of a detector from its outcome in each scenario by name."""
+    criteria = scenario_set.criteria
+    results = tuple(result for scenario in scenario_set.scenarios for result in scenario.results(outcomes[scenario.name], criteria))
+    return Report(scenario_set.name, detector, criteria, scenario_set.digest, results, scenario_set.seal, scenario_set.seeds)
 
 
 def _order(scenario_set: ScenarioSet[Signal]) -> list[Scenario[Signal]]:
@@ -158,35 +161,38 @@ def _order(scenario_set: ScenarioSet[Signal]) -> list[Scenario[Signal]]:
     return scenarios
 
 
-def _outcome(candidate: Candidate[Signal], signal: Callable[[], Signal]) -> AnyOutcome:
-    return candidate.diagnose(signal())
+def _outcome(candidate: Candidate[Signal], name: str, signal: Callable[[], Signal]) -> AnyOutcome:
+    return named(name, lambda: candidate.diagnose(signal()))
 
 
-def _record(signal: Callable[[], Signal]) -> None:
+def _record(name: str, signal: Callable[[], object]) -> None:
     """Simulate a signal; it is not returned, so that another process need not send it."""
-    signal()
+    named(name, signal)
 
 
-def _simulate_missing(scenarios: Sequence[Scenario[Signal]], workers: int, progress: Progress) -> None:
-    """Simulate the signals that are missing, with more than one worker in processes of their own."""
-    simulated = {scenario.name: scenario.recorded() for scenario in scenarios if scenario.recorded is not None}
-    if not simulated:
+def simulate_missing(signals: Mapping[str, tuple[Callable[[], bool], Callable[[], object]]], workers: int, progress: Progress) -> None:
+    """Simulate the signals that are missing, with more than one worker in processes of their own.
+
+    Of each by name, a function returns whether it has been simulated, and another one simulates it.
+    """
+    if not signals:
         return
-    with progress("simulated", len(simulated)) as on_done:
-        for name in (name for name, recorded in simulated.items() if recorded):
-            on_done(name)
-        missing = {scenario.name: partial(_record, scenario.signal) for scenario in scenarios if simulated.get(scenario.name) is False}
+    with progress("simulated", len(signals)) as on_done:
+        missing = {}
+        for name, (recorded, simulate) in signals.items():
+            if recorded():
+                on_done(name)
+            else:
+                missing[name] = simulate
         for name, _ in _results(missing, workers, apart=workers > 1):
             on_done(name)
 
 
-def _results(calls: Mapping[str, Callable[[], Value]], workers: int, *, apart: bool) -> Iterator[tuple[str, Value]]:
-    """Yield name and result of each call, made in processes of its own if ``apart``."""
-    named_calls = {name: partial(named, name, call) for name, call in calls.items()}
+def _results(calls: Mapping[str, Callable[[], Value]], workers: int, *, apart: bool) -> Iterable[tuple[str, Value]]:
+    """Return name and result of each call, made in processes of its own if ``apart``."""
     if apart and calls:
-        yield from in_processes(named_calls, min(workers, len(calls)))
-    else:
-        yield from ((name, call()) for name, call in named_calls.items())
+        return in_processes(calls, min(workers, len(calls)))
+    return ((name, call()) for name, call in calls.items())
 
 
 def named(name: str, call: Callable[[], Value]) -> Value:

@@ -6,13 +6,15 @@ Each recording of a replica follows a healthy run of the same simulated machine 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from dcrb_ros.bearing.frequencies import characteristic_orders
 from dcrb_ros.exam.case import Case, CaseSimulation, simulation_seeds
-from dcrb_ros.exam.evaluation import ScenarioSet, bearing_scenario
+from dcrb_ros.exam.evaluation import Scenario, ScenarioSet, bearing_scenario
 from dcrb_ros.exam.exam_file import GAIN_TAG, MACHINE_TAG, Exam, ReplicaOrigin
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.led_signal import LEAD, Form, JudgedRecording, LedSignal, healthy_recording
@@ -151,27 +153,21 @@ def _expectation(signal: LedSignal[SimulatedRecording]) -> Expectation:
     return replace(signal.expectation(), required=signal.recording.case.expectation.required)
 
 
-def simulated_scenarios(exam: Exam, folder: Path) -> ScenarioSet[Recording]:
-    """Return the scenarios of an exam that is no replica, whose recordings are kept in a folder."""
-    scenarios = [
-        bearing_scenario(case.expectation, partial(_recording, case, folder), recorded=partial(is_recorded, case, folder))
-        for case in exam.cases
-    ]
-    return ScenarioSet(exam.name, exam.criteria, scenarios, exam.digest, exam.seal, seeds_of(exam))
+def scenarios_of(exam: Exam, folder: Path) -> ScenarioSet[Any]:
+    """Return the scenarios of an exam, whose recordings are kept in a folder; nothing is simulated yet.
 
-
-def replica_scenarios(exam: Exam, folder: Path) -> ScenarioSet[LedSignal[SimulatedRecording]]:
-    """Return the scenarios of a replica; see `led_signals`."""
-    signals = led_signals(exam, folder)
-    scenarios = [bearing_scenario(_expectation(s), partial(_simulated, s), recorded=partial(_is_simulated, s)) for s in signals]
-    return ScenarioSet(exam.name, exam.criteria, scenarios, exam.digest, exam.seal, seeds_of(exam))
-
-
-def seeds_of(exam: Exam) -> tuple[int, ...]:
-    """Return the different seeds of all simulations in increasing order; nothing is simulated."""
+    Raises:
+        Refusal: see `led_signals`.
+    """
+    scenarios: list[Scenario[Any]]
     if exam.replica is None:
-        return simulation_seeds(exam.cases)
-    return simulation_seeds(run.case for signal in led_signals(exam, Path()) for run in simulated_recordings(signal))
+        cases: Iterable[Case] = exam.cases
+        scenarios = [bearing_scenario(c.expectation, partial(_recording, c, folder), partial(is_recorded, c, folder)) for c in exam.cases]
+    else:
+        signals = led_signals(exam, folder)
+        cases = [run.case for signal in signals for run in simulated_recordings(signal)]
+        scenarios = [bearing_scenario(_expectation(s), partial(_simulated, s), partial(_is_simulated, s)) for s in signals]
+    return ScenarioSet(exam.name, exam.criteria, scenarios, exam.digest, exam.seal, simulation_seeds(cases))
 
 
 def _recording(case: Case, folder: Path) -> Recording:

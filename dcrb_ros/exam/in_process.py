@@ -7,7 +7,7 @@ from pathlib import Path
 from dcrb_ros.exam.detector_run import PythonDetector
 from dcrb_ros.exam.evaluation import evaluate
 from dcrb_ros.exam.exam_file import read_exam
-from dcrb_ros.exam.exam_scenarios import replica_scenarios, simulated_scenarios
+from dcrb_ros.exam.exam_scenarios import scenarios_of
 from dcrb_ros.exam.recording_cache import checked_folder, default_folder
 from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.running_detector import DetectorFactory
@@ -60,6 +60,4 @@ def score(detector: DetectorFactory, exam: str | Path = "smoke", *, recordings: 
     candidate = PythonDetector(getattr(detector, "__name__", type(detector).__name__), detector, parallel=False)
     given = read_exam(exam)
     with checked_folder(Path(recordings) if recordings is not None else default_folder()) as folder:
-        if given.replica is not None:
-            return evaluate(candidate, replica_scenarios(given, folder), workers=workers)
-        return evaluate(candidate, simulated_scenarios(given, folder), workers=workers)
+        return evaluate(candidate, scenarios_of(given, folder), workers=workers)

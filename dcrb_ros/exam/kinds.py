@@ -1,7 +1,7 @@
 """The kinds of exams: of a bearing (`exam_file`) and of a vehicle (`vehicle.exam_file`). Recordings and measured signals need no file.
 
-`evaluation.evaluate` takes the scenarios of all of them, which are made by `exam_scenarios.simulated_scenarios` and `replica_scenarios`,
-`vehicle.evaluation.vehicle_scenarios`, `recorded_case.recorded_scenarios` and `measured.whole_scenarios`.
+`evaluation.evaluate` takes the scenarios of all of them, which are made by `exam_scenarios.scenarios_of`, `vehicle_scenarios` in
+`vehicle.evaluation`, `recorded_case.recorded_scenarios` and `measured.whole_scenarios`.
 """
 
 from __future__ import annotations

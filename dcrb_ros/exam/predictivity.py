@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import compress
 from typing import NamedTuple
 
 import numpy as np
@@ -61,15 +62,12 @@ class Marks:
     exam: Floats
     """Share of its counterparts on which it is right, shape (detectors, recordings) [-]."""
 
-    def of(self, detectors: Indices) -> Marks:
-        """Return the marks of some detectors."""
-        chosen = [tuple(np.array(column, dtype=object)[detectors]) for column in (self.detectors, self.families, self.published)]
-        return Marks(chosen[0], chosen[1], chosen[2], self.recordings, self.field[detectors], self.exam[detectors])
-
     @property
     def representatives(self) -> Marks:
-        """The member with the published settings of each family."""
-        return self.of(np.flatnonzero(self.published))
+        """The marks of the member with the published settings of each family."""
+        detectors, families = (tuple(compress(names, self.published)) for names in (self.detectors, self.families))
+        chosen = np.array(self.published)
+        return Marks(detectors, families, (True,) * len(detectors), self.recordings, self.field[chosen], self.exam[chosen])
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,6 @@ import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -28,16 +27,6 @@ FORMAT = 3
 """Version of the way in which verdicts become answers; another one makes kept answers outdated."""
 
 
-@dataclass(frozen=True)
-class Answers:
-    """The answers of the detectors that judged every task."""
-
-    answers: Mapping[str, Mapping[str, str]]
-    """Answer by the name of the member and the digest of the task."""
-    broken: tuple[BrokenFamily, ...]
-    """Members that failed, with the reason."""
-
-
 def answers_of(
     members: Sequence[Member],
     tasks: Sequence[Task[Any]],
@@ -45,10 +34,10 @@ def answers_of(
     limits: Limits,
     workers: int,
     progress: AbstractContextManager[OnDone],
-) -> Answers:
-    """Return the answers of detectors; those of the same detector to the same signal are read from ``folder``.
+) -> tuple[dict[str, Mapping[str, str]], list[BrokenFamily]]:
+    """Return the answers by the name of the member and the digest of the task, and the members that failed in any task.
 
-    A detector that fails in any task is left out, and nothing of it is kept.
+    The answers of the same detector to the same signal are read from ``folder``. Nothing of a member that failed is kept.
     """
     store = folder / ANSWERS
     try:
@@ -73,7 +62,7 @@ def answers_of(
                 answers[member.name] = {**kept[member], **outcome}
                 keep(_file(store, member), json.dumps(answers[member.name]).encode())
             on_done(member.name)
-    return Answers(answers, tuple(broken))
+    return answers, broken
 
 
 def run_member(given: str, tasks: Sequence[Task[Any]], limits: Limits) -> dict[str, str] | str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,15 +12,14 @@ import numpy as np
 
 from dcrb_ros.exam.agreement import by_name
 from dcrb_ros.exam.detector_families import BrokenFamily, Member
-from dcrb_ros.exam.evaluation import OnDone
+from dcrb_ros.exam.evaluation import Progress
 from dcrb_ros.exam.exam_file import Exam, ReplicaOrigin
-from dcrb_ros.exam.exam_scenarios import led_signals
 from dcrb_ros.exam.leaderboard_entry import Entry
 from dcrb_ros.exam.limits import Limits
 from dcrb_ros.exam.measured import TABLE, MeasuredRecording, led_scenarios, read_table
 from dcrb_ros.exam.predictivity import Compared, Marks, Predictivity, check_families, predictivities
 from dcrb_ros.exam.predictivity_marks import answers_of
-from dcrb_ros.exam.predictivity_task import Task, measured_tasks, runs_of, simulate_missing, simulated_tasks
+from dcrb_ros.exam.predictivity_task import Task, measured_tasks, simulate_tasks, simulated_tasks
 from dcrb_ros.exam.replica import table_digest
 from dcrb_ros.exam.statistics import CONFIDENCE, Interval, class_mean
 from dcrb_ros.schema.arrays import Floats
@@ -70,7 +68,7 @@ def compare_with_field(
     recordings: Path,
     limits: Limits,
     workers: int,
-    progress: Callable[[str, int], AbstractContextManager[OnDone]],
+    progress: Progress,
 ) -> Comparison:
     """Return the comparison of a replica with the measured recordings of its table; it is made or read after the detectors were checked.
 
@@ -87,13 +85,13 @@ def compare_with_field(
     measured = read_table(table, origin.speed)
     first = measured_tasks(measured, origin.longest)
     second = simulated_tasks(exam, measured, recordings)
-    simulate_missing(second, workers, progress("simulated", len(runs_of(second))))
+    simulate_tasks(second, workers, progress)
     tasks: list[Task[Any]] = [*first, *second]
-    found = answers_of(members, tasks, recordings, limits, workers, progress("judged", len(members)))
-    kept = [member for member in members if member.name in found.answers]
-    both = [*broken, *found.broken]
+    answers, failed = answers_of(members, tasks, recordings, limits, workers, progress("judged", len(members)))
+    kept = [member for member in members if member.name in answers]
+    both = [*broken, *failed]
     check_families([member.family for member in kept], _reasons(both))
-    marks = _marks(kept, found.answers, first, second)
+    marks = _marks(kept, answers, first, second)
     return Comparison(marks, tuple(predictivities(marks)), tuple(predictivities(marks.representatives)), tuple(both), origin, len(second))
 
 
@@ -111,10 +109,10 @@ def compare_entries(table: Path, exam: Exam, entries: Sequence[Entry], measured:
     if foreign is not None:
         raise Refusal(f"the entry '{foreign}' was made with another exam than '{exam.name}': make it with dcrb score REPLICA --entry")
     table_rows = read_table(table, origin.speed)
-    counterparts: dict[str, list[str]] = {}
-    for task in simulated_tasks(exam, table_rows, Path()):
+    tasks, counterparts = simulated_tasks(exam, table_rows, Path()), dict[str, list[str]]()
+    for task in tasks:
         counterparts.setdefault(task.original.name, []).append(task.signal.recording.name)
-    led = {signal.recording.tags["recording"] for signal in led_signals(exam, Path()) if signal.lead is not None}
+    led = {task.original.name for task in tasks if task.signal.lead is not None}
     recordings = tuple(
         Compared(one.name, one.machine, one.truth, one.bearing, one.name in led) for one in table_rows if one.name in counterparts
     )

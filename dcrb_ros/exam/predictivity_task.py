@@ -6,19 +6,17 @@ import dataclasses
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
-from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Generic
 
-from dcrb_ros.exam.evaluation import OnDone
+from dcrb_ros.exam.evaluation import Progress, simulate_missing
 from dcrb_ros.exam.exam_file import Exam
 from dcrb_ros.exam.exam_scenarios import SimulatedRecording, led_signals, simulated_recordings
 from dcrb_ros.exam.led_signal import Judged, LedSignal
 from dcrb_ros.exam.measured import MeasuredRecording, led_recordings
 from dcrb_ros.exam.recording_cache import cached_recording, case_hash, is_recorded
-from dcrb_ros.runtime.processes import in_processes
 from dcrb_ros.schema.refusal import Refusal
 
 COMPARED = ("healthy", "outer_ring", "inner_ring")
@@ -72,22 +70,11 @@ def simulated_tasks(exam: Exam, recordings: Sequence[MeasuredRecording], folder:
     return tasks
 
 
-def runs_of(tasks: Sequence[Task[SimulatedRecording]]) -> dict[str, SimulatedRecording]:
-    """Return the recordings of all tasks and the healthy runs before them by name."""
-    return {one.name: one for task in tasks for one in simulated_recordings(task.signal)}
-
-
-def simulate_missing(tasks: Sequence[Task[SimulatedRecording]], workers: int, progress: AbstractContextManager[OnDone]) -> None:
-    """Simulate the recordings that are missing, with more than one worker in processes of their own."""
-    with progress as on_done:
-        missing = {}
-        for name, one in runs_of(tasks).items():
-            if is_recorded(one.case, one.folder):
-                on_done(name)
-            else:
-                missing[name] = partial(cached_recording, one.case, one.folder)
-        for name, _ in in_processes(missing, workers) if workers > 1 else ((name, call()) for name, call in missing.items()):
-            on_done(name)
+def simulate_tasks(tasks: Sequence[Task[SimulatedRecording]], workers: int, progress: Progress) -> None:
+    """Simulate the recordings of tasks and the healthy runs before them that are missing; see `simulate_missing`."""
+    runs = {one.name: (one.case, one.folder) for task in tasks for one in simulated_recordings(task.signal)}
+    signals = {name: (partial(is_recorded, *run), partial(cached_recording, *run)) for name, run in runs.items()}
+    simulate_missing(signals, workers, progress)
 
 
 def _task(signal: LedSignal[Judged], original: MeasuredRecording, digests: Mapping[str, str]) -> Task[Judged]:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
+from dcrb_ros.exam.evaluation import Outcome, report_of
 from dcrb_ros.exam.exam_file import Exam
-from dcrb_ros.exam.exam_scenarios import expectations, seeds_of
+from dcrb_ros.exam.exam_scenarios import scenarios_of
 from dcrb_ros.exam.leaderboard_entry import Entry, entry_of
-from dcrb_ros.exam.report import Report
-from dcrb_ros.exam.scoring import score_scenario
 from dcrb_ros.runtime.version import __version__
 
 STATED = ("format", "detector", "dcrb_ros", "model", "software", "criteria_sha256", "scenarios")
@@ -27,12 +27,8 @@ def differences(entry: Entry, exam: Exam) -> Iterator[str]:
     if lacking or foreign:
         yield f"it lacks the scenario '{lacking[0]}' of the exam" if lacking else f"the exam has no scenario '{foreign[0]}'"
         return
-    results = tuple(
-        score_scenario(expectation, stated[expectation.name].diagnoses.received(), exam.criteria, failure=stated[expectation.name].failure)
-        for expectation in expectations(exam)
-    )
-    seeds = seeds_of(exam)
-    follows = entry_of(Report(exam.name, entry.detector, exam.criteria, exam.digest, results, exam.seal, seeds))
+    outcomes = {name: Outcome(scenario.diagnoses.received(), scenario.failure) for name, scenario in stated.items()}
+    follows = entry_of(report_of(scenarios_of(exam, Path()), entry.detector, outcomes))
     if entry.criteria_sha256 != follows.criteria_sha256:
         yield f"its criteria are not those of the exam in dcrb_ros {__version__}; dcrb_ros {entry.dcrb_ros} made it"
     yield from _unequal("", entry.model_dump(exclude=set(STATED)), follows.model_dump(exclude=set(STATED)))

@@ -27,7 +27,7 @@ from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.detector_run import PythonDetector
 from dcrb_ros.exam.evaluation import NoDiagnosis, Outcome, ScenarioSet, bearing_scenario, evaluate, named
 from dcrb_ros.exam.exam_file import Exam, exam_of
-from dcrb_ros.exam.exam_scenarios import simulated_scenarios
+from dcrb_ros.exam.exam_scenarios import scenarios_of
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.recorded_case import RecordedCase, RecordedDiagnoses, diagnosed_scenarios, read_recorded_case
 from dcrb_ros.exam.recording_cache import (
@@ -328,7 +328,7 @@ def test_only_missing_recordings_are_simulated_and_all_are_reported(tmp_path: Pa
     monkeypatch.setattr(exam_scenarios, "Recording", Path)
     cache_path(CASES[1], tmp_path).mkdir()
     shown, mute = Shown(), Mute()
-    evaluate(mute, simulated_scenarios(EXAM, tmp_path), progress=shown)
+    evaluate(mute, scenarios_of(EXAM, tmp_path), progress=shown)
     assert made[:2] == ["Well 0!", "Well 2!"]
     assert mute.signals == [cache_path(case, tmp_path) for case in CASES]
     assert sorted(shown.done["simulated"]) == sorted(shown.done["evaluated"]) == ["Well 0!", "Well 1!", "Well 2!"]
@@ -428,7 +428,7 @@ def test_processes_are_started_for_more_than_one_worker(tmp_path: Path, monkeypa
         return ScenarioSet(exam.name, exam.criteria, [one, two])
 
     monkeypatch.setattr(evaluation, "in_processes", in_this_process)
-    monkeypatch.setattr(in_process, "simulated_scenarios", scenarios)
+    monkeypatch.setattr(in_process, "scenarios_of", scenarios)
     monkeypatch.setattr(PythonDetector, "diagnose", lambda self, signal: Outcome([ReceivedDiagnosis(5.0, "healthy")]))
     for workers in (1, 2, 256):
         report = in_process.score(Echo, file, recordings=tmp_path / "kept", workers=workers)  # type: ignore[arg-type]

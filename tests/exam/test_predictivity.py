@@ -332,12 +332,12 @@ def test_answers_are_kept_and_a_detector_that_fails_is_left_out(tmp_path: Path) 
     members = families_of(folder)[0]
     # Each task of the two members that do not fail makes a detector; the file itself is data of the folder, so its digest is taken before.
     for expected in (4, 4):
-        found = answers_of(members, tasks, tmp_path, Limits(), 1, no_progress("judged", 3))
+        answers, (broken,) = answers_of(members, tasks, tmp_path, Limits(), 1, no_progress("judged", 3))
         assert len(runs.read_text()) == expected
-        assert set(found.answers) == {"published", "other"}
-        assert [one.name for one in found.broken] == ["failing"]
-        assert "no such filter" in found.broken[0].reason
-    assert sorted(found.answers["other"].values()) == ["outer_ring", "outer_ring"]
+        assert set(answers) == {"published", "other"}
+        assert broken.name == "failing"
+        assert "no such filter" in broken.reason
+    assert sorted(answers["other"].values()) == ["outer_ring", "outer_ring"]
     np.savez(tmp_path / "measured" / "recordings" / "struck_1.npz", a=np.arange(2000, dtype=np.float32))
     again = measured_tasks(read_measured(tmp_path / "measured"), 1.0)
     assert [one.digest == two.digest for one, two in zip(tasks, again, strict=True)] == [True, False]
@@ -360,11 +360,11 @@ def test_answers_on_a_full_disk_name_the_option(tmp_path: Path, monkeypatch: pyt
 def test_answers_that_are_not_as_they_were_written_are_made_again(attack: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     members = families_of(folder_of_detectors(tmp_path / "detectors"))[0][:1]
     tasks = measured_tasks(read_measured(measured_folder(tmp_path / "measured")), 1.0)
-    first = answers_of(members, tasks, tmp_path, Limits(), 1, no_progress("judged", 1)).answers
+    first = answers_of(members, tasks, tmp_path, Limits(), 1, no_progress("judged", 1))
     (kept,) = (tmp_path / "answers").iterdir()
     content = kept.read_bytes()
     ATTACKS[attack](kept)
-    assert answers_of(members, tasks, tmp_path, Limits(), 1, no_progress("judged", 1)).answers == first
+    assert answers_of(members, tasks, tmp_path, Limits(), 1, no_progress("judged", 1)) == first
     assert f"; {members[0].name} judges the recordings again" in capsys.readouterr().err
     assert (kept.is_symlink(), kept.read_bytes()) == (False, content)
 
@@ -372,13 +372,13 @@ def test_answers_that_are_not_as_they_were_written_are_made_again(attack: str, t
 def test_the_answers_of_another_detector_are_not_taken(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     members = families_of(folder_of_detectors(tmp_path / "detectors"))[0][:2]
     tasks = measured_tasks(read_measured(measured_folder(tmp_path / "measured")), 1.0)
-    first = answers_of(members, tasks, tmp_path, Limits(), 1, no_progress("judged", 2)).answers
+    first = answers_of(members, tasks, tmp_path, Limits(), 1, no_progress("judged", 2))
     one, other = (tmp_path / "answers").iterdir()
     contents = one.read_bytes(), other.read_bytes()
     assert contents[0] != contents[1]
     other.write_bytes(contents[0])
     one.write_bytes(contents[1])
-    assert answers_of(members, tasks, tmp_path, Limits(), 1, no_progress("judged", 2)).answers == first
+    assert answers_of(members, tasks, tmp_path, Limits(), 1, no_progress("judged", 2)) == first
     assert capsys.readouterr().err.count("is damaged, or was written under another name") == 2
 
 
