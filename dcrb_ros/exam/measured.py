@@ -218,13 +218,18 @@ def _check_words(row: dict[str, str], folder: Path) -> None:
 
 def _number(row: dict[str, str], column: str) -> float:
     """Return the number in a column."""
-    try:
-        value = float(row[column])
-    except (TypeError, ValueError):
-        value = math.nan
+    value = _parsed(row[column])
     if not math.isfinite(value):
         raise Refusal(f"{column} = {row[column] or 'nothing'} is not a finite number: give one, or leave {row['name']} out")
     return value
+
+
+def _parsed(text: str | None) -> float:
+    """Return a text as a number; NaN if it is none."""
+    try:
+        return float(text or "")
+    except ValueError:
+        return math.nan
 
 
 def _range(key: str, factor: float = 1.0) -> tuple[float, float]:
@@ -240,10 +245,7 @@ def _stated(row: dict[str, str], column: str, unit: str, limits: tuple[float, fl
     text = row.get(column)
     if not text:
         return None
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
+    value = _parsed(text)
     if not (math.isfinite(value) and value > 0.0):
         raise Refusal(f"{column} = {text} is not a number above 0: give it in {unit}, or leave it empty")
     low, high = limits
