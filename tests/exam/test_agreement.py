@@ -2,68 +2,37 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from made_up_entries import entry
 from scipy.stats import kendalltau, spearmanr
 
 from dcrb_ros.exam.agreement import agreement
 from dcrb_ros.exam.correlation import kendall_tau, spearman_rho
-from dcrb_ros.exam.leaderboard_entry import FORMAT, Entry, EntryScenario, StoredDiagnoses
+from dcrb_ros.exam.leaderboard_entry import Entry
 from dcrb_ros.exam.marking import VerdictMarking
-from dcrb_ros.exam.profile import PROFILES
 from dcrb_ros.schema.refusal import Refusal
 
 
-def entry(detector: str, skill: float, count: int = 20, seed: int | None = None) -> Entry:
+def skilled(detector: str, skill: float, count: int = 20, seed: int | None = None) -> Entry:
     """Return an entry with outer and inner ring faults of which the share ``skill`` is found, and healthy time without an alarm.
 
     The first faults are found, or with a ``seed`` any of them.
     """
     order = np.arange(count) if seed is None else np.random.default_rng(seed).permutation(count)
-    scenarios = [
-        EntryScenario(
-            name=f"{family}-{k}",
-            family=family,  # type: ignore[arg-type]
-            stratum=None,
-            required=True,
-            answer=family if family == "healthy" or order[k] < skill * count else "healthy",
-            found=bool(order[k] < skill * count),
-            delay_turns=None,
-            evidence=None,
-            credit={} if family == "healthy" else {profile.name: float(order[k] < skill * count) for profile in PROFILES},
-            periods=100 if family == "healthy" else 0,
-            spoiled=0,
-            silent=0.0,
-            diagnoses=StoredDiagnoses.of([]),
-        )
-        for family in ("healthy", "outer_ring", "inner_ring")
-        for k in range(count)
-    ]
-    common: dict[str, Any] = {"scenarios_sha256": "", "sealed_sha256": "", "dcrb_ros": "1", "model": "m", "software": {}, "area": None}
-    return Entry(
-        format=FORMAT,
-        detector=detector,
-        exam="made up",
-        passed=False,
-        exam_score={},
-        false_alarms=0,
-        healthy_hours=1.0,
-        scenarios=scenarios,
-        **common,
-    )
+    found = [bool(place < skill * count) for place in order]
+    return entry({"healthy": [True] * count, "outer_ring": found, "inner_ring": found}, detector=detector, last_verdict=False)
 
 
 def entries(*skills: float) -> list[Entry]:
-    return [entry(f"d{k}", skill) for k, skill in enumerate(skills)]
+    return [skilled(f"d{k}", skill) for k, skill in enumerate(skills)]
 
 
 def test_the_share_of_correct_verdicts_is_the_mean_over_the_classes() -> None:
-    assert VerdictMarking().mark(entry("a", 0.25)) == pytest.approx(100.0 * (1.0 + 0.25 + 0.25) / 3.0)
+    assert VerdictMarking().mark(skilled("a", 0.25)) == pytest.approx(100.0 * (1.0 + 0.25 + 0.25) / 3.0)
 
 
 @pytest.mark.parametrize(
@@ -81,7 +50,7 @@ def test_the_correlation_is_that_of_the_ranks(second: tuple[float, ...], tau: fl
 
 def width(count: int) -> float:
     """Return the width of the interval of four detectors of different skill, each with ``count`` faults of a kind."""
-    both = [entry(f"d{k}", skill, count, seed=k) for k, skill in enumerate((0.4, 0.5, 0.6, 0.7))]
+    both = [skilled(f"d{k}", skill, count, seed=k) for k, skill in enumerate((0.4, 0.5, 0.6, 0.7))]
     found = agreement(both, both).kendall
     return found.high - found.low
 
@@ -113,8 +82,8 @@ def test_too_few_detectors_and_two_of_one_name_are_refused() -> None:
     other[1] = other[1].model_copy(update={"scenarios_sha256": "f" * 64})
     with pytest.raises(Refusal, match=r"the measured recordings have 2 sets of scenarios \(60 recordings, f{16}\): compare entries"):
         agreement(entries(0.1, 0.2, 0.3), other)
-    other[1] = entry("d1", 0.2, 21)
+    other[1] = skilled("d1", 0.2, 21)
     with pytest.raises(Refusal, match=r"the measured recordings have 2 sets of scenarios \(60 recordings, 63 recordings\)"):
         agreement(entries(0.1, 0.2, 0.3), other)
     with pytest.raises(Refusal, match="two entries of the exam are called 'd0'"):
-        agreement([*entries(0.1, 0.2), entry("d0", 0.3)], entries(0.1, 0.2, 0.3))
+        agreement([*entries(0.1, 0.2), skilled("d0", 0.3)], entries(0.1, 0.2, 0.3))
