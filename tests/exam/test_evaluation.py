@@ -134,61 +134,36 @@ def test_a_recording_that_another_process_finished_first_is_used(tmp_path: Path,
     assert sorted(file.name for file in path.iterdir()) == [CONTENT, "theirs"]
 
 
-def cut(path: Path, other: Path) -> None:
-    file = next(path.glob("*.mcap"))
-    file.write_bytes(file.read_bytes()[: file.stat().st_size * 6 // 10])
+def file_of(path: Path) -> Path:
+    return next(path.glob("*.mcap"))
 
 
-def flip(path: Path, other: Path) -> None:
-    file = next(path.glob("*.mcap"))
-    data = bytearray(file.read_bytes())
-    data[len(data) // 2] ^= 1
-    file.write_bytes(data)
+def in_place(put: Callable[[Path, Path], object]) -> Callable[[Path, Path], object]:
+    """Return what removes a recording and puts something else in its place, given the recording and another one."""
+
+    def damage(path: Path, other: Path) -> None:
+        shutil.rmtree(path)
+        put(path, other)
+
+    return damage
 
 
-def swap_files(path: Path, other: Path) -> None:
-    next(path.glob("*.mcap")).write_bytes(next(other.glob("*.mcap")).read_bytes())
-
-
-def swap_folders(path: Path, other: Path) -> None:
-    shutil.rmtree(path)
-    shutil.copytree(other, path)
-
-
-def remove_content(path: Path, other: Path) -> None:
-    (path / CONTENT).unlink()
-
-
-def add_a_file(path: Path, other: Path) -> None:
-    shutil.copy(next(other.glob("*.mcap")), path / "another_1.mcap")
-
-
-def pipe_as_content(path: Path, other: Path) -> None:
-    attacked_files.pipe(path / CONTENT)
-
-
-def folder_as_file(path: Path, other: Path) -> None:
-    attacked_files.folder(next(path.glob("*.mcap")))
-
-
-def link_to_other_folder(path: Path, other: Path) -> None:
-    shutil.rmtree(path)
-    path.symlink_to(other)
-
-
-def file_as_folder(path: Path, other: Path) -> None:
-    shutil.rmtree(path)
-    path.write_text("a file")
-
-
-def pipe_as_folder(path: Path, other: Path) -> None:
-    shutil.rmtree(path)
-    os.mkfifo(path)
-
-
-def broken_link_as_folder(path: Path, other: Path) -> None:
-    shutil.rmtree(path)
-    path.symlink_to(path.with_name("missing"))
+CHANGED, UNREADABLE, OTHER = "has been changed since it was recorded", "cannot be checked", "is the recording of another scenario"
+DAMAGES: dict[str, tuple[Callable[[Path, Path], object], str]] = {
+    "pipe as content": (lambda path, _: attacked_files.pipe(path / CONTENT), "is a named pipe"),
+    "folder as file": (lambda path, _: attacked_files.folder(file_of(path)), "is a folder"),
+    "link to another recording": (in_place(lambda path, other: path.symlink_to(other)), OTHER),
+    "file": (in_place(lambda path, _: path.write_text("a file")), UNREADABLE),
+    "pipe": (in_place(lambda path, _: os.mkfifo(path)), UNREADABLE),
+    "broken link": (in_place(lambda path, _: path.symlink_to(path.with_name("missing"))), UNREADABLE),
+    "truncated": (lambda path, _: attacked_files.CHANGES["truncated"](file_of(path)), CHANGED),
+    "flipped": (lambda path, _: attacked_files.flip(file_of(path)), CHANGED),
+    "samples of another one": (lambda path, other: shutil.copy(file_of(other), file_of(path)), CHANGED),
+    "copy of another one": (in_place(lambda path, other: shutil.copytree(other, path)), OTHER),
+    "without content": (lambda path, _: (path / CONTENT).unlink(), UNREADABLE),
+    "a file more": (lambda path, other: shutil.copy(file_of(other), path / "another_1.mcap"), "has other files than were recorded"),
+}
+"""What may happen to a recording, and what is said of it."""
 
 
 @pytest.fixture(scope="module")
@@ -205,30 +180,11 @@ def two_recorded(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[C
 
 
 @pytest.mark.timeout(200)  # a pipe would be waited for
-@pytest.mark.parametrize(
-    ("damage", "sentence"),
-    [
-        (pipe_as_content, "is a named pipe"),
-        (folder_as_file, "is a folder"),
-        (link_to_other_folder, "is the recording of another scenario"),
-        (file_as_folder, "cannot be checked"),
-        (pipe_as_folder, "cannot be checked"),
-        (broken_link_as_folder, "cannot be checked"),
-        (cut, "has been changed since it was recorded"),
-        (flip, "has been changed since it was recorded"),
-        (swap_files, "has been changed since it was recorded"),
-        (swap_folders, "is the recording of another scenario"),
-        (remove_content, "cannot be checked"),
-        (add_a_file, "has other files than were recorded"),
-    ],
-)
+@pytest.mark.parametrize("name", DAMAGES)
 def test_a_damaged_or_swapped_recording_is_reported_and_simulated_again(
-    damage: Callable[[Path, Path], None],
-    sentence: str,
-    two_recorded: tuple[Path, list[Case]],
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
+    name: str, two_recorded: tuple[Path, list[Case]], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    damage, sentence = DAMAGES[name]
     folder, (mine, other) = two_recorded
     shutil.copytree(folder, tmp_path, dirs_exist_ok=True)
     path = cached_recording(mine, tmp_path)
