@@ -10,7 +10,7 @@ import numpy as np
 
 from dcrb_ros.diagnosis.demodulation import Band, Demodulator
 from dcrb_ros.diagnosis.features.family import FAULTS, SLIP, FeatureFamily, Windows, fault_orders
-from dcrb_ros.diagnosis.features.kurtogram import impulsive_band
+from dcrb_ros.diagnosis.features.kurtogram import ImpulsiveBand, impulsive_band
 from dcrb_ros.diagnosis.line_search import Comb, LineSearch
 from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum, order_spectra
 from dcrb_ros.diagnosis.order_tracking import bin_edges, bin_means
@@ -43,7 +43,9 @@ def envelope_order_spectrum(signal: Floats, turns: Floats, rate: int, low: float
 
 def compute(windows: Windows) -> Floats:
     """Return modulation depth [-] and significance, -lg of the probability in noise [-], of each family, shape (windows, 20)."""
-    impulsive = impulsive_band(windows)
+    impulsive = windows.shared.get("impulsive_band")
+    if not isinstance(impulsive, ImpulsiveBand):
+        impulsive = impulsive_band(windows.acceleration, windows.rate)
     combs = [Comb(order) for order in fault_orders(windows.orders).values()]
     rows = []
     for k, (signal, turns) in enumerate(zip(windows.acceleration, windows.turns, strict=True)):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
 
@@ -25,6 +25,8 @@ class Windows:
     """Sampling rate [Hz]."""
     orders: Orders
     """Characteristic orders of the bearing."""
+    shared: dict[str, object] = field(default_factory=dict)
+    """Results that a family leaves for the next ones, by name."""
 
     @property
     def shape(self) -> tuple[int, int]:

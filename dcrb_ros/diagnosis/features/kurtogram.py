@@ -10,7 +10,6 @@ jump is the strongest impact of the window. The ends of the envelopes therefore 
 
 from __future__ import annotations
 
-import functools
 import math
 from typing import Any, NamedTuple
 
@@ -44,26 +43,26 @@ class ImpulsiveBand(NamedTuple):
     """Upper edge [Hz]."""
 
 
-@functools.lru_cache(maxsize=1)
-def impulsive_band(windows: Windows) -> ImpulsiveBand:
-    """Return the band with the largest spectral kurtosis of each window; that of the latest windows is kept for the next family."""
-    rows, samples = windows.shape
+def impulsive_band(acceleration: npt.ArrayLike, rate: float) -> ImpulsiveBand:
+    """Return the band with the largest spectral kurtosis of each window of shape (windows, samples), sampled at ``rate`` [Hz]."""
+    signal = np.atleast_2d(np.asarray(acceleration, np.float64))
+    windows, samples = signal.shape
     count = int(NYQUIST_SHARE * samples)
-    lines = fft.rfft(windows.acceleration.astype(np.float32), axis=1)[:, 1 : count + 1]
-    best, low, high = np.full(rows, -np.inf), np.zeros(rows), np.zeros(rows)
+    lines = fft.rfft(signal.astype(np.float32), axis=1)[:, 1 : count + 1]
+    best, low, high = np.full(windows, -np.inf), np.zeros(windows), np.zeros(windows)
     for divisions in DIVISIONS:
         width = count // divisions
         if width < FEWEST:
             break
-        parts = lines[:, : divisions * width].reshape(rows, divisions, width) * tukey(width, TAPER).astype(np.float32)
+        parts = lines[:, : divisions * width].reshape(windows, divisions, width) * tukey(width, TAPER).astype(np.float32)
         ends = math.ceil(ENDS * width)
         squared = _squared(fft.ifft(parts, axis=2, overwrite_x=True)[:, :, ends:-ends])
         mean = squared.mean(axis=2)
         kurtosis = np.divide((squared**2).mean(axis=2), mean**2, out=np.full(mean.shape, 2.0), where=mean > 0.0) - 2.0
         number = kurtosis.argmax(axis=1)
-        largest = kurtosis[np.arange(rows), number]
+        largest = kurtosis[np.arange(windows), number]
         better = largest > best
-        step = windows.rate * width / samples
+        step = rate * width / samples
         best, low = np.where(better, largest, best), np.where(better, number * step, low)
         high = np.where(better, (number + 1) * step, high)
     return ImpulsiveBand(np.where(high > 0.0, best, 0.0), low, high)
@@ -75,7 +74,8 @@ def _squared(envelope: npt.NDArray[np.complexfloating[Any, Any]]) -> Floats:
 
 def compute(windows: Windows) -> Floats:
     """Return the largest spectral kurtosis [-], and middle and width of its band [Hz], shape (windows, 3)."""
-    band = impulsive_band(windows)
+    band = impulsive_band(windows.acceleration, windows.rate)
+    windows.shared["impulsive_band"] = band
     return np.column_stack([band.kurtosis, 0.5 * (band.low + band.high), band.high - band.low])
 
 

@@ -17,4 +17,4 @@ FAMILIES: tuple[FeatureFamily, ...] = tuple(
         "spectral_coherence:SPECTRAL_COHERENCE",
     )
 )
-"""In the order of their features."""
+"""In the order of their features; the kurtogram leaves its band for the lines of the envelope."""
