@@ -101,13 +101,13 @@ def mounting(configuration: Configuration) -> tuple[float, float, float]:
     return series, housing.suspension_damping, weight * configuration.operating.gravity
 
 
-def build_payload(configuration: Configuration) -> Payload:
-    """Return the constants of the time loop."""
+def build_payload(configuration: Configuration, fastest: float | None = None) -> Payload:
+    """Return the constants of the time loop; ``fastest`` is the present speed [rad/s], by default the configured one."""
     c, b = configuration, configuration.bearing
     free, broken, individual = free_rollers(c), broken_bars(c), individual_of(c)
     azimuth, clearance = start_azimuths(c, individual.pocket_places), c.cage.pocket_clearance + individual.pocket_clearance
     damage = c.faults.damage(b, c.contact.edge_radius if c.contact.notch == "edge" else 0.0)
-    surfaces, highest = build_surfaces(c, damage)
+    surfaces, highest = build_surfaces(c, damage, c.operating.speed if fastest is None else fastest)
     damage = damage if isinstance(surfaces, Smooth) else []
     raceway_notches = [notch for notch in damage if isinstance(notch, RacewayNotch)]
     roller_notches = [notch for notch in damage if isinstance(notch, RollerNotch)]

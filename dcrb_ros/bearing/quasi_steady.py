@@ -17,13 +17,14 @@ from dcrb_ros.bearing.heat_network import GREASE_EXCHANGE, Conductances, Vector,
 from dcrb_ros.bearing.load_distribution import roller_forces
 from dcrb_ros.bearing.lubricant_condition import lubrication_at
 from dcrb_ros.core.laws.cage_oil import DRAG_COEFFICIENT
-from dcrb_ros.core.laws.calls import churning, film_at, film_memory, film_thickness, has_cage_oil, land_torque
+from dcrb_ros.core.laws.calls import churning, film_at, film_memory, film_offset, film_thickness, has_cage_oil, land_torque
 from dcrb_ros.core.laws.lubricants import lubricant_of
 from dcrb_ros.core.laws.registry import law_of
 from dcrb_ros.core.laws.site import Site, inner_site, outer_site
 from dcrb_ros.core.laws.viscosity import density
 from dcrb_ros.core.observation import LOADED_FORCE
 from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.loaded_contacts import cage_speed, load_and_weight, material_of
 
@@ -129,6 +130,22 @@ class QuasiSteady:
         oil = lubrication_at(self.configuration, self._material, loss, *self.inlets(temperatures, 0))
         thickness, ratio = film_thickness(film_at(oil, 0, running.rolling[0]), float(running.forces[0].max()))
         return float(thickness), float(ratio)
+
+    def refuse_thick_films(self, running: Running, temperatures: Sequence[float], loss: float = 0.0) -> None:
+        """Refuse films that fill the radial gap of a row at the temperatures of the network's nodes [deg C] after a loss of lubricant [-].
+
+        Raises:
+            Refusal: they do.
+        """
+        for row in range(self.network.rows):
+            inlets = self.inlets(temperatures, row)
+            oil, gap = lubrication_at(self.configuration, self._material, loss, *inlets), self.configuration.bearing.radial_gap
+            films = [film_offset(film_at(oil, number, running.rolling[number])) for number in (0, 1)]
+            if sum(films) >= gap:
+                raise Refusal(
+                    f"bearing: films of {films[0]:.3g} m, {films[1]:.3g} m of oil at {inlets[0]:.3g} and {inlets[1]:.3g} deg C at the "
+                    f"start fill the radial gap of {gap:.3g} m: raise thermal.ambient, or take a warm start, or a thinner oil"
+                )
 
     def conductances(self, running: Running) -> Conductances:
         """Return how heat flows."""

@@ -13,6 +13,7 @@ from dcrb_ros.schema.parameter_field import wrong_type
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import changed, fields_by_key, unknown_parameter
+from dcrb_ros.settings.parameters import Operating
 
 
 def altered(configuration: Configuration, changes: Mapping[str, Any], source: str = "parameters") -> Configuration:
@@ -35,10 +36,13 @@ def altered(configuration: Configuration, changes: Mapping[str, Any], source: st
     return after
 
 
-def refitted(configuration: Configuration, payload: Payload, state: State) -> Payload:
-    """Return the payload with the faults of ``configuration``; rollers that become free keep the positions that their cages gave them."""
+def refitted(configuration: Configuration, assembled: Operating, payload: Payload, state: State) -> Payload:
+    """Return the payload with the faults of ``configuration``; rollers that become free keep the positions that their cages gave them.
+
+    Axial preload and the width of the contacts stay those of the assembly, at its speed and load.
+    """
     place_pinned_rollers(payload, state)
-    after = build_payload(configuration)
+    after = build_payload(configuration.model_copy(update={"operating": assembled}), configuration.operating.speed)
     freed = after.free & ~payload.free
     # Their last change of velocity was the cage's; one step does without this prediction.
     state.roller_change[freed, :2] = 0.0

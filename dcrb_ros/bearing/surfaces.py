@@ -135,7 +135,7 @@ def short_waves(
     )
 
 
-def build_surfaces(configuration: Configuration, damage: Sequence[Damage]) -> tuple[Smooth | Profile | Impacts, float]:
+def build_surfaces(configuration: Configuration, damage: Sequence[Damage], fastest: float) -> tuple[Smooth | Profile | Impacts, float]:
     """Return the surfaces of a bearing as the kernels take them, and how far the highest rises [m].
 
     Every row, raceway and roller has random numbers of its own, so that one parameter changes nothing else.
@@ -168,7 +168,7 @@ def build_surfaces(configuration: Configuration, damage: Sequence[Damage]) -> tu
         rollers[k] = np.stack(long, axis=-1) + np.stack(short, axis=-1)
     rollers[:, :, 0::2] += 0.5 * individual.roller_diameters[:, None, None]
     table[1, :, :, HEIGHT] += axial_interference(c, individual)
-    damaged = unequal_damage(c, damage) if c.impacts.unequal else None
+    damaged = unequal_damage(c, damage, fastest) if c.impacts.unequal else None
     for item in damage if damaged is None else damaged.alike:
         add_damage(c, item, table, rollers)
     table[..., :SHARE], rollers = rounded(table[..., :SHARE]), rounded(rollers)

@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from dcrb_ros.cli import completion
-from dcrb_ros.cli.options import DetectorFile, Duration, Force, OptionalConfig, Scenario, Settings, detector_parameters, scenario_tree
+from dcrb_ros.cli.options import DetectorFile, Duration, Force, OptionalConfig, Scenario, Settings, detector_parameters
 from dcrb_ros.cli.output_file import check_force, replacing
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.files import expanded_path
@@ -44,13 +44,13 @@ def bench(
     from dcrb_ros.diagnosis.detector import check_parameters
     from dcrb_ros.schema.simulated_time import checked_duration
     from dcrb_ros.settings.files import load_configuration
-    from dcrb_ros.simulation.scenario import scheduled_changes, starting_configuration
+    from dcrb_ros.simulation.scenario import scenario_of_run, scheduled_changes, starting_configuration
 
     seconds = checked_duration(duration)
     _check_settings(settings or (), {"time_scale": ("--time-scale", time_scale), "recording.path": ("--record", record)})
     extra = [f"time_scale={time_scale!r}"] if time_scale is not None else []
     extra += [f"recording.path={str(record)!r}"] if record else []
-    tree = scenario_tree(scenario, seconds)
+    tree = scenario_of_run(scenario, seconds)
     if vehicle is not None:
         if config:
             raise Refusal("--vehicle names a file with all boxes: leave out CONFIG")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -107,18 +107,6 @@ def detector_parameters(file: Path | None) -> DetectorParameters:
     from dcrb_ros.settings.files import read_parameters, validated
 
     return validated(read_parameters(file, "fault_detector"), DetectorParameters, str(file))
-
-
-def scenario_tree(scenario: Path | None, seconds: float) -> Any:
-    """Return the scenario of a run of ``seconds`` as parsed from YAML, None without one; refuse one that changes nothing in the run."""
-    from dcrb_ros.simulation.scenario import read_scenario_file
-    from dcrb_ros.stream.late_scenario import refuse_late
-
-    if scenario is None:
-        return None
-    tree = read_scenario_file(scenario)
-    refuse_late(tree, seconds, f"the scenario {scenario}", "increase --duration or leave out --scenario")
-    return tree
 
 
 def check_speed(speed: str) -> None:

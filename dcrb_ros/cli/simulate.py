@@ -25,7 +25,6 @@ from dcrb_ros.cli.options import (
     Settings,
     refuse_given,
     refuse_node_settings,
-    scenario_tree,
 )
 from dcrb_ros.cli.output_file import check_force, replacing
 from dcrb_ros.schema.refusal import Refusal
@@ -101,9 +100,9 @@ def simulate(
         raise Refusal("Missing argument 'CONFIG': give a YAML file or a shipped name, such as healthy, or --from BAG")
     seconds = checked_duration(duration)
     from dcrb_ros.settings.files import load_configuration
-    from dcrb_ros.simulation.scenario import scheduled_changes, starting_configuration
+    from dcrb_ros.simulation.scenario import scenario_of_run, scheduled_changes, starting_configuration
 
-    tree = scenario_tree(scenario, seconds)
+    tree = scenario_of_run(scenario, seconds)
     configuration = starting_configuration(tree, load_configuration(config, settings or ()), str(scenario))
     _check(seconds, configuration)
     path = output or Path(Path(config).stem)
@@ -179,11 +178,12 @@ def simulate_vehicle(
 ) -> None:
     """Simulate a vehicle and write a recording with the topics of all its boxes."""
     from dcrb_ros.recordings.vehicle_recorder import VehicleRecorder
+    from dcrb_ros.simulation.scenario import scenario_of_run
     from dcrb_ros.vehicle.file import read_parameters
     from dcrb_ros.vehicle.scenario import starting_parameters
     from dcrb_ros.vehicle.simulation import simulation_of
 
-    tree, path = scenario_tree(scenario, seconds), output or Path(Path(source).stem)
+    tree, path = scenario_of_run(scenario, seconds), output or Path(Path(source).stem)
     parameters = starting_parameters(tree, read_parameters(source, settings), str(scenario))
     simulation = simulation_of(parameters, source, tree, str(scenario))
     _check(seconds, *(box.configuration for box in simulation.vehicle.boxes))

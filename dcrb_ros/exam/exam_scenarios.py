@@ -119,7 +119,8 @@ def _lead_of(recording: SimulatedRecording, healthy: SimulatedRecording | None) 
     ours, theirs = recording.case.simulation.configuration, healthy.case.simulation.configuration
     speed, load, seed = ours.operating.speed, ours.operating.load, int(generator_of("lead", ours.simulation.seed).integers(1, SEEDS))
     # The level of the background is proportional to the speed.
-    level = theirs.model_dump()["structure"]["healthy_level"] * abs(speed / theirs.operating.speed)
+    structure = theirs.model_dump()["structure"]
+    level = structure["healthy_level"] * abs(speed) / (structure["healthy_speed"] or abs(theirs.operating.speed))
     run = {
         "operating.speed": speed,
         "operating.load": load,
@@ -128,6 +129,7 @@ def _lead_of(recording: SimulatedRecording, healthy: SimulatedRecording | None) 
         "simulation.seed": seed,
         "publishing.preview_rate": ours.publishing.preview_rate,
         "structure.healthy_level": level,
+        "structure.healthy_speed": 0.0,
     }
     name = f"healthy run before {recording.name}"
     configuration = changed(theirs, run, name)

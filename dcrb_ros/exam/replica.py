@@ -250,6 +250,8 @@ def _drawn_settings(
     }
     if "background" not in plan.left_out:
         settings["structure.healthy_level"] = gain * levels(speed, settings)
+        if bench.model_dump()["structure"]["healthy_speed"]:
+            settings["structure.healthy_speed"] = 0.0  # the level is that at the speed of the recording
     return {
         **settings,
         "structure.gain_x": gain,

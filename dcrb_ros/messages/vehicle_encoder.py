@@ -53,13 +53,14 @@ class VehicleEncoder:
         """Return the messages of a block of every box and of the vehicle, sorted by time."""
         messages = [message for name, box in block.boxes.items() for message in self._encoders[name].encode(box)]
         truth = block.truth
-        curvature = truth.commanded.get("curvature", 0.0)
         before = self._place if self._place is not None else truth.place if truth.time_ns else 0.0
-        self._pose, self._place = self._pose.moved(truth.place - before, curvature), truth.place
+        self._pose, self._place = self._pose.moved(truth.place - before, truth.curvature), truth.place
         if repeats_with(next(iter(block.boxes.values()))):
             messages.append(Message(TRANSFORMS, truth.time_ns, self._frames))
             messages.append(Message(VEHICLE_DESCRIPTION, truth.time_ns, self._description))
         messages.append(Message(VEHICLE_TRUTH, truth.time_ns, encode_vehicle_truth(truth)))
-        messages.append(Message(VEHICLE_STATE, block.end_ns, encode_state(block.end_ns, self._pose, truth.speed, truth.speed * curvature)))
+        messages.append(
+            Message(VEHICLE_STATE, block.end_ns, encode_state(block.end_ns, self._pose, truth.speed, truth.speed * truth.curvature))
+        )
         messages.append(Message(VEHICLE_TRANSFORM, block.end_ns, encode_pose(block.end_ns, self._pose)))
         return sorted(messages, key=lambda message: message.time_ns)

@@ -33,8 +33,6 @@ from dcrb_ros.runtime.threads import repeating
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import validated
-from dcrb_ros.simulation.scenario import read_scenario_file
-from dcrb_ros.stream.late_scenario import refuse_late
 from dcrb_ros.text.files import expanded_path
 
 STATUS_PERIOD = 1.0
@@ -242,12 +240,3 @@ def decoded_by(topic: str, decode: Callable[[bytes], Any], data: bytes) -> Any:
         return decode(bytes(data))
     except Refusal as refusal:
         raise Refusal(f"{topic}: {refusal}") from None
-
-
-def scenario_of_run(scenario: Path | None, duration: float | None) -> Any:
-    """Return a scenario as parsed from YAML, None without one; refuse one that changes nothing in ``duration`` [s], endless without one."""
-    if scenario is None:
-        return None
-    tree = read_scenario_file(scenario)
-    refuse_late(tree, duration, f"the scenario {scenario}", "increase --duration or leave out --scenario")
-    return tree

@@ -23,7 +23,7 @@ from dcrb_ros.nodes.parameters import changed_by_topic
 from dcrb_ros.nodes.programs import main
 from dcrb_ros.nodes.publisher import Publisher
 from dcrb_ros.nodes.ros import own_arguments, run_node
-from dcrb_ros.nodes.simulating import SimulatingNode, decoded_by, scenario_of_run
+from dcrb_ros.nodes.simulating import SimulatingNode, decoded_by
 from dcrb_ros.recordings.recorder import Recorder, check_topics
 from dcrb_ros.runtime.prefetch import prefetch
 from dcrb_ros.schema.parameter_field import wrong_type
@@ -33,7 +33,7 @@ from dcrb_ros.settings.files import flatten, parameter_fields
 from dcrb_ros.settings.parameters import COMMANDED
 from dcrb_ros.simulation.ground_truth import commands_in
 from dcrb_ros.simulation.loop import Simulation
-from dcrb_ros.simulation.scenario import ScheduledChange, scheduled_changes, starting_configuration
+from dcrb_ros.simulation.scenario import ScheduledChange, scenario_of_run, scheduled_changes, starting_configuration
 
 RUN_TIME = tuple(field.key for field in parameter_fields() if field.run_time and field.key not in COMMANDED)
 """Parameters that can be set while the node runs."""

@@ -23,7 +23,7 @@ from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.parameters import changed_by_topic, is_of_ros, not_while_running
 from dcrb_ros.nodes.programs import main
 from dcrb_ros.nodes.ros import own_arguments, run_node
-from dcrb_ros.nodes.simulating import SimulatingNode, decoded_by, scenario_of_run
+from dcrb_ros.nodes.simulating import SimulatingNode, decoded_by
 from dcrb_ros.recordings.recorder import check_topics
 from dcrb_ros.recordings.vehicle_recorder import VehicleRecorder, commands_of
 from dcrb_ros.runtime.prefetch import prefetch
@@ -31,6 +31,7 @@ from dcrb_ros.schema.parameter_field import ParameterField, wrong_type
 from dcrb_ros.schema.refusal import Refusal, nearest_key
 from dcrb_ros.schema.simulated_time import checked_duration
 from dcrb_ros.settings.files import fields_by_key, flatten, parameter_fields
+from dcrb_ros.simulation.scenario import scenario_of_run
 from dcrb_ros.vehicle.description import Wheel
 from dcrb_ros.vehicle.file import (
     COMMON,

@@ -106,17 +106,15 @@ def _state_of_oil(c: ParameterGroups) -> Iterator[str]:
 
 
 def _thick_films(c: ParameterGroups, material: Material) -> Iterator[str]:
-    """Compare the films at the speed of the shaft in pure rolling and the temperature of the start with the radial gap."""
-    b, values = c.bearing, dict(c.lubrication)
-    key, temperature = "lubrication.temperature", c.lubrication.temperature
-    if c.thermal.law == "network" and c.thermal.start == "cold":
-        key, temperature = "thermal.ambient", held(lubricant_of(values), c.lubrication.law, c.thermal.ambient)
-    oil = build(values | {"temperature": temperature}, material)
+    """Compare the films at the speed of the shaft in pure rolling with the radial gap; those of a thermal network are left to its start."""
+    if c.thermal.law == "network":
+        return
+    b, oil = c.bearing, build(dict(c.lubrication), material)
     surface = 0.5 * abs(c.operating.speed) * b.inner_raceway_radius
     speed = surface * b.outer_raceway_radius / (b.inner_raceway_radius + b.roller_radius)
     films = [film_offset(film_at(oil, number, speed)) for number in (0, 1)]
     if sum(films) >= b.radial_gap:
         yield (
-            f"bearing: films of {films[0]:.3g} m, {films[1]:.3g} m at {key} = {temperature:g} deg C fill "
+            f"bearing: films of {films[0]:.3g} m, {films[1]:.3g} m at lubrication.temperature = {c.lubrication.temperature:g} deg C fill "
             f"the radial gap of {b.radial_gap:.3g} m: raise the temperature, or take a thinner oil or layer"
         )

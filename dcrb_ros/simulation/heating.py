@@ -106,11 +106,17 @@ class Heating:
         ]
 
     def begin(self, configuration: Configuration, payload: Payload) -> Payload:
-        """Return the payload at the start, with oil and radii as temperatures and faults make them."""
+        """Return the payload at the start, with oil and radii as temperatures and faults make them.
+
+        Raises:
+            Refusal: films fill the radial gap.
+        """
         if not self.active(configuration):
             return payload
         self._growth = self._aim = self._wanted(configuration)
         running = self._steady.running()
+        if self.network_on:
+            self._steady.refuse_thick_films(running, self.temperatures, self.loss)
         return self._fitted(configuration, payload, running.rolling)
 
     def refit(self, configuration: Configuration, payload: Payload, state: State) -> Payload:

@@ -289,9 +289,7 @@ class Simulation:
             return Refused(request, str(refusal))
         before, self.configuration, present = self.configuration, after, self._payload.speed_ramp
         if after.faults.damaging != before.faults.damaging:
-            # Axial preload and the width of the contacts are those of the assembly, whatever load and speed act now.
-            damaged = after.model_copy(update={"operating": self._assembled})
-            self._payload = self._heating.refit(after, refitted(damaged, self._payload, self._state), self._state)
+            self._payload = self._heating.refit(after, refitted(after, self._assembled, self._payload, self._state), self._state)
             self._work = workspace(self._payload)
         self._truth.change(after, self._steps / after.step_rate)
         self._payload = self._drive.with_ramps(self._payload, after.operating, present)

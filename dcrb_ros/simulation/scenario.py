@@ -27,6 +27,7 @@ from dcrb_ros.settings.parameters import COMMANDED
 from dcrb_ros.settings.shipped import find_shipped
 from dcrb_ros.settings.vehicle_speed import SPEED, SPEED_KMH, WHEEL_DIAMETER
 from dcrb_ros.stream.events import ScenarioEvent
+from dcrb_ros.stream.late_scenario import refuse_late
 from dcrb_ros.text.yaml import read_yaml
 
 TICK = 0.05
@@ -118,6 +119,15 @@ def read_scenario(path: Path, configuration: Configuration) -> list[ScheduledCha
 def read_scenario_file(path: Path) -> Any:
     """Return a scenario, a file or a shipped name, as parsed from YAML; recordings contain it in this form."""
     return read_yaml(find_shipped("scenario", path))
+
+
+def scenario_of_run(scenario: Path | None, duration: float | None) -> Any:
+    """Return a scenario as parsed from YAML, None without one; refuse one that changes nothing in ``duration`` [s], endless without one."""
+    if scenario is None:
+        return None
+    tree = read_scenario_file(scenario)
+    refuse_late(tree, duration, f"the scenario {scenario}", "increase --duration or leave out --scenario")
+    return tree
 
 
 def starting_configuration(tree: Any, configuration: Configuration, source: str) -> Configuration:
@@ -268,8 +278,12 @@ def _refuse_overlaps(entries: Sequence[Entry]) -> None:
     changed_at: dict[tuple[str, int], Entry] = {}
     for entry in entries:
         for key in entry.values if not entry.gradual else ():
-            if other := changed_at.get((key, entry.first)):
-                raise Refusal(f"{entry.source}: it sets {key} at {entry.at:g} s, as {other.source} does; leave out one of them")
+            other = changed_at.get((key, entry.first))
+            if other is not None and other.values[key] != entry.values[key]:
+                raise Refusal(
+                    f"{entry.source}: it sets {key} to {entry.values[key]} at {entry.at:.9g} s, and {other.source} to {other.values[key]} "
+                    "in the same time step: leave out one of them"
+                )
             changed_at[key, entry.first] = entry
         for key in sorted(entry.keys & set(changing)):
             other = changing[key]

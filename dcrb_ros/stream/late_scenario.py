@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -22,6 +23,6 @@ def refuse_late(tree: Any, end: float | None, scenario: str, remedy: str) -> Non
     if tree is None or timeline == []:
         raise Refusal(f"{scenario} changes nothing: it has no 'start', and its timeline has no entry; give one, or leave the scenario out")
     times = [entry.get("at") if isinstance(entry, Mapping) else None for entry in entries]
-    late = [at for at in times if isinstance(at, (int, float)) and end is not None and at >= end]
+    late = [] if end is None else [at for at in times if isinstance(at, (int, float)) and end <= at < math.inf]
     if times and len(late) == len(times):
         raise Refusal(f"{scenario} changes nothing in a run of {end:g} s, its first entry is at {min(late):g} s: {remedy}")

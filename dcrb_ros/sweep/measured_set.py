@@ -94,8 +94,8 @@ def write_measured_set(
     """Write a data set to an empty folder; return the number of its runs by split and fault. The windows are written as Parquet.
 
     Raises:
-        Refusal: the folder is not empty, there is no run, or `RunNames` refuses one.
-        StoreFailed: the folder cannot be written.
+        Refusal: the folder is not empty or cannot be made, there is no run, or `RunNames` refuses one.
+        StoreFailed: a file in it cannot be written.
     """
     folder = folder.absolute()
     check_empty(folder)

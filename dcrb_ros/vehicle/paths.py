@@ -166,7 +166,7 @@ def _check_drawn(vehicle: Vehicle, chosen: Mapping[tuple[int, int], Path], rate:
     box, band = np.unravel_index(int(np.argmax(shares)), shares.shape)
     if shares[box, band] > 1.0:
         raise Refusal(
-            f"paths: in the third octave at {float(f'{middles[band]:.2g}'):g} Hz, {shares[box, band]:.2f} of the energy of the bearing of "
+            f"paths: in the third octave at {float(f'{middles[band]:.3g}'):g} Hz, {shares[box, band]:.2f} of the energy of the bearing of "
             f"{vehicle.boxes[int(box)].name} reaches other boxes, above 1: lower the levels, or give another paths.seed"
         )
 

@@ -73,7 +73,10 @@ def starting_parameters(tree: Any, parameters: Mapping[str, Any], source: str) -
     if any(str(key).partition(".")[0] in START_GROUPS for key in start):
         raise Refusal(f"{source} is a scenario of a bearing, not of a vehicle: give one with keys of a vehicle's file, such as bogie_ride")
     starting = layered(parameters, start)
-    return starting | _references(parameters, starting, source) if start else starting
+    references = _references(parameters, starting, source) if start else {}
+    written = {key.removesuffix(".structure.healthy_speed") for key in references}
+    # A box that is written without a value has nothing below it yet.
+    return {key: value for key, value in starting.items() if value is not None or key not in written} | references
 
 
 def _references(parameters: Mapping[str, Any], starting: Mapping[str, Any], source: str) -> dict[str, float]:

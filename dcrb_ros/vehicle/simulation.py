@@ -228,6 +228,7 @@ class VehicleSimulation:
             dict.fromkeys(self._failed, "its model failed") | self._swapped,
             commanded,
             commands,
+            self._requests.commanded["curvature"],
         )
         return VehicleBlock(boxes, truth, self.time_ns)
 

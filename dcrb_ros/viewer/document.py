@@ -51,9 +51,9 @@ def written(path: Path, native: Iterable[Path]) -> Iterator[rr.RecordingStream]:
                 yield recording
                 reading.result()
         finally:
-            written = stream.read()  # Rerun would report what remains
+            data = stream.read()  # Rerun would report what remains
         recording.disconnect()
-    path.write_bytes(written or b"")
+    path.write_bytes(data or b"")
 
 
 def log_native(recording: rr.RecordingStream, files: Iterable[Path]) -> None:

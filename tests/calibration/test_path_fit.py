@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.signal import sosfreqz
 
-from dcrb_ros.calibration.path_fit import PathSpectra, _residuals, fit_path
+from dcrb_ros.calibration.path_fit import ROBUST, PathSpectra, _residuals, fit_path
 from dcrb_ros.calibration.spectra import Binned, binned, power_density, third_octaves
 from dcrb_ros.measurement.stages.path import Pair, cascade
 from dcrb_ros.schema.arrays import Floats
@@ -42,12 +42,15 @@ pairs = st.builds(
 @given(pairs, st.floats(0.01, 100.0), st.floats(1e-2, 4e-2))
 def test_a_pair_gain_and_noise_are_found(pair: Pair, gain: float, noise: float) -> None:
     white = noise * gain
-    found = fit_path(data([pair], gain, white))
+    spectra = data([pair], gain, white)
+    found = fit_path(spectra)
     true = 2.0 * np.log(gain * np.abs(sosfreqz(cascade([pair], STEPS), FREQUENCY, fs=STEPS)[1]))
     heard = (found.share()[0] > 0.5) & (FREQUENCY >= 200.0)
     error = 4.343 * (2.0 * np.log(found.gains[0]) + found.log_path() - true)[heard]
     assert np.sqrt(np.mean(error**2)) < 0.7
     assert found.white == pytest.approx(white, rel=0.1)
+    residual = _residuals(found.parameters, spectra)[0][: spectra.measured.size]
+    assert np.sqrt(np.mean(np.minimum(np.abs(residual), ROBUST) ** 2)) < 1.4
 
 
 def test_recordings_of_one_machine_share_the_path_and_have_gains_of_their_own() -> None:

@@ -90,7 +90,7 @@ def test_a_vehicle_in_a_curve_to_the_left_turns_to_the_left(start: int, places: 
     found: dict[str, Any] = {}
     for place, made in zip(places, blocks(3), strict=True):
         parts = {box.name: (0.0, 0.0, 0.0) for box in vehicle.boxes}
-        about = truth(time_ns=start + made.stamp_ns, place=place, load={}, parts=parts, creep={}, events=(), commanded={"curvature": 0.01})
+        about = truth(time_ns=start + made.stamp_ns, place=place, load={}, parts=parts, creep={}, events=(), curvature=0.01)
         block = VehicleBlock(dict.fromkeys(parts, made), about, made.end_ns)
         found = {message.topic.name: message for message in encoder.encode(block)}
         assert found["/tf"].time_ns == found["vehicle/state"].time_ns == made.end_ns

@@ -296,3 +296,13 @@ def test_the_account_of_energy_closes_while_radii_grow() -> None:
     run = advanced(simulation(thermal__start="cold", thermal__acceleration=200.0), 0.5)
     energy = run.energy
     assert abs(energy.residual) < 2e-3 * energy.drive
+
+
+def test_films_that_fill_the_gap_at_the_start_are_refused_and_later_the_oil_is_warm() -> None:
+    """Those of -20 degrees take 8.6 um of a gap of 6 um; at 20 degrees they are thin, and colder air does not cool the oil at once."""
+    cold = {"thermal.law": "network", "thermal.start": "cold", "lubrication.law": "film"}
+    with pytest.raises(Refusal, match=r"films of .* of oil at -20 and -20 deg C at the start fill the radial gap of 6e-06 m: raise"):
+        Simulation(load_configuration("ball_bearing_6205", {**cold, "thermal.ambient": -20.0}))
+    simulation = Simulation(load_configuration("ball_bearing_6205", cold))
+    simulation.change({"thermal.ambient": -20.0})
+    Simulation(load_configuration("ball_bearing_6205", {**cold, "thermal.start": "warm", "lubrication.temperature": -20.0}))

@@ -15,7 +15,7 @@ from dcrb_ros.bearing.payload import build_payload
 from dcrb_ros.core.contacts.heights import unpacked
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.settings.files import changed, load_configuration
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.scenario import (
     ScheduledChange,
@@ -110,7 +110,7 @@ def test_a_change_takes_effect_at_the_first_step_at_or_after_its_time() -> None:
         ({"timeline": [{"at": 1.0, "set": {"operating.speed_kmh": 9.0, "operating.speed": 1.0}}]}, "give one of them"),
         (
             {"timeline": [{"at": 1.0, "set": {"operating.speed": 9.0}}, {"at": 1.0, "set": {"operating.speed": 8.0}}]},
-            "entry 2: it sets operating.speed at 1 s, as .*entry 1 does; leave out one of them",
+            "entry 2: it sets operating.speed to 8.0 at 1 s, and .*entry 1 to 9.0 in the same time step: leave out one of them",
         ),
         ({"timeline": [{"at": 1.0, "over": 1.0, "set": {"faults.outer_1.row": 1}}]}, "cannot change gradually .* leave out 'over'"),
         (
@@ -451,3 +451,13 @@ def test_a_defect_after_another_load_or_speed_leaves_the_preload_of_the_assembly
     assert simulation._payload is not before
     after, assembled = (np.median(unpacked(payload.surfaces.raceways)[0][1]) for payload in (simulation._payload, build_payload(bench)))
     assert after == assembled
+
+
+def test_a_defect_at_a_higher_speed_than_the_start_has_errors_of_times_of_that_speed() -> None:
+    errors = {"impacts.time_spread": 1e-4, "operating.speed_ramp": 1e5}
+    timeline = [{"at": 0.01, "set": {"operating.speed": 600.0}}, {"at": 0.03, "set": {"faults.outer_1.width": 0.001}}]
+    slow, fast = (load_configuration("ball_bearing_6205", {**errors, "operating.speed": speed}) for speed in (100.0, 600.0))
+    simulation = Simulation(slow, scheduled_changes({"timeline": timeline}, slow, "errors"), waveform_only=True)
+    list(simulation.blocks(0.04))
+    damaged = build_payload(changed(fast, {"faults.outer_1.width": 0.001}, "fast"))
+    assert simulation._payload.surfaces.reach.tolist() == damaged.surfaces.reach.tolist()

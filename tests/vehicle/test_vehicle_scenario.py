@@ -115,6 +115,21 @@ def test_the_truth_has_the_commands_at_the_start_of_its_block() -> None:
     assert [(truth.time_ns, truth.commanded["wind"]) for truth in truths] == [(0, 0.0), (20_000_000, 0.0), (40_000_000, 1e4)]
 
 
+def test_a_curve_within_a_block_turns_the_vehicle_at_its_end() -> None:
+    tree = {"timeline": [{"at": 0.03, "set": {"vehicle.curvature": 0.003}}]}
+    simulation = VehicleSimulation(vehicle(), vehicle_scenario(tree, vehicle(), "ride.yaml"))
+    assert [block.truth.curvature for block in simulation.blocks(0.06)] == [0.0, 0.003, 0.003]
+
+
+def test_a_box_without_a_value_has_a_level_of_its_bench(tmp_path: Path) -> None:
+    bench = tmp_path / "mine.yaml"
+    bench.write_text("structure: {healthy_level: 1.0, housing: axle_box}\n", encoding="utf-8")
+    parameters = {"vehicle.bench": str(bench), "axle_1.left": None, "axle_1.right": None}
+    start = starting_parameters({"start": {"vehicle.speed_kmh": 18.0}}, parameters, "ride.yaml")
+    levels = [box.configuration.model_dump()["structure"]["healthy_speed"] for box in vehicle_of(start, "own").boxes]
+    assert levels == pytest.approx([vehicle_of(parameters, "own").boxes[0].configuration.operating.speed] * 2)
+
+
 def test_the_start_replaces_parameters_of_the_vehicle() -> None:
     start = vehicle()
     assert start.journey.speed_kmh == 72.0

@@ -38,10 +38,6 @@ PAPER_LIMITS = (38.0, 12.0)
 """Sizes of its healthy BPFO lines in the whole band and its upper quarter at a shaft frequency of 20 Hz, with a margin of 3 dB [m/s^2].
 
 Healthy runs at 300 to 3820 rpm and 30 to 160 kN have up to 26 and, with a resonant mount, 10 m/s^2."""
-
-
-HIGHEST_CONTRAST = 60.0
-"""Contrast to the cage to which it is limited [dB]."""
 HIGHEST_HARMONIC = 6
 """Harmonic of BPFO up to which the lines show whether rollers strike at one place."""
 FEWEST_HARMONICS = 24.0
@@ -168,16 +164,16 @@ class OuterRing(LineRule[OuterRingParameters]):
         return min(excess, decibels(ratio(lines.amplitude, self._limit(band, evidence) ** 2)))
 
     def _contrast(self, lines: LineFamily, band: BandEvidence) -> float:
-        """Return the amplitude of BPFO lines over that of the neighbouring harmonics of FTF, less the contrast required [dB].
+        """Return the amplitude of BPFO lines over that of the neighbouring harmonics of FTF, less the contrast required, or infinity [dB].
 
         BPFO is itself a harmonic of FTF. What the cage carries, a broken bar or a damaged roller, makes it no larger than its neighbours.
         """
         cage = lines.order / rollers(band.orders)
         if lines.depth <= 0.0 or cage < 2.0 * GUARD * band.step:
-            return HIGHEST_CONTRAST
+            return math.inf
         beside = band.at(np.add.outer(np.asarray(lines.lines), [-cage, cage]))
         power = ratio(float(band.at(lines.lines).mean()), float(beside.mean())) if beside.any() else math.inf
-        return min(decibels(math.sqrt(power)) - self.p.cage_contrast, HIGHEST_CONTRAST)
+        return decibels(math.sqrt(power)) - self.p.cage_contrast
 
     def _rhythm(self, lines: LineFamily, band: BandEvidence) -> float:
         """Return by how much the line at 2 BPFO is below its limit [dB]; 0 if nothing follows.
