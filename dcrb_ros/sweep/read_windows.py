@@ -7,23 +7,41 @@ import operator
 from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import accumulate
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
+from dcrb_ros.bearing.waveform import Waveform
 from dcrb_ros.runtime.optional import installed
 from dcrb_ros.schema.arrays import Samples
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.sweep.sweep_file import LONGEST_WINDOW, Windows
 from dcrb_ros.sweep.windows import cut_windows, window_starts
 
-if TYPE_CHECKING:
-    from dcrb_ros.sweep.reader import DataSet
-
 USUAL_LENGTH = 4096
 KEPT_BYTES = 256 << 20
 """Windows that are kept in memory for the next access [byte]."""
+
+
+class Source(Protocol):
+    """The part of a `DataSet` that windows are read from."""
+
+    folder: Path
+
+    @property
+    def classes(self) -> tuple[str, ...]:
+        """The fault classes by their numbers."""
+
+    def waveform(self, run: str) -> Waveform:
+        """Return the waveform of a run."""
+
+    def files(self, row: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the records of the files of a run by their names."""
+
+    def content(self, row: Mapping[str, Any], name: str) -> bytes:
+        """Return the contents of a file of a run."""
 
 
 class ReadWindows(Sequence[tuple[Samples, int]]):
@@ -34,7 +52,7 @@ class ReadWindows(Sequence[tuple[Samples, int]]):
     set, also with several workers.
     """
 
-    def __init__(self, data_set: DataSet, rows: Sequence[Mapping[str, Any]], length: int | None, hop: int | None) -> None:
+    def __init__(self, data_set: Source, rows: Sequence[Mapping[str, Any]], length: int | None, hop: int | None) -> None:
         self._data_set, self._rows = data_set, rows
         self.classes = data_set.classes
         """Names of the classes, by their numbers."""
