@@ -225,7 +225,7 @@ def _number(row: dict[str, str], column: str) -> float:
 
 
 def _parsed(text: str | None) -> float:
-    """Return a text as a number; NaN if it is none."""
+    """Return a text as a number; NaN for another text."""
     try:
         return float(text or "")
     except ValueError:
