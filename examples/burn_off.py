@@ -23,11 +23,12 @@ def main(folder: str, output: str) -> None:
     truth, states, waveform = recording.truth(), recording.states(), recording.waveform()
     time = truth.time
     node = {name: truth.thermal(f"row1/{name} [deg C]") for name in ("inner_ring", "outer_ring")} | {"box": truth.thermal("box [deg C]")}
-    heat = sum(truth.thermal(name) for name in truth.truths[0].thermal if name.endswith("[W]"))
+    heat = sum(truth.thermal(name) for name in truth.truths[0].thermal if name.startswith("row") and name.endswith("[W]"))
     # Wayside detectors see the box, and a little of the ring.
     seen = node["box"] + 0.15 * (node["outer_ring"] - node["box"]) - truth.thermal("ambient [deg C]")
-    seconds = len(waveform) // waveform.sampling_rate
-    parts = waveform.acceleration[: seconds * waveform.sampling_rate].reshape(4 * seconds, -1, 2)
+    part = waveform.sampling_rate // 4
+    count = len(waveform) // part
+    parts = waveform.acceleration[: count * part].reshape(count, part, 2)
     rms = np.sqrt((parts.astype(float) ** 2).mean(axis=1))
 
     figure = Figure(figsize=(8.0, 8.6), dpi=110, layout="constrained")
@@ -41,7 +42,7 @@ def main(folder: str, output: str) -> None:
     film.semilogy(states.time, states.least_film_ratio[:, 0, 0], color="#009E73", linewidth=0.8)
     film.axhline(1.0, color="black", linestyle=":", linewidth=1.0)
     for column, (axis, colour) in enumerate((("X", "#E69F00"), ("Y", "#0072B2"))):
-        noise.plot(waveform.time[0] + (np.arange(len(rms)) + 0.5) / 4.0, rms[:, column], color=colour, label=axis)
+        noise.plot(waveform.time[0] + (np.arange(len(rms)) + 0.5) * part / waveform.sampling_rate, rms[:, column], color=colour, label=axis)
     noise.legend(loc="upper left", fontsize="small")
     lost = truth.thermal("lubricant_loss")
     for ax, label in (

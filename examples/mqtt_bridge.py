@@ -53,8 +53,9 @@ def main() -> None:
     parser.add_argument("--port", type=int, default=1883)
     parser.add_argument("--namespace", default="dcrb")
     options = parser.parse_args()
+    options.namespace = options.namespace.strip("/")
     try:
-        validate_namespace(f"/{options.namespace.strip('/')}")
+        validate_namespace(f"/{options.namespace}")
     except InvalidNamespaceException as error:
         parser.error(f"--namespace {options.namespace}: {error}")
     try:

@@ -16,8 +16,10 @@ about, blocks = {}, []
 
 
 def on_block(message: PointCloud2) -> None:
+    if not about:
+        return
     blocks.append(np.frombuffer(message.data, SAMPLE))
-    if not about or sum(map(len, blocks)) < about["sampling_rate"]:
+    if sum(map(len, blocks)) < about["sampling_rate"]:
         return
     samples = np.concatenate(blocks)
     blocks.clear()

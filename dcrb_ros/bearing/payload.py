@@ -107,7 +107,7 @@ def build_payload(configuration: Configuration, fastest: float | None = None) ->
     free, broken, individual = free_rollers(c), broken_bars(c), individual_of(c)
     azimuth, clearance = start_azimuths(c, individual.pocket_places), c.cage.pocket_clearance + individual.pocket_clearance
     damage = c.faults.damage(b, c.contact.edge_radius if c.contact.notch == "edge" else 0.0)
-    surfaces, highest = build_surfaces(c, damage, c.operating.speed if fastest is None else fastest)
+    surfaces, highest = build_surfaces(c, damage, fastest)
     damage = damage if isinstance(surfaces, Smooth) else []
     raceway_notches = [notch for notch in damage if isinstance(notch, RacewayNotch)]
     roller_notches = [notch for notch in damage if isinstance(notch, RollerNotch)]

@@ -135,7 +135,9 @@ def short_waves(
     )
 
 
-def build_surfaces(configuration: Configuration, damage: Sequence[Damage], fastest: float) -> tuple[Smooth | Profile | Impacts, float]:
+def build_surfaces(
+    configuration: Configuration, damage: Sequence[Damage], fastest: float | None = None
+) -> tuple[Smooth | Profile | Impacts, float]:
     """Return the surfaces of a bearing as the kernels take them, and how far the highest rises [m].
 
     Every row, raceway and roller has random numbers of its own, so that one parameter changes nothing else.

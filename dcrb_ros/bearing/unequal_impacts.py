@@ -51,11 +51,11 @@ class UnequalDamage(NamedTuple):
     """How high damage rises [m]."""
 
 
-def unequal_damage(c: Configuration, damage: Sequence[Damage], fastest: float) -> UnequalDamage:
-    """Return damage in tables of its own, where errors of times are whole up to a speed of the shaft, ``fastest`` [rad/s], or more."""
+def unequal_damage(c: Configuration, damage: Sequence[Damage], fastest: float | None = None) -> UnequalDamage:
+    """Return damage in tables of its own; errors of times are whole at ``fastest``, the present speed, by default the configured one."""
     b, ratio = c.bearing, cage_speed(c, 1.0)
     parts = np.zeros((2, b.rows, RACEWAY_NODES, 4))
-    most = MOST_DEVIATION * c.impacts.time_spread * max(abs(fastest), LEAST_FASTEST)
+    most = MOST_DEVIATION * c.impacts.time_spread * max(abs(c.operating.speed if fastest is None else fastest), LEAST_FASTEST)
     reach = most * np.array([1.0 - ratio, ratio])
     alike: list[Damage] = []
     defects: list[RacewayNotch | SurfaceHeights] = []

@@ -61,7 +61,7 @@ class HeatMonitor:
         ``frequency`` is that of the shaft since the reading before [Hz], ``load`` that of the bearing [N], NaN where it is unknown. None
         for the first reading, for one after a pause, and for one that is not after the reading before or is no temperature of a bearing.
         """
-        if not (COLDEST <= bearing <= HOTTEST and COLDEST <= ambient <= HOTTEST and math.isfinite(frequency)):
+        if not (COLDEST <= bearing <= HOTTEST and COLDEST <= ambient <= HOTTEST and math.isfinite(frequency) and not math.isinf(load)):
             self.rejected += 1
             return None
         rise, before = bearing - ambient, self._before

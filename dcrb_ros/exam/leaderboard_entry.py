@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from itertools import groupby
 from pathlib import Path
 from typing import Any, Literal
@@ -242,17 +242,17 @@ def read_entry(path: Path) -> Entry:
     except ValidationError as error:
         problem = first_problem(error)
         raise Refusal(f"{path} is not an entry ({problem.key or 'the file'}: {problem.reason}): make it with dcrb score --entry") from None
-    if (flaw := next(_flaws(entry), None)) is not None:
+    if flaw := _flaw(entry):
         raise Refusal(f"{path} {flaw} make it again with dcrb score --entry")
     if stated is None:
         raise Refusal(f"{path} has no {DIGEST}, so that a change would not be found: make it again with dcrb score --entry")
     return entry
 
 
-def _flaws(entry: Entry) -> Iterator[str]:
-    """Yield what contradicts itself in an entry, as the middle of a sentence."""
+def _flaw(entry: Entry) -> str:
+    """Return what contradicts itself in an entry, as the middle of a sentence, or an empty string."""
     if (twice := repeated(scenario.name for scenario in entry.scenarios)) is not None:
-        yield f"has the scenario '{twice}' twice:"
+        return f"has the scenario '{twice}' twice:"
     profiles = {profile.name for profile in PROFILES}
     given: dict[str, set[str]] = {}
     for scenario in entry.scenarios:
@@ -260,17 +260,18 @@ def _flaws(entry: Entry) -> Iterator[str]:
     for scenario in entry.scenarios:
         possible = all(0.0 <= credit <= 1.0 for credit in scenario.credit.values()) and scenario.spoiled <= scenario.periods
         if not possible or set(scenario.credit) != (profiles if scenario.family != "healthy" else set()):
-            yield f"has an impossible credit in the scenario '{scenario.name}':"
+            return f"has an impossible credit in the scenario '{scenario.name}':"
         contradiction = _contradiction(scenario, given[BOX.sub("", scenario.name)])
         if contradiction := contradiction or (_contradicted_answer(scenario) if entry.last_verdict else ""):
-            yield f"contradicts itself in the scenario '{scenario.name}': {contradiction};"
+            return f"contradicts itself in the scenario '{scenario.name}': {contradiction};"
     computed = {score.profile: score.score.value for score in entry.scores()}
     if set(computed) != set(entry.exam_score) or any(abs(entry.exam_score[key] - value) > AGREEMENT for key, value in computed.items()):
-        yield "states exam scores that do not follow from its scenarios:"
+        return "states exam scores that do not follow from its scenarios:"
     area = overall_area(areas_of([(scenario.family, scenario.evidence) for scenario in entry.scenarios]))
     follows = area if math.isfinite(area) else None
     if (entry.area is None) != (follows is None) or abs((entry.area or 0.0) - (follows or 0.0)) > EXACT:
-        yield f"states the area {entry.area}, but {follows} follows from its scenarios:"
+        return f"states the area {entry.area}, but {follows} follows from its scenarios:"
+    return ""
 
 
 def _contradiction(scenario: EntryScenario, verdicts: set[str]) -> str:

@@ -13,17 +13,15 @@ class Notch(Fault):
     """The parameters that every notch has."""
 
     width: float = length(0.0, "Width along the surface; 0 for no defect", 0.0, 0.05, symbol="b", run_time=True)
-    depth: float = length(0.0003, "Depth", 0.0, 0.01, symbol="h", run_time=True)
+    depth: float = length(0.0003, "Depth; 0 for no defect", 0.0, 0.01, symbol="h", run_time=True)
 
     @property
     def present(self) -> bool:
-        """Whether the notch has a width."""
-        return self.width > 0.0
+        """Whether the notch has a width and a depth."""
+        return self.width > 0.0 and self.depth > 0.0
 
-    def without_place(self, key: str, limit: float, what: str) -> Iterator[str]:
-        """Yield a sentence if there is a width without a depth, and if the width is not below a ``limit`` [m], the size of ``what``."""
-        if self.depth == 0.0:
-            yield f"faults.{key}.depth = 0 m is no damage, but faults.{key}.width = {self.width:g} m: give a depth above 0, or a width of 0"
+    def too_wide(self, key: str, limit: float, what: str) -> Iterator[str]:
+        """Yield a sentence if the width is not below a ``limit`` [m], the size of ``what``."""
         if self.width >= limit:
             yield f"faults.{key}.width = {self.width:g} m is not below the {what} of {limit:.4g} m: {LENGTH_REMEDY}"
 

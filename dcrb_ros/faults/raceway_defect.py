@@ -59,8 +59,8 @@ class RacewayDefect(Notch):
     )
 
     def problems(self, key: str, bearing: Dimensions) -> Iterator[str]:
-        """Refuse a notch without depth or wider than the pitch of the rollers, and one in a missing row."""
-        yield from self.without_place(key, 2.0 * math.pi * self._raceway(bearing) / bearing.rollers_per_row, "pitch")
+        """Refuse a notch wider than the pitch of the rollers, and one in a missing row."""
+        yield from self.too_wide(key, 2.0 * math.pi * self._raceway(bearing) / bearing.rollers_per_row, "pitch")
         if self.row > bearing.rows:
             yield f"faults.{key}.row = {self.row} is outside 0 .. {bearing.rows}: the bearing has {bearing.rows} row(s), 0 means all"
 

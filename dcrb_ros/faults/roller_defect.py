@@ -29,8 +29,8 @@ class RollerDefect(Notch):
     )
 
     def problems(self, key: str, bearing: Dimensions) -> Iterator[str]:
-        """Refuse a notch without depth or wider than the roller's radius, and one on a missing roller."""
-        yield from self.without_place(key, bearing.roller_radius, "roller's radius")
+        """Refuse a notch wider than the roller's radius, and one on a missing roller."""
+        yield from self.too_wide(key, bearing.roller_radius, "roller's radius")
         if self.row > bearing.rows or self.roller > bearing.rollers_per_row:
             yield (
                 f"faults.{key}: there is no roller {self.roller} in row {self.row}; the bearing has {bearing.rows} row(s) of "

@@ -117,7 +117,7 @@ def read_content(recording: Recording, judged: Samples) -> Content:
         if (magnitude := float(magnitudes[sample].max())) > peak:
             indices = np.concatenate([np.arange(piece.first_index, piece.end_index) for piece in together])
             peak, largest = magnitude, int(indices[sample])
-    powers = squares / count - np.square(total / count)
+    powers = np.maximum(squares / count - np.square(total / count), 0.0)  # of a constant, rounding may be below
     rms = math.sqrt(float(powers[1] if single else powers.sum()))
     return Content(kept, "y" if single else "both", rms, peak, largest)
 

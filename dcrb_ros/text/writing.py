@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
+import stat
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
@@ -42,7 +43,9 @@ def whole_files(*paths: Path, otherwise: str = "give another file") -> Iterator[
         targets = [target if special_kind(target) else target.resolve() for target in given]
         files = {target: stack.enter_context(temporary(target.parent, target.suffix)) for target in targets if not special_kind(target)}
         yield tuple(files.get(target, target) for target in targets)
-        for written in files.values():
+        for target, written in files.items():
+            if target.exists():  # a file keeps its permissions
+                written.chmod(stat.S_IMODE(target.stat().st_mode))
             sync(written)
         _replace(files)
         for parent in {target.parent for target in files}:

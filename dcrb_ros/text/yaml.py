@@ -143,7 +143,8 @@ def _untyped(loader: _Loader, node: yaml.Node) -> NoReturn:
 
 
 _Loader.add_constructor("tag:yaml.org,2002:str", _text)
-_Loader.add_constructor(None, _untyped)
+for kind in (None, *(f"tag:yaml.org,2002:{name}" for name in ("set", "omap", "pairs", "binary"))):
+    _Loader.add_constructor(kind, _untyped)
 
 
 class _Dumper(yaml.SafeDumper):

@@ -31,11 +31,11 @@ class VehicleTruth:
     silent: Mapping[str, str]
     """Boxes that are silent, and why: their model failed, or their sensor is swapped with that of a box whose model failed."""
     commanded: Mapping[str, float] = field(default_factory=dict)
-    """The commands in effect at the start of the first frame that was planned for the block, by the names of `RANGES`."""
+    """The commands given before the first frame that was planned for the block, by the names of `RANGES`."""
     commands: tuple[tuple[str, Any], ...] = ()
     """Those, and the changes of wheels and slides by their keys, that were given since the block before."""
     curvature: float = 0.0
-    """That of the track at the end of the last frame [1/m]."""
+    """The one commanded last, which the track has from the end of the frame after the last one on [1/m]."""
 
 
 @dataclass(frozen=True)

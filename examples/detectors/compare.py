@@ -23,7 +23,7 @@ DCRB = [sys.executable, "-m", "dcrb_ros.cli.program"]
 def families() -> dict[str, str]:
     """Return file and class of every family by the name of its published member."""
     about = {file.name: class_and_variants(str(file)) for file in sorted(HERE.glob("*.py"))}
-    return {next(iter(one["variants"])): f"{name}:{one['class']}" for name, one in about.items() if one["class"]}
+    return {next(iter(one["variants"]), Path(name).stem): f"{name}:{one['class']}" for name, one in about.items() if one["class"]}
 
 
 def main() -> None:

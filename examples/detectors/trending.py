@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from itertools import pairwise
-from typing import get_args, get_type_hints
+from typing import Literal, get_args, get_origin, get_type_hints
 
 import numpy as np
 from scipy.signal.windows import tukey
@@ -33,7 +33,9 @@ class Trending(ABC):
     window, hop = 1.0, 0.5
     """Length of a window, and time from one to the next [s]."""
     learning = 4
-    """Windows from which the healthy level of a feature is learnt [-]; with 0 the level is 1."""
+    """Windows from which the healthy level of a feature is learnt [-]; with 0 the level is 1.
+
+    A subclass that learns a model of its own needs 1."""
     factor = 3.0
     """Growth from which a feature is an alarm [-]."""
     fewest_turns = 4.0
@@ -47,8 +49,10 @@ class Trending(ABC):
                 raise Refusal(f"{type(self).__name__} has no setting {name!r}. Choose among {', '.join(allowed)}.")
             setattr(self, name, value)
         for name, kind in get_type_hints(type(self)).items():
-            if (value := getattr(self, name)) not in get_args(kind):
+            if get_origin(kind) is Literal and (value := getattr(self, name)) not in get_args(kind):
                 raise Refusal(f"{name} = {value!r} is unknown. Choose among {', '.join(get_args(kind))}.")
+        if self.learning < 0:
+            raise Refusal(f"learning = {self.learning} is negative: give the number of windows from which the healthy level is learnt.")
         self.length, self.step = int(self.window * rate), int(self.hop * rate)
         self.acceleration, self.angle = np.zeros(0), np.zeros(0)
         self.next_index, self.healthy, self.before = None, [], "healthy"

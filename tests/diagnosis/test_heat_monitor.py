@@ -162,3 +162,10 @@ def test_a_healthy_rise_that_is_given_is_known_without_learning() -> None:
     assert before[-1].evidence.usual == 27.5 - 2.0 * 2.0
     assert 3.0 < before[-1].evidence.residual / before[-1].evidence.deviation < 5.0
     assert names(before)[-1] == ""
+
+
+def test_a_reading_with_an_infinite_load_is_dropped() -> None:
+    judge = monitor()
+    judge.update(0.0, FREQUENCY, AMBIENT + 110.0, AMBIENT, load=math.inf)
+    assert judge.rejected == 1
+    assert names(read(judge, 110.0, 10, start=1.0, step=1.0))[-1] == "overheating"

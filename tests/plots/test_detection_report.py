@@ -237,3 +237,12 @@ def test_a_file_without_its_folder_has_a_page(tmp_path: Path) -> None:
     file = tmp_path / "single.mcap"
     shutil.copy(next((BAGS / "outer_ring_defect").glob("*.mcap")), file)
     assert "outer ring defect" in Page(detection_report([diagnosed("single", file)])).text
+
+
+@pytest.mark.parametrize("value", [0.3, 9.81])
+def test_a_constant_signal_has_an_rms_of_zero(value: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its mean square less the square of its mean may be below zero by rounding."""
+    recording = Recording(BAGS / "outer_ring_defect")
+    pieces = [piece._replace(acceleration=np.full_like(piece.acceleration, value)) for piece in recording.pieces()]
+    monkeypatch.setattr(recording, "pieces", lambda: iter(pieces))
+    assert read_content(recording, Samples(0, 0)).rms < 1e-6 * value

@@ -120,3 +120,11 @@ def test_permissions_follow_the_mask_of_the_user(tmp_path: Path) -> None:
     finally:
         os.umask(mask)
     assert stat.S_IMODE((tmp_path / "file").stat().st_mode) == 0o640
+
+
+def test_a_replaced_file_keeps_its_permissions(tmp_path: Path) -> None:
+    path = tmp_path / "private.json"
+    write_whole(path, "a")
+    path.chmod(0o600)
+    write_whole(path, "b")
+    assert (path.read_text(encoding="utf-8"), stat.S_IMODE(path.stat().st_mode)) == ("b", 0o600)

@@ -118,6 +118,8 @@ def test_a_file_is_refused_with_its_name_the_figure_and_the_limit(tmp_path: Path
         ("base: &b {speed: 1}\noperating:\n  <<: *b\n", "in line 3: merge keys (<<) are not read: write out the values"),
         ("a: !speed 3", "in line 1: the tag '!speed' is not read: give a plain number, text, list or mapping"),
         ("a: !!python/object/apply:os.system [ls]", "the tag 'tag:yaml.org,2002:python/object/apply:os.system' is not read"),
+        ("a: !!set {x, y}", "the tag 'tag:yaml.org,2002:set' is not read"),
+        ("a: !!binary aGk=", "the tag 'tag:yaml.org,2002:binary' is not read"),
         ("a: =", "the tag 'tag:yaml.org,2002:value' is not read"),
     ],
 )

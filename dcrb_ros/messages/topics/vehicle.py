@@ -28,7 +28,8 @@ VEHICLE_TRUTH = Topic(
     "vehicle/ground_truth",
     DIAGNOSTICS,
     "per block: a status `vehicle` with speed, place and commands; a status `axle_1/left` for each box with its load and the levels of "
-    "its own bearing, of other bearings, and of track and wheels in it; a status `events/0` and so on for each joint and flat",
+    "its own bearing, of other bearings, and of track and wheels in it; a status `events/0` and so on for each joint, crossing and flat, "
+    "and for each slide that begins or ends",
     decode=decode_diagnostics,
 )
 VEHICLE_DIAGNOSIS = Topic(

@@ -11,8 +11,9 @@ from dcrb_ros.text.markdown import table
 def design_text(sweep: LifeSweep) -> str:
     """Return the section of the data card about the lives."""
     recipe, population, duty = sweep.recipe, sweep.population, sweep.population.duty
-    lives = list(population.lives())
-    failed, damaged = sum(not life.censored for life in lives), sum(life.start < life.end for life in lives)
+    lives = failed = damaged = 0
+    for life in population.lives():
+        lives, failed, damaged = lives + 1, failed + (not life.censored), damaged + (life.start < life.end)
     growth = ", ".join(f"{name} {value:g}" for name, value in recipe.growth.model_dump().items() if isinstance(value, float))
     damage, inspection, start = recipe.damage, recipe.inspection, recipe.start
     only = f"; only bearings whose damage starts before the overhaul are drawn, {100 * population.in_service:.3g} % of all"
@@ -25,7 +26,7 @@ def design_text(sweep: LifeSweep) -> str:
     )
     return f"""## Lives
 
-{len(lives)} bearings, of which {failed} fail and {len(lives) - failed} are censored; {damaged} have damage before the end of their service.
+{lives} bearings, of which {failed} fail and {lives - failed} are censored; {damaged} have damage before the end of their service.
 Everything is drawn with the seed {recipe.numbers.seed}. `lives.parquet` has one row per bearing:
 
 {columns}

@@ -70,6 +70,8 @@ def _check_start(configuration: Configuration, common: Sweep, recipe: Recipe, so
     damage = next((key for key, _ in configuration.faults.damaging), None)
     if damage is not None:
         raise Refusal(f"{source}: the base has the fault faults.{damage}, but a life begins without damage: give a healthy base")
+    if lateral := configuration.operating.lateral_load:
+        raise Refusal(f"{source}: operating.lateral_load = {lateral:g} N, but the rating life is that of the load of the duty: set 0")
     drawn = {"operating.speed": "section", "operating.speed_kmh": "section", "operating.load": "section", "surfaces.seed": "bearing"}
     drawn |= {"thermal.ambient": "climate"} if recipe.climate else {}
     fixed = flatten(common.file.fixed)
@@ -163,6 +165,11 @@ def _population(recipe: Recipe, duty: Duty, configuration: Configuration, source
     bearing = configuration.bearing
     rating = start.rating or dynamic_load_rating(bearing)
     load = _zone_load(duty, configuration, rating)
+    if rating < load:
+        raise Refusal(
+            f"{source}: the rating of {rating:g} N is below the equivalent load of {load:.4g} N, for which ISO 281 has no life: give "
+            "start.rating in newtons, not kN, or smaller loads"
+        )
     population = Population(recipe, duty, rating_life(rating, load), load, bearing)
     longest = max(population.rating_hours, population.growth_hours)
     if longest > LONGEST_LIFE:
@@ -177,8 +184,8 @@ def _population(recipe: Recipe, duty: Duty, configuration: Configuration, source
     if inspection.every >= life:
         term = "the overhaul" if inspection.overhaul else "the basic rating life with the growth of the damage"
         raise Refusal(
-            f"{source}: inspection.every = {inspection.every:g} h is not below {life:.4g} h, {term}, so a life would have no inspection "
-            "after its first hour: give a shorter interval"
+            f"{source}: inspection.every = {inspection.every:g} h is not below {life:.4g} h, {term}, so few lives or none would have an "
+            "inspection after their first hour: give a shorter interval"
         )
     return population
 

@@ -154,7 +154,7 @@ def test_depth_for_a_step_is_the_weighted_mean_about_it(kind: str, width: float,
 
 @pytest.mark.parametrize("fault", ["inner_1", "outer_1", "roller_1"])
 def test_notch_without_depth_is_none(fault: str) -> None:
-    payload = build_payload(Configuration.model_validate({"faults": {fault: {"width": 2e-3, "depth": 0.0}}}))
+    payload = build_payload(Configuration.model_validate({"faults": {fault: {"width": 2e-3, "depth": 1e-15}}}))
     for notches in (payload.inner_notches, payload.outer_notches):
         assert notches.bottom == pytest.approx(notches.half_angle, abs=1e-6)
         assert notches.kink == pytest.approx(0.0, abs=1e-6)
@@ -165,7 +165,7 @@ def test_notch_without_depth_is_none(fault: str) -> None:
 def test_edges_have_a_potential(offset: float, pressed: float, ring: str) -> None:
     # The force over the angle is the slope of the energy: no work on a closed path. Past the fillets it is the raceway's.
     inner = ring == "inner"
-    payload = under(2e-3, 0.0, ring, notch="edge", edge_radius=2e-4)
+    payload = under(2e-3, 1e-15, ring, notch="edge", edge_radius=2e-4)
     smooth = touch(build_payload(Configuration()), inner, offset, pressed)
     force, nx, ny, _ = touch(payload, inner, offset, pressed)
     assert force <= smooth[0] * (1.0 + 1e-9)
@@ -229,7 +229,7 @@ def test_contacts_far_apart_add_and_one_contact_is_itself() -> None:
 @pytest.mark.parametrize("ring", ["inner", "outer"])
 def test_edge_normal_leans_out_of_the_notch(ring: str) -> None:
     inner = ring == "inner"
-    payload = under(2e-3, 0.0, ring, notch="edge", edge_radius=1e-4)
+    payload = under(2e-3, 1e-15, ring, notch="edge", edge_radius=1e-4)
     raceway = R_I if inner else R_O
     offset = 0.6e-3 / raceway  # within the notch, nearer to the edge ahead
     force, nx, ny, _ = touch(payload, inner, offset, 4e-5)

@@ -286,6 +286,8 @@ def test_shipped_sweeps_can_be_planned(path: Path) -> None:
         ({"set": {"operating": {"load": 9e4}}}, "operating.load = 90000.0 under 'set' would have no effect"),
         ({"set": {"surfaces.seed": 3}}, "surfaces.seed = 3 under 'set' would have no effect, .* from the bearing"),
         ({"set": {**OILED, "thermal.ambient": 3.0}, "climate": {"mean": 5.0}}, "thermal.ambient = 3.0 .* from the climate"),
+        ({"set": {"operating.lateral_load": 1e5}}, "operating.lateral_load = 100000 N, but the rating life is that of the load of the"),
+        ({"start": {"rating": 1047.0}}, "the rating of 1047 N is below the equivalent load of .*: give start.rating in newtons, not kN"),
         ({"lives": 0}, "lives = 0 is outside 1 .. 1000000"),
         ({"inspection": {"every": 1e-3, "overhaul": 20000.0}}, "defines more than 1000000 inspections, .*: give fewer lives, or a larger"),
         ({"start": {"slope": 0.0}}, "slope = 0.0 is outside 0.3 .. 20"),
