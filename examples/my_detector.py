@@ -17,10 +17,8 @@ about, blocks, healthy = {}, [], []  # sensor description, blocks of the current
 
 
 def on_block(message: PointCloud2) -> None:
-    if not about:
-        return
     blocks.append(np.frombuffer(message.data, SAMPLE))
-    if sum(map(len, blocks)) < about["sampling_rate"]:  # windows of one second
+    if not about or sum(map(len, blocks)) < about["sampling_rate"]:  # windows of one second
         return
     samples = np.concatenate(blocks)
     blocks.clear()

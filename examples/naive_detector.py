@@ -16,10 +16,8 @@ about, blocks = {}, []
 
 
 def on_block(message: PointCloud2) -> None:
-    if not about:
-        return
     blocks.append(np.frombuffer(message.data, SAMPLE))
-    if sum(map(len, blocks)) < about["sampling_rate"]:
+    if not about or sum(map(len, blocks)) < about["sampling_rate"]:
         return
     samples = np.concatenate(blocks)
     blocks.clear()
