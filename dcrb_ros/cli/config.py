@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from collections.abc import Iterator
 from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -12,10 +13,12 @@ import typer
 from dcrb_ros.cli.commands import Commands
 from dcrb_ros.cli.options import Config, Force, Settings
 from dcrb_ros.cli.output_file import check_file
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.writing import write_whole
 
 if TYPE_CHECKING:
     from dcrb_ros.schema.parameter_field import ParameterField
+    from dcrb_ros.settings.configuration import Configuration
 
 app = Commands(help="List, print, check and make configurations of the bench.")
 MOST_ERRORS = 20
@@ -55,7 +58,7 @@ def check(config: Config, settings: Settings = None) -> None:
     """Check a configuration: print the derived values, or up to 20 errors and exit with status 2.
 
     Masses and inertias of the default bearing in a bearing of other dimensions give warnings, and so do negative and very small loads,
-    and a defect that is a notch where the surfaces could have a spall.
+    and a defect that is a notch where the surfaces could have a spall. The start of a run without a scenario is checked, too.
 
     Example: dcrb config check my_bearing.yaml
     """
@@ -69,6 +72,8 @@ def check(config: Config, settings: Settings = None) -> None:
     # A file without parameters has defaults only, which are sound.
     configuration, found = checked(parameters, Configuration)
     wrong = [*misplaced, *found]
+    if configuration is not None and not wrong:
+        wrong = list(_refused_at_start(configuration))
     for sentence in wrong[:MOST_ERRORS]:
         print_error("dcrb", f"{config}: {sentence}")
     if (others := len(wrong) - MOST_ERRORS) > 0:
@@ -80,6 +85,22 @@ def check(config: Config, settings: Settings = None) -> None:
         print(f"  {name:20s} {text}")
     for sentence in (*kept_defaults(configuration.bearing), *implausible_loads(configuration), *implausible_notches(configuration)):
         print_error("dcrb", f"warning: {sentence}")
+
+
+def _refused_at_start(configuration: Configuration) -> Iterator[str]:
+    """Yield why sensor and bearing of a valid configuration could not start."""
+    from dcrb_ros.bearing.payload import build_payload
+    from dcrb_ros.measurement.sensor import Sensor
+    from dcrb_ros.simulation.heating import Heating
+
+    for begin in (
+        lambda: Sensor(configuration.measurement),
+        lambda: Heating(configuration).begin(configuration, build_payload(configuration)),
+    ):
+        try:
+            begin()
+        except Refusal as refusal:
+            yield str(refusal)
 
 
 @app.command()
@@ -164,7 +185,7 @@ def _below(group: str) -> list[ParameterField]:
     from dcrb_ros.cli.vehicle_parameters import vehicle_parameters
     from dcrb_ros.diagnosis.parameters import DetectorParameters
     from dcrb_ros.diagnosis.vehicle.parameters import VehicleDetectorParameters
-    from dcrb_ros.schema.refusal import Refusal, nearest
+    from dcrb_ros.schema.refusal import nearest
     from dcrb_ros.settings.files import fields_by_key
 
     fields = {**fields_by_key(), **fields_by_key(vehicle_parameters())}

@@ -96,6 +96,19 @@ def test_a_check_lists_everything_that_is_wrong(config: Command, settings: tuple
         assert line.startswith(f"dcrb: dry: {key}")
 
 
+def test_a_check_refuses_what_a_run_refuses_at_its_start(config: Command) -> None:
+    films = ("thermal.law=network", "thermal.start=cold", "lubrication.law=film", "thermal.ambient=-20.0")
+    level = ("structure.housing=laboratory", "structure.healthy_level=1.0", "operating.speed=0.0")
+    for name, settings, sentence in (
+        ("ball_bearing_6205", films, "bearing: films of "),
+        ("healthy", level, "structure.healthy_level = 1 m/s^2 is a level at operating.speed, which is 0: give the speed"),
+    ):
+        done = config("check", name, *(word for setting in settings for word in ("--set", setting)))
+        assert (done.status, done.out) == (2, "")
+        assert done.err.startswith(f"dcrb: {name}: {sentence}")
+        assert len(done.err.splitlines()) == 1
+
+
 @pytest.mark.parametrize(
     ("values", "rest"), [("1.0", "1 more error;"), ("1.0e-310", "1 more error;"), ("1.0, e{}: 1.0", "22 more errors;")]
 )
