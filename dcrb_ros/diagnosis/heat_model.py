@@ -19,6 +19,8 @@ import math
 
 REFERENCE_FREQUENCY, REFERENCE_LOAD = 15.0, 100e3
 """Shaft frequency [Hz] and load [N] at which a bearing rises by ``b``."""
+LEAST_LOAD = 160.0
+"""Load below which the rise no longer falls [N]: seals, cage and grease heat an unloaded bearing by a fifth of ``b``."""
 SPEED_EXPONENT, LOAD_EXPONENT = 0.7, 0.25
 """Of the steady rise above ambient [-]."""
 RING_SHARE, RING_LAG = 0.3, 180.0
@@ -57,8 +59,8 @@ class HeatModel:
     def follow(self, frequency: float, load: float, duration: float, rise: float) -> None:
         """Follow a shaft frequency [Hz] and load [N] (NaN where it is unknown) that lasted for a duration [s]; ``rise`` [K] begins it."""
         wanted = (abs(frequency) / REFERENCE_FREQUENCY) ** SPEED_EXPONENT
-        if load > 0.0:  # not for NaN
-            wanted *= (load / REFERENCE_LOAD) ** LOAD_EXPONENT
+        if not math.isnan(load):
+            wanted *= (max(abs(load), LEAST_LOAD) / REFERENCE_LOAD) ** LOAD_EXPONENT
         air = (abs(frequency) / REFERENCE_FREQUENCY) ** AIR_EXPONENT
         rate = 1.0 / LAG_AT_REST + (1.0 / LAG - 1.0 / LAG_AT_REST) * air
         if not self._begun:

@@ -26,6 +26,8 @@ def test_the_rise_grows_with_speed_and_load() -> None:
     assert steady(7.5).expected == pytest.approx(25.0 * 0.5**0.7)
     assert steady(-15.0, 100e3).expected == pytest.approx(25.0)
     assert steady(15.0, 50e3).expected == pytest.approx(25.0 * 0.5**0.25)
+    assert steady(15.0, -50e3).expected == steady(15.0, 50e3).expected
+    assert steady(15.0, 0.0).expected == pytest.approx(25.0 * 0.2, rel=1e-3)
     assert steady(0.0).expected == pytest.approx(0.0, abs=1e-3)
 
 
