@@ -59,7 +59,7 @@ def check_parameters(parameters: DetectorParameters, baseline: HealthyBaseline |
     Raises:
         Refusal: the parameters do not fit each other, or the file is no baseline.
     """
-    p = parameters
+    p: Any = parameters
     least = 2.0 * MARGIN_PERIODS / (0.5 * p.band_low)  # the octave below the band has the longest margins
     if p.hop < least:
         raise _short_hop(p, least)
@@ -67,6 +67,11 @@ def check_parameters(parameters: DetectorParameters, baseline: HealthyBaseline |
         raise Refusal(f"window = {p.window:g} s is below hop = {p.hop:g} s: make the window longer or the hop shorter")
     if p.slowest >= p.fastest:
         raise Refusal(f"slowest = {p.slowest:g} Hz is not below fastest = {p.fastest:g} Hz: lower slowest or raise fastest")
+    if (rise := p.heat_rise - 2.0 * p.heat_rise_deviation) >= p.heat_most:
+        raise Refusal(
+            f"heat_rise = {p.heat_rise:g} K less twice heat_rise_deviation is {rise:g} K, not below heat_most = {p.heat_most:g} K, so that "
+            "every bearing would be too hot: lower heat_rise or raise heat_most"
+        )
     return baseline if baseline is not None or not p.baseline else read_baseline(Path(p.baseline))
 
 

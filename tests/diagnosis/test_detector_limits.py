@@ -66,6 +66,16 @@ def test_a_window_may_be_one_hop() -> None:
     FaultDetector(ORDERS, RATE, DetectorParameters(window=0.5, least_window=0.5, hop=0.5))
 
 
+@pytest.mark.parametrize(("rise", "refused"), [(48.9, False), (49.0, True)])
+def test_a_healthy_rise_that_is_too_hot_is_refused(rise: float, refused: bool) -> None:
+    parameters = DetectorParameters(heat_learn=0.0, heat_rise=rise, heat_rise_deviation=2.0)
+    if refused:
+        with pytest.raises(Refusal, match=r"heat_rise = 49 K .* is 45 K, not below heat_most = 45 K, .*: lower heat_rise or raise"):
+            FaultDetector(ORDERS, RATE, parameters)
+    else:
+        FaultDetector(ORDERS, RATE, parameters)
+
+
 @pytest.mark.parametrize(
     ("parameters", "waiting"),
     [
