@@ -19,8 +19,10 @@ from dcrb_ros.exam.led_signal import LEAD, form_of
 from dcrb_ros.exam.measured import FOUND, KNOWN, LEAST_TURNS, SHORTEST, MeasuredRecording, read_table
 from dcrb_ros.exam.replica_geometry import bearing_settings, geometry_of, longest_step
 from dcrb_ros.exam.replica_priors import (
+    AXLE,
     AZIMUTH,
     BACKGROUND,
+    BOX,
     DEPTH,
     FLOOR,
     GAIN,
@@ -239,12 +241,15 @@ def _drawn_settings(
     scale = bearing["bearing.pitch_radius"] / bench.bearing.pitch_radius
     gain, load = of_bearing.pop(GAIN), of_machine.pop(LOAD) * bench.operating.load * scale**2
     gain = 1.0 if recording.gain_known else gain
+    housing = {"box_mass": BOX, "axle_mass": AXLE}
+    masses = {f"housing.{key}": of_machine.pop(name) * getattr(bench.housing, key) for key, name in housing.items() if name in of_machine}
     fault = {name: of_bearing.pop(name) for name in (WIDTH, DEPTH, SHARE, AZIMUTH) if name in of_bearing}
     speed = 2.0 * math.pi * recording.speed
     settings = {
         "operating.speed": speed,
         "operating.load": load if recording.load is None else recording.load,
         **({} if "path" in plan.left_out else {"structure.housing": HOUSINGS[kind]}),
+        **masses,
         **of_machine,
         **of_bearing,
     }

@@ -68,6 +68,7 @@ class Prior:
 
 RINGS = ("outer_ring", "inner_ring")
 LOAD, GAIN, WIDTH, DEPTH, SHARE, AZIMUTH = "load", "gain", "width", "depth", "share", "azimuth"
+BOX, AXLE = "box mass", "axle mass"
 BACKGROUND, LINES, FLOOR = "structure.background", "structure.background_lines", "structure.floor"
 PRIORS: tuple[Prior, ...] = (
     Prior(LOAD, "machine", LogUniform(0.5, 5.0), "of the bench's load", "unknown on CWRU and HIT; 110 to 1340 N on MFPT"),
@@ -106,6 +107,10 @@ PRIORS: tuple[Prior, ...] = (
     Prior(FLOOR, "bearing", FLOORS["roller"], "-", "quiet quarter on CWRU, 70 % of all added power", "background", ("roller",)),
     Prior(GAIN, "bearing", Lognormal(1.0, 3.0), "-", "an amplifier is set when a bearing is mounted; 1 if it is `known`"),
     Prior("structure.mounting", "bearing", Seed(), "-", "spectra of the bearings of a rig, three rigs", "path"),
+    Prior(BOX, "machine", LogUniform(0.125, 1.0), "of the bench's", "a pillow block of 0.5 kg to an end shield of 4 kg", "", (), "balls"),
+    Prior(
+        AXLE, "machine", LogUniform(0.0625, 1.0), "of the bench's", "0.1 m of the shaft, 0.5 kg, to a rigid rotor of 8 kg", "", (), "balls"
+    ),
 )
 """What is drawn for every replica."""
 START, STARTS = 0.2, 0.3

@@ -9,6 +9,7 @@ import numpy as np
 
 from dcrb_ros.measurement.convolution import Convolution
 from dcrb_ros.measurement.filters import Filter
+from dcrb_ros.measurement.following_noise import FollowingNoise
 from dcrb_ros.measurement.housing import dense_modes, impulse_response, unit_impulse
 from dcrb_ros.measurement.machine_lines import MachineLines
 from dcrb_ros.measurement.random_streams import random_stream
@@ -21,14 +22,16 @@ from dcrb_ros.schema.refusal import Refusal
 
 STREAM = "machine background"
 """Name of the random numbers of the background."""
+FLOOR_STREAM = "floor of damage"
+"""Name of the random numbers of the floor."""
 CORNER = 2900.0
 """Corner of the first-order low-pass of the noise before its housing [Hz]."""
 HIGHEST = 20000.0
 """Frequency up to which levels are defined [Hz]."""
 TINY = 1e-30
-"""Power below which an axis is at rest [(m/s^2)^2]."""
+"""Power below which the bearing is at rest [(m/s^2)^2]."""
 SMOOTHING_TIME = 0.5
-"""Time constant of the power from which the floor follows [s]."""
+"""Time constant of the power and the spectrum from which the floor follows [s]."""
 
 
 class MachineBackgroundParameters(Group):
@@ -52,7 +55,11 @@ class MachineBackgroundParameters(Group):
     background: float = quantity(0.0, "dB", "Level of the background of the machine over healthy_level", -60.0, 60.0)
     background_lines: float = quantity(0.0, "-", "Share of this background's power in lines", 0.0, 1.0, remedy="give a share, not per cent")
     floor: float = quantity(
-        0.0, "-", "Power of broadband noise added by damage, over the power that damage adds at the sensor; 0 for none", 0.0, 10.0
+        0.0,
+        "-",
+        "Power of noise between impacts over the power that damage adds at the sensor, of the same spectrum; 0 for none",
+        0.0,
+        10.0,
     )
 
 
@@ -74,11 +81,13 @@ class MachineBackground(Stage):
     r"""Adds noise and lines to the acceleration a behind the path.
 
     With the healthy level h, the background's level :math:`b = h \, 10^{B/20}`, its share s in lines, the speed r over that of the level,
-    noise n and shaft lines, mains and slot lines l of mean square 1, the slow mean square p of a in an axis and the mean P of both,
+    noise n and shaft lines, mains and slot lines l of mean square 1, the slow mean square P of a in both axes, and noise m with the slow
+    mean of the power spectrum of a in each axis,
 
-    .. math:: a' = a + \sqrt{(1 - s) b^2 r^2 + c \, p \max(0, 1 - h^2 r^2 / P)} \, n + \sqrt{s} \, b \, l .
+    .. math:: a' = a + \sqrt{1 - s} \, b \, r \, n + \sqrt{s} \, b \, l + \sqrt{c \max(0, 1 - h^2 r^2 / P)} \, m .
 
-    The noise passes a housing of its own with the distributions of structure.housing, drawn by structure.seed and structure.mounting.
+    The noise n passes a housing of its own with the distributions of structure.housing, drawn by structure.seed and structure.mounting.
+    The floor m comes from the damage, so it has the path of the bearing.
     """
 
     group, parameters = "structure", MachineBackgroundParameters
@@ -95,6 +104,7 @@ class MachineBackground(Stage):
         self._noise_power = (1.0 - background.background_lines) * level**2
         self._line_level = math.sqrt(background.background_lines) * level
         self._random = random_stream(setup.seed, STREAM)
+        self._following = FollowingNoise(random_stream(setup.seed, FLOOR_STREAM), rate, SMOOTHING_TIME)
         pole = math.exp(-2.0 * math.pi * CORNER / rate)
         coloured = Filter(np.array([[1.0 - pole, 0.0, 0.0, 1.0, -pole, 0.0]])).process(unit_impulse(rate).T).T
         modes = dense_modes(structure.housing, STREAM, structure.seed, mounting=structure.mounting)
@@ -129,17 +139,14 @@ class MachineBackground(Stage):
 
     def process(self, acceleration: Floats, span: Span) -> Floats:
         ratio = np.abs(np.diff(span.angle)) * (self.rate / self._speed)
-        power = self._noise_power * ratio**2
         noise = self._noise.process(self._random.standard_normal(acceleration.shape))
+        noise *= np.sqrt(self._noise_power) * ratio[:, None]
         if self._floor > 0.0:
             ticks = np.arange(span.first + 1, span.first + 1 + len(acceleration))
             weights = -np.expm1(-ticks / (SMOOTHING_TIME * self.rate))  # of all ticks since the start; 1 after some seconds
-            powers = self._power.process(acceleration**2) / weights[:, None]
-            mean = np.maximum(powers.mean(axis=1), TINY)
+            mean = np.maximum(self._power.process(acceleration**2).mean(axis=1) / weights, TINY)
             added = np.maximum(1.0 - (self._healthy * ratio) ** 2 / mean, 0.0)  # its share in either axis
-            noise *= np.sqrt(power[:, None] + self._floor * added[:, None] * powers)
-        else:
-            noise *= np.sqrt(power)[:, None]
+            noise += np.sqrt(self._floor * added)[:, None] * self._following.process(acceleration)
         if self._line_level > 0.0:
             noise += self._line_level * self._lines.at(span, ratio, self.rate)
         return acceleration + noise
