@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from statistics import median
+
 from dcrb_ros.prognosis.rating_life import LIFE_MODEL
 from dcrb_ros.sweep.lives.sweep import LifeSweep
 from dcrb_ros.sweep.lives.table import LIVES
@@ -11,9 +13,11 @@ from dcrb_ros.text.markdown import table
 def design_text(sweep: LifeSweep) -> str:
     """Return the section of the data card about the lives."""
     recipe, population, duty = sweep.recipe, sweep.population, sweep.population.duty
-    lives = failed = damaged = 0
+    failed, damaged, hours = 0, 0, []
     for life in population.lives():
-        lives, failed, damaged = lives + 1, failed + (not life.censored), damaged + (life.start < life.end)
+        failed, damaged = failed + (not life.censored), damaged + (life.start < life.end)
+        hours.append(life.failure - life.start)
+    lives = len(hours)
     growth = ", ".join(f"{name} {value:g}" for name, value in recipe.growth.model_dump().items() if isinstance(value, float))
     damage, inspection, start = recipe.damage, recipe.inspection, recipe.start
     only = f"; only bearings whose damage starts before the overhaul are drawn, {100 * population.in_service:.3g} % of all"
@@ -38,7 +42,8 @@ Everything is drawn with the seed {recipe.numbers.seed}. `lives.parquet` has one
   load zone of the new bearing causes the fatigue of a bearing without clearance under {population.zone_load:.4g} N.
 * Growth: law `{recipe.growth.law}` ({growth}),
   from {1e3 * damage.first_width:g} mm to {1e3 * damage.last_width:g} mm, at which the bearing has failed;
-  its median is {population.growth_hours:.4g} h under this duty. The law and its constants are assumptions, not measurements.
+  it takes {population.growth_hours:.4g} h under this duty at the median rate and with mean steps. The median of these bearings, overhaul
+  aside, is {median(hours):.4g} h. The law and its constants are assumptions, not measurements.
 * Place: {damage.outer:g} outer raceway, {damage.inner:g} inner raceway, {damage.roller:g} rollers;
   its depth is {1e6 * damage.depth:g} um, and a spall is {damage.aspect:g} times as long along the rollers as wide.
 * Inspections every {inspection.every:g} h from the first hour on, and at failure{overhaul}.

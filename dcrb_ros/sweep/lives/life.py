@@ -108,7 +108,7 @@ class Population:
 
     @property
     def growth_hours(self) -> float:
-        """Median time from the start of the damage to failure under the duty [h]."""
+        """Time of mean growth from the start of the damage to failure under the duty [h]; large jumps make the median longer."""
         growth, duty = self.recipe.growth, self.duty
         return float(growth.revolutions * (growth.reference_load / duty.load) ** LIFE_EXPONENT / duty.revolutions_per_hour)
 

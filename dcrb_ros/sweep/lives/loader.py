@@ -25,7 +25,7 @@ COMMON = ("base", "set", "duration", "settle", "output", "windows", "split", "ex
 OWN = ("kind", "lives", "seed", "line", "spectrum", "inspection", "start", "damage", "growth", "climate")
 NETWORK = "thermal.law"
 LONGEST_LIFE = 1e8
-"""Longest median of a life [h]: beyond 11 000 years no life ends."""
+"""Longest rating life, and longest mean growth [h]: beyond 11 000 years no life ends."""
 
 Model = TypeVar("Model", bound=Group)
 

@@ -37,11 +37,19 @@ def test_equal_random_numbers_give_equal_paths(law: Any, seed: int) -> None:
 
 
 @pytest.mark.parametrize("law", [ParisGrowth(), ExponentialGrowth(), GammaGrowth(jumps=400.0)])
-def test_the_median_of_the_growth_is_one(law: Any) -> None:
+def test_the_median_of_the_growth_is_one_with_small_steps(law: Any) -> None:
     random = np.random.default_rng(3)
     ends = [law.path(FIRST, LAST, random).time[-1] for _ in range(2000)]
     # The standard error of the median of a lognormal variable with a deviation of 0.5 is 1.25 * 0.5 / sqrt(2000) = 1.4 %.
     assert np.median(ends) == pytest.approx(1.0, rel=0.06)
+
+
+def test_large_jumps_make_the_median_of_the_growth_longer_than_that_of_mean_growth() -> None:
+    """The first passage is later than 1 with the probability that X(1) ~ Gamma(1, 1) is below 1, which is 1 - 1/e."""
+    random = np.random.default_rng(3)
+    ends = [GammaGrowth(jumps=1.0, scatter=0.0).path(FIRST, LAST, random).time[-1] for _ in range(2000)]
+    assert np.mean(np.array(ends) > 1.0) == pytest.approx(1.0 - np.exp(-1.0), abs=0.04)
+    assert np.median(ends) == pytest.approx(1.2, rel=0.05)  # docs/reference/sweeps.md
 
 
 @pytest.mark.parametrize("exponent", [-1.0, 0.0, 1.0, 1.5, 3.0])

@@ -23,6 +23,7 @@ from dcrb_ros.settings.shipped import shipped_folder
 from dcrb_ros.sweep.cluster import ClusterWorkers
 from dcrb_ros.sweep.data_set import open_data_set
 from dcrb_ros.sweep.kinds import plan_of
+from dcrb_ros.sweep.lives.card import design_text
 from dcrb_ros.sweep.lives.plan import LifePlan
 from dcrb_ros.sweep.lives.sweep import LifeSweep
 from dcrb_ros.sweep.loader import read_sweep, sweep_of
@@ -103,6 +104,13 @@ def test_growth_takes_as_many_revolutions_as_under_the_reference_load() -> None:
     )
     assert light.growth_hours * light.duty.revolutions_per_hour == pytest.approx(5e7)
     assert light.growth_hours / heavy.growth_hours == pytest.approx(2.0 ** (10.0 / 3.0))
+
+
+def test_the_data_card_states_the_median_growth_of_the_drawn_bearings() -> None:
+    jumping = sweep(lives=201, growth={"law": "gamma", "jumps": 1.0, "scatter": 0.0})
+    hours = sorted(life.failure - life.start for life in jumping.population.lives())
+    assert f"The median of these bearings, overhaul\n  aside, is {hours[100]:.4g} h." in design_text(jumping)
+    assert hours[100] > 1.05 * jumping.population.growth_hours
 
 
 def test_clearance_shortens_the_rating_life() -> None:

@@ -2,7 +2,8 @@
 
 The share X of the way from the first to the last width has increments X(t) - X(s) ~ Gamma(c (t^b - s^b), 1/c), so its mean is t^b and its
 variance t^b / c (van Noortwijk, A survey of the application of gamma processes in maintenance, Reliability Engineering and System Safety 94
-(2009) 2-21). t is the number of revolutions over their median, times a factor of the bearing; c and b are assumptions.
+(2009) 2-21). t is the number of revolutions over `revolutions`, times a factor of the bearing; c and b are assumptions. At t = 1 the
+mean is 1, but the median time to X = 1 is longer: by 20 % for c = 1 and b = 1.5.
 """
 
 from __future__ import annotations

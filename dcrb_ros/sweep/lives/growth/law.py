@@ -13,16 +13,16 @@ from dcrb_ros.schema.fields import Group, choice, quantity
 from dcrb_ros.schema.refusal import Refusal
 
 STEPS = 50
-"""Steps in the median time of growth [-]."""
+"""Steps in the time of mean growth [-]."""
 LONGEST = 1000
-"""Longest growth, in medians [-]."""
+"""Longest growth over the time of mean growth [-]."""
 
 
 class GrowthPath(NamedTuple):
     """The growth of one defect; its width is interpolated linearly between the points."""
 
     time: Floats
-    """Revolutions since the damage started over their median to failure, from 0 on, shape (points,) [-]."""
+    """Revolutions since the damage started over those of mean growth to failure, from 0 on, shape (points,) [-]."""
     width: Floats
     """From the first to the last width, shape (points,) [m]."""
 
@@ -32,9 +32,13 @@ class Growth(Group):
 
     law: str = choice("paris", "Law of growth: paris, exponential or gamma")
     revolutions: float = quantity(
-        5e7, "-", "Median of the revolutions from the start of the damage to failure at the reference load", 1.0, 1e14
+        5e7,
+        "-",
+        "Revolutions from the start of the damage to failure at the reference load, at the median rate of a bearing and with mean steps",
+        1.0,
+        1e14,
     )
-    reference_load: float = quantity(1e5, "N", "Load at which that median holds; the rate of growth rises with its power 10/3", 1.0, 1e8)
+    reference_load: float = quantity(1e5, "N", "Load of these revolutions; the rate of growth rises with its power 10/3", 1.0, 1e8)
 
     @abstractmethod
     def path(self, first: float, last: float, random: np.random.Generator) -> GrowthPath:
@@ -54,7 +58,7 @@ def stepped(chunk_of: Callable[[int], Floats]) -> tuple[Floats, Floats]:
     while total < STEPS:
         if len(rates) == LONGEST:
             raise Refusal(
-                f"a life cannot end: after {LONGEST} times the median of growth its damage has made {total / STEPS:.2g} of the way to "
+                f"a life cannot end: after {LONGEST} times the time of mean growth its damage has made {total / STEPS:.2g} of the way to "
                 "failure; give a smaller growth.scatter or a larger growth.jumps"
             )
         rates.append(chunk_of(len(rates) * STEPS))

@@ -23,7 +23,9 @@ class ParisGrowth(Growth):
 
     exponent: float = quantity(1.5, "-", "Power m of the width in the rate of growth", -2.0, 4.0, symbol="m")
     scatter: float = quantity(0.4, "-", "Standard deviation Z of the logarithm of the rate between bearings", 0.0, 1.5)
-    noise: float = quantity(0.3, "-", "Standard deviation Y of the logarithm of the rate between fiftieths of the median", 0.0, 1.5)
+    noise: float = quantity(
+        0.3, "-", "Standard deviation Y of the logarithm of the rate between fiftieths of the time of mean growth", 0.0, 1.5
+    )
 
     def path(self, first: float, last: float, random: np.random.Generator) -> GrowthPath:
         """Return the growth of a defect; see `Growth.path`."""
