@@ -9,6 +9,7 @@ from dcrb_ros.runtime.version import __version__
 from dcrb_ros.settings.files import fields_by_key
 from dcrb_ros.sweep.design import GRID, Axes, Choice
 from dcrb_ros.sweep.label import DONE
+from dcrb_ros.sweep.loader import HEALTHY
 from dcrb_ros.sweep.plan import Plan
 from dcrb_ros.sweep.schema import SPLITS, healthy_first
 from dcrb_ros.sweep.sweep_file import Sweep
@@ -95,18 +96,14 @@ def _design(sweep: Sweep) -> str:
     lines = [f"* design: {file.design}" + ("" if file.design == GRID else f", {file.points} points, seed {file.seed}")]
     lines += [f"* {axis}" for axis in _axes(sweep.vary)]
     for name, axes in sweep.cases.items():
-        lines.append(f"* case `{name}`: " + ("; ".join(_axes({k: a for k, a in axes.items() if _changes(k, a, sweep)})) or "no fault"))
+        twin = file.twins and name == HEALTHY  # its axes, which the file does not have, remove all faults
+        lines.append(f"* case `{name}`: " + ("no fault" if twin else "; ".join(_axes(axes)) or "as the base"))
     branches = f"the cases of a condition branch from one healthy simulation at {file.branch_at:g} s"
     start = branches if file.branch_at else "every run is simulated from its own start"
     seeds = "one seed per condition" if file.seeds == 1 else f"{file.seeds} seeds per condition"
     if isinstance(file.seeds, list):
         seeds = f"seeds: {', '.join(map(str, file.seeds))} in every condition"
     return "## Design\n\n" + "\n".join([*lines, f"* {seeds}; {start}"])
-
-
-def _changes(key: str, axis: object, sweep: Sweep) -> bool:
-    """Return whether an axis of a case changes a parameter."""
-    return not (isinstance(axis, Choice) and axis.values == (sweep.base.get(key),))
 
 
 def _axes(axes: Axes) -> list[str]:

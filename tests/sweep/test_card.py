@@ -62,3 +62,14 @@ def test_axes_have_units_and_texts_with_commas_are_told_apart() -> None:
 )
 def test_seeds_are_described(seeds: int | list[int], words: str) -> None:
     assert f"* {words}; every run is simulated from its own start" in card_of({"seeds": seeds})
+
+
+def test_a_case_shows_every_value_of_the_file_and_a_twin_no_fault() -> None:
+    bench = {"base": "outer_ring_defect", "cases": {"none": {}, "notch": {"faults.outer_1.kind": "notch"}}}
+    width = {"faults.inner_1.width": 0.001}
+    found = card_of({**bench, "cases": {**bench["cases"], "inner": width}, "vary": {"operating.speed": [50.0, 60.0]}})
+    assert "* case `none`: as the base\n" in found
+    assert "* case `notch`: `faults.outer_1.kind`: `notch`\n" in found  # the value of the base
+    assert "* case `healthy`: no fault\n* case `inner`: `faults.inner_1.width` [m]: 0.001\n" in card_of(
+        {"base": "outer_ring_defect", "twins": True, "cases": {"inner": width}}
+    )
