@@ -25,6 +25,7 @@ BEARING_RULES: tuple[type[BearingRule[Any]], ...] = _rules(
 SAMPLE_RULES: tuple[type[SampleRule[Any]], ...] = _rules(
     "not_finite:NotFinite",
     "constant:Constant",
+    "magnitude:Magnitude",
     "silence:Silence",
     "stuck:Stuck",
     "saturation:Saturation",

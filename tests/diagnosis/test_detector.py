@@ -285,6 +285,26 @@ def test_empty_block_changes_nothing() -> None:
     assert diagnoses(detector, synthetic())[-1].verdict == "healthy"
 
 
+@pytest.mark.parametrize(
+    ("factor", "verdict", "words"),
+    [
+        (1e-8, "outer_ring", "BPFO"),
+        (1e5, "outer_ring", "BPFO"),
+        (1e-12, "sensor", "m/s^2 only, below 1e-09: check the unit"),
+        (1e-30, "sensor", "m/s^2 only, below 1e-09: check the unit"),
+        (1e16, "sensor", "m/s^2, above 1e+09: check the unit"),
+        (1e25, "sensor", "m/s^2, above 1e+09: check the unit"),
+        (1e36, "sensor", "are not finite numbers"),  # in single precision
+    ],
+)
+def test_a_signal_of_a_magnitude_that_no_sensor_has_is_not_called_healthy(factor: float, verdict: str, words: str) -> None:
+    acceleration, angle = synthetic(outer=600.0)
+    with np.errstate(over="ignore"):
+        diagnosis = diagnoses(FaultDetector(ORDERS, RATE), ((acceleration.astype(np.float64) * factor).astype(np.float32), angle))[-1]
+    assert diagnosis.verdict == verdict
+    assert words in diagnosis.reason
+
+
 def test_sampling_rate_below_the_band_is_refused() -> None:
     with pytest.raises(Refusal, match="band_low = 2000 Hz"):
         FaultDetector(ORDERS, 4000)
