@@ -19,6 +19,7 @@ from dcrb_ros.sweep.vehicles.sweep import BOX, VEHICLE, VEHICLE_SEED, VehicleSwe
 from dcrb_ros.text.files import checked_path, is_file
 from dcrb_ros.vehicle.description import SIDES, Vehicle, Wheel
 from dcrb_ros.vehicle.file import COMMON, DEFAULT_X, DRIVE, GROUPS, PLACES, SWAPPED, read_parameters, vehicle_of
+from dcrb_ros.vehicle.paths import bearing_paths
 
 ABSENT = ("base", "machine", "twins", "branch_at", "seeds")
 """Keys of other sweeps that one over vehicles does not have."""
@@ -77,9 +78,15 @@ def vehicle_sweep_of(given: Any, file: SweepFile, source: str, folder: Path, tex
         _refuse_varied(axes, vary, f"{source}: cases.{name}")
     for where, axes in (("vary", vary), *((f"cases.{name}", axes) for name, axes in cases.items())):
         _refuse_seeds(axes, f"{source}: {where}")
+        # Paths that are drawn from a range, or given by 'vary' and a case together, are known with their runs only.
+        others = cases.values() if axes is vary else [vary]
+        known = not isinstance(axes.get("paths.seed"), Span) and not any(key.startswith("paths.") for other in others for key in other)
         for values in _tried(axes):
             try:
-                _refuse_unlabelled(vehicle_of({**base, **placed(values)}, f"{source}: {where}"), f"{source}: {where}")
+                tried = vehicle_of({**base, **placed(values)}, f"{source}: {where}")
+                _refuse_unlabelled(tried, f"{source}: {where}")
+                if known:
+                    bearing_paths(tried, tried.boxes[0].configuration.step_rate)
             except Refusal as refusal:
                 raise Refusal(str(refusal) if source in str(refusal) else f"{source}: {where}: {refusal}") from None
     benches, kinds = _benches(base, [vary, *cases.values()]), _kinds([vary, *cases.values()])

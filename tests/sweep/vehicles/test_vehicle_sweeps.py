@@ -257,3 +257,26 @@ def test_other_paths_do_not_make_another_vehicle_of_the_same_bearings() -> None:
     paths = tree(vary={"paths.seed": [1, 2, 3, 4], "vehicle.speed_kmh": [80.0, 120.0]}, design="grid", points=None, cases=None)
     with pytest.raises(Refusal, match=r"too few vehicles \(1\)"):
         plan_of(sweep_of(paths, "sweep.yaml"))
+
+
+LOUD = {f"paths.{kind}": ", ".join([level] * 5) for kind, level in (("same_wheelset", "-6"), ("same_side", "-9.5"), ("diagonal", "-10"))}
+
+
+@pytest.mark.parametrize(
+    ("where", "changes"),
+    [
+        ("vary", {"set": {**TREE["set"], **LOUD}}),
+        ("vary", {"vary": {**TREE["vary"], "paths.same_wheelset": ["-30, -30, -30, -30, -30", LOUD["paths.same_wheelset"]]}}),
+        ("cases.loud", {"cases": {"healthy": {}, "loud": LOUD}}),
+    ],
+)
+def test_paths_that_carry_too_much_are_refused_before_the_first_run(where: str, changes: dict[str, Any]) -> None:
+    with pytest.raises(
+        Refusal, match=rf"^sweep.yaml: {where}: paths: .* of a bearing's energy reaches|{where}: paths: in the third octave"
+    ):
+        sweep_of(tree(**changes), "sweep.yaml")
+
+
+def test_paths_that_are_drawn_from_a_range_are_refused_with_their_runs() -> None:
+    ranged = {**TREE["vary"], "paths.seed": {"low": 0, "high": 3}}
+    assert sweep_of(tree(set={**TREE["set"], **LOUD}, vary=ranged), "sweep.yaml").count == 3 * 2 * len(BOXES)
