@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import itertools
 from bisect import bisect_right
 from collections.abc import Mapping
 from typing import Any
@@ -56,17 +57,20 @@ def window_labels(begin: npt.NDArray[np.int64], first_index: int, rate: int, win
     begin_ns = [(first_index + int(sample)) * 1_000_000_000 // rate for sample in begin]
     end_ns = [(first_index + int(sample) + windows.length) * 1_000_000_000 // rate - 1 for sample in begin]
     # The last instant that is not after the time, the first one if there is none.
-    first, last = ([truths[max(bisect_right(times, time_ns) - 1, 0)] for time_ns in instants] for instants in (begin_ns, end_ns))
+    first, last = ([max(bisect_right(times, time_ns) - 1, 0) for time_ns in instants] for instants in (begin_ns, end_ns))
+    at_first = [truths[number] for number in first]
+    # A fault that begins and ends within a window leaves its ends equal.
+    changes = [0, *itertools.accumulate(before.faults != after.faults for before, after in itertools.pairwise(truths))]
     # Speed and load change gradually between two instants of the ground truth.
     speed, across, along = (np.interp(begin_ns, times, values) for values in zip(*((t.speed, *t.load) for t in truths), strict=True))
     return {
         "start": begin + first_index,
         "time": (begin + first_index) / rate,
-        "fault": np.array([class_of(truth.faults) for truth in first], dtype=str),
-        "width": np.array([max((fault.get("width", 0.0) for fault in truth.faults.values()), default=0.0) for truth in first]),
+        "fault": np.array([class_of(truth.faults) for truth in at_first], dtype=str),
+        "width": np.array([max((fault.get("width", 0.0) for fault in truth.faults.values()), default=0.0) for truth in at_first]),
         "speed": speed,
         "load": np.hypot(across, along),
-        "mixed": np.array([before.faults != after.faults for before, after in zip(first, last, strict=True)], dtype=bool),
+        "mixed": np.array([changes[begin] != changes[end] for begin, end in zip(first, last, strict=True)], dtype=bool),
     }
 
 

@@ -39,6 +39,13 @@ def test_a_window_has_the_faults_at_its_first_sample() -> None:
     assert not math.isnan(labels["speed"].sum())
 
 
+def test_a_window_in_which_a_fault_begins_and_ends_is_mixed() -> None:
+    truths = [truth(0.0, 1.0, (0.0, -1.0)), truth(0.12, 1.0, (0.0, -1.0), "outer_1"), truth(0.15, 1.0, (0.0, -1.0))]
+    labels = window_labels(np.array([0, 100, 200]), 0, RATE, Windows(length=100), truths)
+    assert labels["fault"].tolist() == ["healthy"] * 3
+    assert labels["mixed"].tolist() == [False, True, False]
+
+
 def test_a_run_without_windows_has_labels_of_the_same_types() -> None:
     # NumPy makes an empty list an array of float64, which a file of windows with texts cannot follow.
     windows, truths = Windows(length=100), [truth(0.0, 1.0, (0.0, -1.0))]
