@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 
 from dcrb_ros.recordings.manifest import UNITS, model_fingerprint, software
 from dcrb_ros.runtime.version import __version__
+from dcrb_ros.schema.parameter_field import ParameterField
 from dcrb_ros.settings.files import fields_by_key
 from dcrb_ros.sweep.design import GRID, Axes, Choice
 from dcrb_ros.sweep.label import DONE
@@ -14,6 +16,8 @@ from dcrb_ros.sweep.plan import Plan
 from dcrb_ros.sweep.schema import SPLITS, healthy_first
 from dcrb_ros.sweep.sweep_file import Sweep
 from dcrb_ros.sweep.table import COLUMNS, Tally
+from dcrb_ros.sweep.vehicles.loader import vehicle_fields
+from dcrb_ros.sweep.vehicles.sweep import VehicleSweep
 from dcrb_ros.text.markdown import table
 
 SHOWN_VALUES = 20
@@ -94,10 +98,11 @@ def _columns(plan: Plan) -> str:
 def _design(sweep: Sweep) -> str:
     file = sweep.file
     lines = [f"* design: {file.design}" + ("" if file.design == GRID else f", {file.points} points, seed {file.seed}")]
-    lines += [f"* {axis}" for axis in _axes(sweep.vary)]
+    fields = vehicle_fields() if isinstance(sweep, VehicleSweep) else fields_by_key()
+    lines += [f"* {axis}" for axis in _axes(sweep.vary, fields)]
     for name, axes in sweep.cases.items():
         twin = file.twins and name == HEALTHY  # its axes, which the file does not have, remove all faults
-        lines.append(f"* case `{name}`: " + ("no fault" if twin else "; ".join(_axes(axes)) or "as the base"))
+        lines.append(f"* case `{name}`: " + ("no fault" if twin else "; ".join(_axes(axes, fields)) or "as the base"))
     branches = f"the cases of a condition branch from one healthy simulation at {file.branch_at:g} s"
     start = branches if file.branch_at else "every run is simulated from its own start"
     seeds = "one seed per condition" if file.seeds == 1 else f"{file.seeds} seeds per condition"
@@ -106,9 +111,9 @@ def _design(sweep: Sweep) -> str:
     return "## Design\n\n" + "\n".join([*lines, f"* {seeds}; {start}"])
 
 
-def _axes(axes: Axes) -> list[str]:
-    """Return each axis with its values and their unit."""
-    fields, lines = fields_by_key(), []
+def _axes(axes: Axes, fields: Mapping[str, ParameterField]) -> list[str]:
+    """Return each axis with its values and their unit, that of the parameter in ``fields``."""
+    lines = []
     for key, axis in axes.items():
         if isinstance(axis, Choice):
             values = [f"`{value}`" if isinstance(value, str) else str(value) for value in axis.values]

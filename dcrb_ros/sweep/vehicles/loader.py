@@ -94,7 +94,7 @@ def vehicle_sweep_of(given: Any, file: SweepFile, source: str, folder: Path, tex
 
 
 @cache
-def _fields() -> Mapping[str, ParameterField]:
+def vehicle_fields() -> Mapping[str, ParameterField]:
     """Return every parameter of a vehicle by its dotted key, those of a box also below `BOX`."""
     boxes = (BOX, *(f"{axle}.{side}" for axle in DEFAULT_X for side in SIDES))
     groups = GROUPS | {f"{axle}.{part}": model for axle in DEFAULT_X for part, model in DRIVE.items()}
@@ -113,7 +113,7 @@ def _field(key: str, value: Any) -> ParameterField:
     """Return the parameter of a key; an unknown one takes the type of its ``value``, with which the vehicle refuses it."""
     while isinstance(value, (list, Mapping)) and value:
         value = value[0] if isinstance(value, list) else next(iter(value.values()))
-    return _fields().get(key) or _plain(key, type(value) if type(value) in KINDS else str)
+    return vehicle_fields().get(key) or _plain(key, type(value) if type(value) in KINDS else str)
 
 
 def _kinds(all_axes: Iterable[Axes]) -> dict[str, type]:

@@ -17,11 +17,13 @@ from hypothesis import strategies as st
 
 import dcrb_ros
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.sweep.card import card
 from dcrb_ros.sweep.data_set import open_data_set
 from dcrb_ros.sweep.estimate import estimate
 from dcrb_ros.sweep.kinds import plan_of
 from dcrb_ros.sweep.loader import read_sweep, sweep_of
 from dcrb_ros.sweep.store import Store
+from dcrb_ros.sweep.table import Tally
 from dcrb_ros.sweep.vehicles.ride import ride
 from dcrb_ros.vehicle.file import read_parameters, vehicle_of
 from dcrb_ros.vehicle.simulation import VehicleSimulation
@@ -280,3 +282,11 @@ def test_paths_that_carry_too_much_are_refused_before_the_first_run(where: str, 
 def test_paths_that_are_drawn_from_a_range_are_refused_with_their_runs() -> None:
     ranged = {**TREE["vary"], "paths.seed": {"low": 0, "high": 3}}
     assert sweep_of(tree(set={**TREE["set"], **LOUD}, vary=ranged), "sweep.yaml").count == 3 * 2 * len(BOXES)
+
+
+def test_the_data_card_has_the_units_of_the_parameters_of_a_vehicle() -> None:
+    cases = {"outer": {"box": ["axle_1.left"], "box.faults.outer_1.width": [0.001]}, "flat": {"axle_1.left.wheel.flat": [0.03]}}
+    found = card(plan_of(sweep_of(tree(cases=cases), "sweep.yaml")), Tally())
+    assert "* `vehicle.speed_kmh` [km/h]: 80.0, 160.0\n" in found
+    assert "* case `outer`: `box`: `axle_1.left`; `box.faults.outer_1.width` [m]: 0.001\n" in found
+    assert "* case `flat`: `axle_1.left.wheel.flat` [m]: 0.03\n" in found
