@@ -99,9 +99,9 @@ def load_module(given: str, name: str) -> Any:
 
 def _from_file(path: Path) -> Any:
     """Return the module of a file whose name cannot be imported."""
-    description = importlib.util.spec_from_file_location(path.stem, path)
+    description = importlib.util.spec_from_file_location(str(path), path)
     if description is None or description.loader is None:
         raise ImportError(f"{path} is not a Python file")
-    module = importlib.util.module_from_spec(description)
+    module = sys.modules[str(path)] = importlib.util.module_from_spec(description)  # where dataclasses look for the module of a class
     description.loader.exec_module(module)
     return module

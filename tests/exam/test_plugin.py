@@ -5,6 +5,7 @@ from __future__ import annotations
 import pickle
 from importlib.metadata import EntryPoint
 from pathlib import Path
+from typing import Any
 
 import pytest
 from made_up_blocks import recorded
@@ -39,6 +40,13 @@ def test_a_class_in_a_file_runs_on_a_recording(name: str, tmp_path: Path) -> Non
         ReceivedDiagnosis(1023 / 51200, "roller"),
         ReceivedDiagnosis(2047 / 51200, "roller"),
     ]
+
+
+def test_a_file_with_a_dataclass_and_a_name_that_cannot_be_imported_is_loaded(tmp_path: Path) -> None:
+    source = "from __future__ import annotations\nfrom dataclasses import dataclass\n@dataclass\nclass Settings:\n    window: float = 1.0\n"
+    (tmp_path / "with-dash.py").write_text(source + SOURCE, encoding="utf-8")
+    detector: Any = load_plugin(f"{tmp_path / 'with-dash.py'}:Steady")(Orders(0.4, 6.8, 9.2, 3.0), 51200)
+    assert detector.update(0, [], []) == "roller"
 
 
 def test_a_class_in_a_module_and_an_entry_point_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
