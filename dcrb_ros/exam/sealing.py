@@ -149,8 +149,10 @@ def _count(entry: Mapping[str, Any], where: str) -> int:
 
 def _drawn(entry: Any, secret: str, where: str) -> list[Any]:
     """Return the scenarios that an entry of a template stands for."""
-    if not isinstance(entry, Mapping) or "draw" not in entry:
-        if isinstance(entry, Mapping) and "count" in entry:
+    if not isinstance(entry, Mapping):
+        raise Refusal(f"{where} is {'empty' if entry is None else repr(entry)}: give it a name and a verdict, or remove it")
+    if "draw" not in entry:
+        if "count" in entry:
             raise Refusal(f"{where}: it has 'count' but no 'draw': give the ranges to draw from, or leave out 'count'")
         return [entry]
     ranges = entry["draw"]

@@ -131,6 +131,7 @@ def entry(**changes: Any) -> dict[str, Any]:
     [
         ({**TEMPLATE, "scenarios": TEMPLATE["scenarios"][1:]}, "draws nothing"),
         ([], "draws nothing"),
+        ({**TEMPLATE, "scenarios": [*TEMPLATE["scenarios"], None]}, "scenario 3 is empty: give it a name"),
         (entry(count=3), "draws 3 scenarios, so few that their published hash could be found"),
         (entry(count=1), "draws 1 scenario, so few"),
         (entry(count=0), "count = 0 is outside 1"),
