@@ -6,16 +6,17 @@ them oppositely, and about 0 where they are independent.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from dcrb_ros.exam.correlation import kendall_tau, spearman_rho
-from dcrb_ros.exam.exam_score import interval
+from dcrb_ros.exam.exam_score import interval, several_of_each
 from dcrb_ros.exam.leaderboard_entry import Entry
 from dcrb_ros.exam.marking import VerdictMarking, marking_of
 from dcrb_ros.exam.statistics import Interval
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.counts import counted
 
@@ -44,7 +45,7 @@ class Agreement:
 def agreement(exam: Sequence[Entry], measured: Sequence[Entry]) -> Agreement:
     """Return the rank correlation of the entries of the same detectors in an exam and on measured recordings.
 
-    The intervals come from a bootstrap over the scenarios of both.
+    The intervals come from a bootstrap over the scenarios of both; they are -1 to 1 if a class of one side has only one scenario.
 
     Raises:
         Refusal: there are fewer than three detectors in both, two entries of one detector, or entries with different scenarios.
@@ -63,12 +64,19 @@ def agreement(exam: Sequence[Entry], measured: Sequence[Entry]) -> Agreement:
     shares = [field.mark(second[name]) for name in ordered]
     shares_drawn = np.array([field.samples(second[name], FIELD_SEED) for name in ordered])
     at = np.array([[values[name]] for name in ordered]), np.array(shares)[:, None]
+    sides = marking.scenarios(first[ordered[0]]), field.scenarios(second[ordered[0]])
+    known = all(several_of_each(family for _, family, *_ in scenarios) for scenarios in sides)
+
+    def correlation(statistic: Callable[[Floats, Floats], Floats]) -> Interval:
+        limits = interval(statistic(drawn, shares_drawn)) if known else (-1.0, 1.0)
+        return Interval(float(statistic(*at)[0]), *limits)
+
     return Agreement(
         tuple(ordered),
         tuple(float(values[name]) for name in ordered),
         tuple(shares),
-        Interval(float(kendall_tau(*at)[0]), *interval(kendall_tau(drawn, shares_drawn))),
-        Interval(float(spearman_rho(*at)[0]), *interval(spearman_rho(drawn, shares_drawn))),
+        correlation(kendall_tau),
+        correlation(spearman_rho),
     )
 
 

@@ -60,6 +60,13 @@ def test_few_scenarios_make_a_wide_interval() -> None:
     assert width(10) > 0.5
 
 
+@pytest.mark.parametrize(("exam", "measured"), [(1, 1), (1, 20), (20, 1)])
+def test_a_class_with_one_scenario_leaves_the_correlation_unknown(exam: int, measured: int) -> None:
+    sides = ([skilled(f"d{k}", skill, count) for k, skill in enumerate((0.0, 0.5, 1.0))] for count in (exam, measured))
+    found = agreement(*sides)
+    assert (found.kendall[1:], found.spearman[1:]) == ((-1.0, 1.0), (-1.0, 1.0))
+
+
 def test_detectors_that_all_score_alike_say_nothing() -> None:
     assert agreement(entries(0.2, 0.5, 0.8), entries(0.5, 0.5, 0.5)).kendall.value == 0.0
 
