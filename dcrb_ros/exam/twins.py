@@ -8,6 +8,8 @@ from dataclasses import replace
 
 from dcrb_ros.exam.case import Case, CaseSimulation, canonical, derived_tags
 from dcrb_ros.exam.expectation import Expectation
+from dcrb_ros.exam.revolutions import speed_knots
+from dcrb_ros.simulation.scenario import scheduled_changes
 
 
 def with_twins(cases: Sequence[Case]) -> Iterator[Case]:
@@ -26,7 +28,9 @@ def with_twins(cases: Sequence[Case]) -> Iterator[Case]:
         name = known.name if known else _unused(case.expectation.tags.get("point"), taken, counts)
         point = {"point": case.expectation.tags["point"]} if "point" in case.expectation.tags else {}
         tags = {**derived_tags(case.simulation.configuration, {}), **point}
-        twin = Expectation(name, "healthy", duration, 0.0, tags, speeds=case.expectation.speeds)
+        events = scheduled_changes(scenario, case.simulation.configuration, name) if scenario else []
+        speeds = tuple(speed_knots(case.simulation.configuration, events))  # what appears with the fault may change the speed
+        twin = Expectation(name, "healthy", duration, 0.0, tags, speeds=speeds)
         twins[key] = Case(twin, CaseSimulation(case.simulation.configuration, scenario, duration))
         yield replace(case, expectation=replace(case.expectation, twin=name))
     yield from twins.values()

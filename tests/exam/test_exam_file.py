@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -146,6 +147,14 @@ def test_names_have_the_parts_that_vary() -> None:
     lists = {"name": "v", "verdict": "healthy", "set": {"operating.speed": [60.0, 70.0], "operating.load": [1e4, 2e4]}}
     names = [case.expectation.name for case in exam(lists).cases]
     assert names == ["v/speed=60.0/load=10000.0", "v/speed=60.0/load=20000.0", "v/speed=70.0/load=10000.0", "v/speed=70.0/load=20000.0"]
+
+
+def test_a_twin_does_not_have_the_speed_that_comes_with_the_fault() -> None:
+    speed = 60.0
+    stopped = {**SPALL, "set": {"operating.speed": speed}, "fault": {**SPALL["fault"], "operating.speed": 0.0}}
+    faulty, twin = (case.expectation for case in exam(stopped).cases)
+    assert twin.revolutions(0.0, twin.duration) == pytest.approx(speed * twin.duration / (2.0 * math.pi))
+    assert faulty.revolutions(0.0, twin.duration) < twin.revolutions(0.0, twin.duration)
 
 
 def test_the_twin_of_a_point_with_a_number_at_its_end_is_no_twin_of_another_point() -> None:
