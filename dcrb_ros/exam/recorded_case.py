@@ -118,6 +118,8 @@ def _expectation(path: Path, name: str, truths: Sequence[Truth], diagnoses: Sequ
         present = truth.faults
     last = truths[-1]
     begin, end = truths[0].time_ns * 1e-9, max([last.time_ns * 1e-9, *(diagnosis.time for diagnosis in diagnoses)])
+    if end <= begin:
+        raise Refusal(f"{path} has its truth at {begin:g} s only, so there is no time in which to judge: give a recording of 0.2 s or more")
     # A fault that is older than the recording can be detected from the start of the recording on.
     onsets = {fault: max(begin, float(fields.get("onset", 0.0))) for fault, fields in present.items()}
     verdict = class_of(present)

@@ -429,6 +429,12 @@ def test_only_the_diagnoses_beside_the_truth_are_scored(tmp_path: Path) -> None:
         read_recorded_case(bag_of(tmp_path / "b", [*messages, Message(elsewhere(GROUND_TRUTH), 0, truth)]))
 
 
+def test_a_recording_with_its_truth_at_one_time_only_is_refused(tmp_path: Path) -> None:
+    truth = encode_truth(Truth(2_000_000_000, 60.0, (300.0, -1e5), {}, {}))
+    with pytest.raises(Refusal, match=r"has its truth at 2 s only.*give a recording of 0.2 s or more"):
+        read_recorded_case(bag_of(tmp_path / "bag", [Message(GROUND_TRUTH, 0, truth)]))
+
+
 def test_the_expectation_of_a_healthy_recording_has_no_onset(tmp_path: Path) -> None:
     found = truths(tmp_path / "bag", {}, {}).expectation
     assert (found.verdict, found.onset, found.first_onset, found.bearing_onset) == ("healthy", 0.0, 2.0, None)
