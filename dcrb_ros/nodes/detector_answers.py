@@ -66,6 +66,10 @@ class Answers(ABC):
             Refusal: it is invalid.
         """
 
+    @abstractmethod
+    def forget(self) -> None:
+        """Drop the messages, some of which may be of another program."""
+
     def _signal_received(self, stamp: float) -> float:
         """Return the signal time at which a message counts as issued [s].
 
@@ -95,6 +99,9 @@ class Answers(ABC):
 @dataclass
 class Diagnoses(Answers, Outcome):
     """The diagnoses that a detector published in a scenario."""
+
+    def forget(self) -> None:
+        self.received.clear()
 
     def _taken(self, data: bytes) -> float:
         diagnosis = decode_diagnosis(data)

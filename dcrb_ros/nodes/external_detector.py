@@ -42,6 +42,8 @@ LISTENING_TIME = 0.5
 """Wall time in which other nodes in the domain are discovered before the detector starts [s]."""
 GATE = 'read -r _ || exit; exec "$@" </dev/null'
 """Shell script that becomes the detector once a line arrives on its standard input, which is sent when the guard of its group has begun."""
+MOST_DOMAINS = 5
+"""Domains that are tried in succession before a scenario [-]."""
 LOOK_EVERY = 50
 """Bundles between two looks for other publishers on the topics of the exam [-]."""
 
@@ -89,25 +91,25 @@ class NodeProgram:
         check_ros()
         self.name = name or command
         self._command, self._rate, self._patience = _split(command), rate, patience
-        self._reservation = ReservedDomain()
+        self._reservations = [ReservedDomain()]
 
     @property
     def domain(self) -> int:
         """ROS domain, reserved until this object is deleted."""
-        return self._reservation.number
+        return self._reservations[-1].number
 
     def play(self, feed: Feed, answers: Answers) -> str:
         """Play a signal to the detector and collect its answers; return why it failed, or an empty text.
 
+        Another program that publishes on the topics of the exam in the domain is a failure, too, and no answer counts then.
+
         Raises:
             CandidateRefusal: the program does not exist.
-            RuntimeError: another node in the domain publishes on the topics of the exam.
+            RuntimeError: other programs did so before the detector started, in `MOST_DOMAINS` domains.
         """
-        with node_in("examiner", self.domain) as (node, spin), ExitStack() as stack:
-            publisher = Publisher(node, feed.topics)
-            watch = _DomainWatch(node, feed.topics, feed.answer, self.domain)
+        with ExitStack() as stack:
+            node, spin, publisher, watch = self._in_quiet_domain(feed, stack)
             answers.rate = self._rate
-            watch.listen(spin)
             process, output = stack.enter_context(_process(self._command, self.domain))
             subscribe(node, feed.answer, answers.receive)
             publisher.write_messages(feed.start())
@@ -121,11 +123,28 @@ class NodeProgram:
                     "a few seconds of signal, with the value 'verdict' and the stamp of the samples judged; a container receives "
                     "samples only with --network host --ipc host"
                 )
-            watch.check()
+            if used := watch.check():
+                answers.forget()
+                failure = used
             if failure:
                 excess = f"; it printed more than {MOST_OUTPUT >> 20} MiB" if output.excessive else ""
                 failure += excess + (output.last_lines() or "; it printed nothing")
         return failure
+
+    def _in_quiet_domain(self, feed: Feed, stack: ExitStack) -> tuple[Any, Any, Publisher, _DomainWatch]:
+        """Return a node, the function that serves it, its publisher and its watch, in another domain if the present one is used."""
+        used = ""
+        for attempt in range(MOST_DOMAINS):
+            if attempt:
+                self._reservations.append(ReservedDomain())
+            with ExitStack() as trial:
+                node, spin = trial.enter_context(node_in("examiner", self.domain))
+                publisher, watch = Publisher(node, feed.topics), _DomainWatch(node, feed.topics, feed.answer, self.domain)
+                used = watch.listen(spin)
+                if not used:
+                    stack.enter_context(trial.pop_all())
+                    return node, spin, publisher, watch
+        raise RuntimeError(f"{used}; so were {MOST_DOMAINS - 1} others")
 
     def _connect(self, feed: Feed, publisher: Publisher, node: Any, spin: Any, process: subprocess.Popen[bytes]) -> str:
         """Wait until the detector has subscribed and advertised its topic; return why it has not."""
@@ -157,8 +176,8 @@ class NodeProgram:
                 return f"it ended with status {process.returncode} at {end:.1f} s of the signal"
             publisher.write_messages(bundle.messages)
             answers.signal_sent(end)
-            if number % LOOK_EVERY == 0:
-                watch.check()
+            if number % LOOK_EVERY == 0 and (used := watch.check()):
+                return used
         answers.received_at = time.monotonic()
         while answers.latest < end - answers.period and time.monotonic() < answers.received_at + DIAGNOSIS_TIMEOUT:
             spin(0.05)
@@ -195,31 +214,27 @@ class _DomainWatch:
         self._publishers = OtherPublishers(node, topics, self._others.append)
         self._detectors = OtherPublishers(node, [answer], lambda _: None)
 
-    def listen(self, spin: Any) -> None:
-        """Look for `LISTENING_TIME`, also on the topic of the answers; the detector has not started yet.
-
-        Raises:
-            RuntimeError: there is another publisher.
-        """
+    def listen(self, spin: Any) -> str:
+        """Look for `LISTENING_TIME`, also on the topic of the answers, before the detector starts; return as `check` does."""
         detectors = OtherPublishers(self._node, [self._answer], self._others.append)
         deadline = time.monotonic() + LISTENING_TIME
         while time.monotonic() < deadline:
             spin(0.05)
             detectors.look()
-            self.check()
+            if used := self.check():
+                return used
+        return ""
 
-    def check(self) -> None:
-        """Look once; more than one node on the topic of the answers are more than the detector.
+    def check(self) -> str:
+        """Look once; return which other publisher there is, or an empty text.
 
-        Raises:
-            RuntimeError: there is another publisher.
+        More than one node on the topic of the answers are more than the detector.
         """
         self._publishers.look()
         self._detectors.look()
         if len(names := self._detectors.names) > 1:
             self._others.append(f"one of {', '.join(names)}, each of which publishes on {self._answer.resolved(NAMESPACE)}")
-        if self._others:
-            raise RuntimeError(f"ROS domain {self._domain} of the exam is used by another program: {self._others[0]}")
+        return f"ROS domain {self._domain} of the exam is used by another program: {self._others[0]}" if self._others else ""
 
 
 def _split(command: str) -> list[str]:

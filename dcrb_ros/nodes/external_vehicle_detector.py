@@ -29,6 +29,9 @@ class VehicleAnswers(Answers, VehicleOutcome):
 
     description: VehicleDescription = field(kw_only=True)
 
+    def forget(self) -> None:
+        self.received.clear()
+
     def _taken(self, data: bytes) -> float:
         time_ns, statuses = decode_diagnostics(data)
         time = checked_time(time_ns)
