@@ -11,8 +11,8 @@ from dcrb_ros.exam.report import Report
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.text.writing import whole_file
 
-INVALID_IN_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
-"""Characters that XML does not allow, such as the escape character of terminal colours."""
+INVALID_IN_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
+"""Characters that XML does not allow, such as the escape character of terminal colours and bytes of a name that are no UTF-8."""
 
 
 def write_junit(report: Report, file: Path) -> None:

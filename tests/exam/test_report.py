@@ -435,6 +435,12 @@ def test_the_title_of_the_figure_says_whether_the_detector_passed(shown: Report,
     assert f"made up: {word}, nobody" in (tmp_path / "f.svg").read_text(encoding="utf-8")
 
 
+def test_junit_of_a_detector_whose_name_is_no_utf_8_is_valid_xml(tmp_path: Path) -> None:
+    write_junit(dataclasses.replace(MIXED, detector="mine\udcff"), tmp_path / "junit.xml")
+    criteria, _ = JUnitXml.fromfile(str(tmp_path / "junit.xml"))
+    assert {p.name: p.value for p in criteria.properties()}["detector"] == "mine?"
+
+
 def test_junit_has_criteria_and_scenarios_with_their_failures(tmp_path: Path) -> None:
     shown = report(*MIXED.results, result("cage", "healthy", required=False))
     write_junit(shown, tmp_path / "junit.xml")
