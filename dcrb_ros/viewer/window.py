@@ -87,7 +87,7 @@ def _call(command: list[str], environment: dict[str, str]) -> int:
     """Run the viewer with a window until it is closed; where it ends with an error, a `ViewerFailure` quotes its last line."""
     with tempfile.TemporaryFile() as output:
         with _running(command, environment, output) as viewer:
-            status = viewer.wait()
+            status = _status_of(viewer)
         output.seek(0)
         lines = output.read().decode(errors="replace").splitlines()
     if status > 0:
@@ -133,7 +133,7 @@ def _serve_page(command: list[str], document: Path, environment: dict[str, str])
         address = page_address(page, data)
         print(f"the viewer is at {address} until Ctrl-C", flush=True)
         webbrowser.open(address)
-        return server.wait()
+        return _status_of(server)
 
 
 def _listens(port: int) -> bool | None:
@@ -196,6 +196,13 @@ def _running(command: list[str], environment: dict[str, str], output: IO[bytes] 
         yield viewer
     finally:
         _end(viewer)
+
+
+def _status_of(viewer: subprocess.Popen[bytes]) -> int:
+    """Wait until a viewer ends, and return its status; a signal that arrives just before a wait without end is noticed after it only."""
+    while (status := viewer.poll()) is None:
+        time.sleep(POLL)
+    return status
 
 
 def _end(viewer: subprocess.Popen[bytes]) -> None:

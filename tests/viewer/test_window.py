@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
 import sys
 import threading
 from contextlib import nullcontext
@@ -39,6 +40,13 @@ def test_an_error_of_the_viewer_is_quoted_with_the_remedy(
 def test_a_closed_window_is_no_failure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("DISPLAY", ":77")
     monkeypatch.setattr(window, "_command", lambda: [sys.executable, "-c", ""])
+    wait = subprocess.Popen.wait
+
+    def bounded(viewer: subprocess.Popen[bytes], timeout: float | None = None) -> int:
+        assert timeout is not None  # a signal just before a wait without end would be noticed after it only
+        return wait(viewer, timeout)
+
+    monkeypatch.setattr(subprocess.Popen, "wait", bounded)
     assert window.open_window(tmp_path / "none.rrd") == 0
 
 
