@@ -538,7 +538,7 @@ def test_recordings_that_cannot_be_scored_are_refused(tmp_path: Path, capsys: py
     fault = {"outer_1": {"width": 0.002, "onset": 0.0}}
     for name, faults, verdicts, sentence in (
         ("untold", [], ["healthy"], "has no messages on ground_truth"),
-        ("silent", [fault], [], "has no messages on diagnosis"),
+        ("silent", [fault, fault], [], "has no messages on diagnosis"),
         ("healed", [fault, {}], ["healthy"], "the fault outer_1 ends at 0.02 s"),
     ):
         assert dcrb("score", str(record(tmp_path / name, faults, verdicts))) == 2
