@@ -1,8 +1,8 @@
 """Statistics of impacts of the counterparts of measured recordings beside those of the recordings (exam-and-measurements.md).
 
-``python benchmarks/counterpart_signals.py MEASURED EXAM --recordings FOLDER`` prints a table for each rig and defect: medians, and how well
-a statistic discriminates measured from simulated signals, |2 AUROC - 1|. MEASURED is a folder as for `realism.py`, EXAM a replica of its
-table. Recordings that are not in FOLDER are simulated.
+``python benchmarks/counterpart_signals.py MEASURED EXAM --recordings FOLDER`` prints a table for each machine and defect: medians, and how
+well a statistic discriminates measured from simulated signals, |2 AUROC - 1|. MEASURED is a folder as for `realism.py`, EXAM a replica of
+its table. Recordings that are not in FOLDER are simulated.
 """
 
 from __future__ import annotations
@@ -22,8 +22,6 @@ from dcrb_ros.exam.exam_scenarios import led_signals
 from dcrb_ros.text.markdown import table
 
 KINDS = {truth: kind for kind, truth in TRUTHS.items()}
-RIGS = {"cwru12": "CWRU", "cwru48": "CWRU", "cwru48fe": "CWRU", "hitself": "HIT", "mfpt": "MFPT"}
-"""Name of a rig by that of its recordings."""
 
 
 def main() -> None:
@@ -38,15 +36,16 @@ def main() -> None:
     seen = set[str]()
     for led in led_signals(read_exam(given.exam), given.recordings):
         name, samples = str(led.recording.tags["recording"]), led.recording.samples()
-        case, rig, truth = measured[name]
+        case, _, truth = measured[name]
         simulated = case._replace(values=samples - samples.mean(), rate=float(led.recording.rate))
-        real, counterparts = rows[RIGS.get(rig, rig), KINDS[truth]]
+        machine = led.recording.machine.partition("#")[0]  # of which the simulated one is a counterpart
+        real, counterparts = rows[machine, KINDS[truth]]
         counterparts.append(simulated.statistics(KINDS[truth]))
         if name not in seen:
             seen.add(name)
             samples = at_rate_of(case, simulated).values[: len(samples)]
             real.append(simulated._replace(values=samples - samples.mean()).statistics(KINDS[truth]))
-    for (rig, kind), both in sorted(rows.items()):
+    for (machine, kind), both in sorted(rows.items()):
         columns = [np.array(side, dtype=float).T for side in both]
         lines = []
         for statistic, real_values, simulated_values in zip(SignalStatistics._fields, *columns, strict=True):
@@ -54,7 +53,7 @@ def main() -> None:
             if all(map(len, sides)):
                 auroc = stats.mannwhitneyu(*sides).statistic / (len(sides[0]) * len(sides[1]))
                 lines.append((statistic, *(f"{np.median(side):.3g}" for side in sides), f"{abs(2.0 * auroc - 1.0):.2f}"))
-        print(f"\n{rig}, {kind}\n\n{table((f'{len(both[0])} recordings', 'measured', f'{len(both[1])} simulated', 'gap'), lines)}")
+        print(f"\n{machine}, {kind}\n\n{table((f'{len(both[0])} recordings', 'measured', f'{len(both[1])} simulated', 'gap'), lines)}")
 
 
 if __name__ == "__main__":

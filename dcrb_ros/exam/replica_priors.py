@@ -107,9 +107,18 @@ PRIORS: tuple[Prior, ...] = (
     Prior(FLOOR, "bearing", FLOORS["roller"], "-", "quiet quarter on CWRU, 70 % of all added power", "background", ("roller",)),
     Prior(GAIN, "bearing", Lognormal(1.0, 3.0), "-", "an amplifier is set when a bearing is mounted; 1 if it is `known`"),
     Prior("structure.mounting", "bearing", Seed(), "-", "spectra of the bearings of a rig, three rigs", "path"),
-    Prior(BOX, "machine", LogUniform(0.125, 1.0), "of the bench's", "a pillow block of 0.5 kg to an end shield of 4 kg", "", (), "balls"),
     Prior(
-        AXLE, "machine", LogUniform(0.0625, 1.0), "of the bench's", "0.1 m of the shaft, 0.5 kg, to a rigid rotor of 8 kg", "", (), "balls"
+        BOX, "machine", LogUniform(0.125, 1.0), "of the bench's mass", "a pillow block of 0.5 kg to an end shield of 4 kg", "", (), "balls"
+    ),
+    Prior(
+        AXLE,
+        "machine",
+        LogUniform(0.0625, 1.0),
+        "of the bench's mass",
+        "0.1 m of the shaft, 0.5 kg, to a rigid rotor of 8 kg",
+        "",
+        (),
+        "balls",
     ),
 )
 """What is drawn for every replica."""

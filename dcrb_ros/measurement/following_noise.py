@@ -15,9 +15,9 @@ HALF_FRAME = 0.02
 class FollowingNoise:
     """Gaussian noise with the slow mean of the power spectrum of a signal of two columns.
 
-    Frames of 2N steps begin every N steps, counted from the first one. At its begin, each takes the mean spectrum of the frames before it,
-    and its noise rises and falls as half a sine, so that the power is constant. The result depends on the number of a step alone, not on
-    how the signal is split into blocks. There is no noise before the first two half frames have passed.
+    Frames of 2N steps start every N steps, counted from the first one. Each takes the mean spectrum of the frames before it, and its noise
+    rises and falls as half a sine, so that the power is constant. The result depends on the number of a step alone, not on how the
+    signal is split into blocks. There is no noise before the first two half frames have passed.
     """
 
     def __init__(self, random: np.random.Generator, rate: float, smoothing: float) -> None:
@@ -28,13 +28,14 @@ class FollowingNoise:
         steps = (np.arange(2 * self._half) + 0.5) / (2 * self._half)
         self._rise = np.sin(np.pi * steps)[:, None]
         """Weight of a frame; those of two frames have squares with the sum 1."""
+        # A window of Hann, whose side lobes stay below the power that falls towards high frequencies.
         self._analysis = self._rise**2 / np.sqrt(np.sum(self._rise**4))
         self._power = np.zeros((self._half + 1, 2))
         """Mean power spectrum, 1 for white noise of the mean square 1."""
         self._frames = 0
         """Half frames that have passed."""
         self._known = np.zeros((0, 2))
-        """Signal since the begin of the half frame before the present one."""
+        """Signal since the start of the half frame before the present one."""
         self._noise = np.zeros((2 * self._half, 2))
         """Noise of the present half frame and what it leaves to the next one."""
 

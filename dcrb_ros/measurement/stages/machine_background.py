@@ -101,7 +101,7 @@ class MachineBackground(Stage):
         self._speed = speed_of_level(background, setup.speed)
         level = background.healthy_level * 10.0 ** (background.background / 20.0)
         self._healthy, self._floor = background.healthy_level, background.floor
-        self._noise_power = (1.0 - background.background_lines) * level**2
+        self._noise_level = math.sqrt((1.0 - background.background_lines) * level**2)
         self._line_level = math.sqrt(background.background_lines) * level
         self._random = random_stream(setup.seed, STREAM)
         self._following = FollowingNoise(random_stream(setup.seed, FLOOR_STREAM), rate, SMOOTHING_TIME)
@@ -140,7 +140,7 @@ class MachineBackground(Stage):
     def process(self, acceleration: Floats, span: Span) -> Floats:
         ratio = np.abs(np.diff(span.angle)) * (self.rate / self._speed)
         noise = self._noise.process(self._random.standard_normal(acceleration.shape))
-        noise *= np.sqrt(self._noise_power) * ratio[:, None]
+        noise *= self._noise_level * ratio[:, None]
         if self._floor > 0.0:
             ticks = np.arange(span.first + 1, span.first + 1 + len(acceleration))
             weights = -np.expm1(-ticks / (SMOOTHING_TIME * self.rate))  # of all ticks since the start; 1 after some seconds
