@@ -35,6 +35,10 @@ MEASURED = ("acceleration", "clean", "clipped", "range", "preview", "preview_ns"
 """What a block has from its accelerometer, whose cable may be swapped with that of another box."""
 
 
+MOST_TOGETHER = 16
+"""Frames that a bearing steps before it waits for the others, at most: an interrupted run ends after them."""
+
+
 class _Planned(NamedTuple):
     """A frame that the bearings are to step."""
 
@@ -53,6 +57,16 @@ class _Stepped(NamedTuple):
     """Acceleration of the outer rings, shape (boxes, `FRAME`, 2) [m/s^2]."""
     angles: Mapping[str, Floats]
     """Angle of the shaft in each box that has not failed [rad]."""
+
+
+class _Stretch:
+    """What one bearing did over some frames."""
+
+    def __init__(self) -> None:
+        self.motions = list[tuple[Floats, Floats]]()
+        """Acceleration of the outer ring and angle of the shaft in each frame before a failure, as `Simulation.step_to` returns them."""
+        self.failure: ModelFailure | None = None
+        """Why the other frames are missing."""
 
 
 def simulation_of(
@@ -89,8 +103,9 @@ class VehicleSimulation:
 
     Every frame of `FRAME` steps has three phases. First the vehicle's model gives loads and speeds. Then each bearing is stepped, on its
     thread. Last, the motion of every box is mixed in a fixed order and sensed. Each phase takes all frames of a block in turn, which takes
-    less time than phases that alternate; the first frame is stepped while the others are planned. The samples depend on the vehicle and on
-    the simulated times of commands only, not on threads or on the size of blocks.
+    less time than phases that alternate; the first frame is stepped while the others are planned. Bearings wait for each other after every
+    frame only if they heat each other. The samples depend on the vehicle and on the simulated times of commands only, not on threads or on
+    the size of blocks.
 
     Examples
     --------
@@ -273,53 +288,92 @@ class VehicleSimulation:
 
     def _step(self, pool: ThreadPoolExecutor, end: int) -> list[_Stepped]:
         """Let the bearings step frames until they reach step ``end``, and return these frames."""
-        count = len(range(self._steps, end, FRAME))
-        ahead, stepped = deque([self._commanded(self._upcoming)]), list[_Stepped]()
-        for n in range(count):
-            frame = ahead.popleft()
-            futures = self._begin_frame(pool, frame)
-            while n + len(ahead) < count:  # the bearings step the first frame meanwhile
-                ahead.append(self._commanded(self._plan_next()))
-            stepped.append(self._collected(frame.plan, futures))
-        self._upcoming = ahead.popleft().plan
+        frames = [Future[_Planned]() for _ in range(self._steps, end, FRAME)]
+        most = 1 if any(simulation.temperatures for simulation in self._running.values()) else MOST_TOGETHER
+        stepped = list[_Stepped]()
+        for first in range(0, len(frames), most):
+            if first == 0:
+                frames[0].set_result(self._commanded(self._upcoming))
+            together = frames[first : first + most]
+            stretches, workers = self._begin(pool, together)
+            if first == 0:  # the bearings step the first frame meanwhile
+                self._plan_others(frames)
+            for worker in workers:
+                worker.result()
+            stepped += self._joined(together, stretches)
         return stepped
+
+    def _plan_others(self, frames: Sequence[Future[_Planned]]) -> None:
+        """Plan all frames but the first, and that after them."""
+        try:
+            for frame in frames[1:]:
+                frame.set_result(self._commanded(self._plan_next()))
+            self._upcoming = self._plan_next()
+        except BaseException:
+            for frame in frames:
+                frame.cancel()  # a bearing that waits for it ends
+            raise
 
     def _commanded(self, plan: Plan) -> _Planned:
         """Return a frame with the commands that are in effect at present."""
         return _Planned(plan, self._requests.commanded["wind"], self._requests.commanded["brake"])
 
-    def _begin_frame(self, pool: ThreadPoolExecutor, frame: _Planned) -> dict[str, Future[tuple[Floats, Floats]]]:
-        """Let the bearings step a frame; return acceleration and angle of each box."""
-        plan, running = frame.plan, self._running
-        for name, surroundings in self._heat.surroundings(plan.speed, frame.wind, frame.brake, running).items():
+    def _begin(self, pool: ThreadPoolExecutor, frames: Sequence[Future[_Planned]]) -> tuple[dict[str, _Stretch], list[Future[None]]]:
+        """Let the bearings step some frames, of which the first is planned; return what they write, and the threads' work."""
+        (plan, wind, brake), running, begin = frames[0].result(), self._running, self._steps
+        for name, surroundings in self._heat.surroundings(plan.speed, wind, brake, running).items():
             running[name].surround(surroundings)
-        for box, drive, load in zip(self.vehicle.boxes, self._drives, plan.load, strict=True):
-            drive.speed, drive.load = float(plan.shaft_speed[box.axle]), load
-        self._steps += FRAME
-        return {name: pool.submit(simulation.step_to, self._steps) for name, simulation in running.items()}
+        stretches = {name: _Stretch() for name in running}
+        waiting = deque(j for j, name in enumerate(self._names) if name in running)
+
+        def work() -> None:
+            """Step the bearing that waits longest by a frame, until none is waiting: so all threads end at nearly the same time."""
+            while waiting:
+                try:
+                    j = waiting.popleft()
+                except IndexError:  # another thread took it
+                    return
+                box, drive = self.vehicle.boxes[j], self._drives[j]
+                stretch = stretches[box.name]
+                plan = frames[len(stretch.motions)].result().plan
+                drive.speed, drive.load = float(plan.shaft_speed[box.axle]), plan.load[j]
+                try:
+                    stretch.motions.append(running[box.name].step_to(begin + (len(stretch.motions) + 1) * FRAME))
+                except ModelFailure as failure:
+                    stretch.failure = failure
+                    continue
+                if len(stretch.motions) < len(frames):
+                    waiting.append(j)
+
+        self._steps += len(frames) * FRAME
+        return stretches, [pool.submit(work) for _ in range(min(self._threads, len(waiting)))]
 
     def _plan_next(self) -> Plan:
         """Return the plan of the next frame; the scenario's settings of that frame act from its end on."""
         self._requests.begin_frame()
         return self._model.plan()
 
-    def _collected(self, plan: Plan, futures: Mapping[str, Future[tuple[Floats, Floats]]]) -> _Stepped:
-        """Wait until all bearings have stepped a frame, and return their motion.
+    def _joined(self, frames: Sequence[Future[_Planned]], stretches: Mapping[str, _Stretch]) -> list[_Stepped]:
+        """Return the motion of all bearings in some frames.
 
         Raises:
             ModelFailure: the model of a box failed, and ``vehicle.on_failure`` is stop.
         """
-        ring, angles = np.zeros((len(self.vehicle.boxes), FRAME, 2)), {}
-        for j, name in enumerate(self._names):
-            if name not in futures:
-                continue
-            try:
-                ring[j], angles[name] = futures[name].result()
-            except ModelFailure as failure:
+        stepped = list[_Stepped]()
+        for n, frame in enumerate(frames):
+            ring, angles = np.zeros((len(self.vehicle.boxes), FRAME, 2)), {}
+            for j, name in enumerate(self._names):
+                if name not in stretches or name in self._failed:
+                    continue
+                stretch = stretches[name]
+                if n < len(stretch.motions):
+                    ring[j], angles[name] = stretch.motions[n]
+                    continue
                 if self.vehicle.journey.on_failure == "stop":
-                    raise ModelFailure(f"{name}: {failure}") from None
-                self._failed[name] = f"{name}: {failure}"
-        return _Stepped(plan, ring, angles)
+                    raise ModelFailure(f"{name}: {stretch.failure}")
+                self._failed[name] = f"{name}: {stretch.failure}"
+            stepped.append(_Stepped(frame.result().plan, ring, angles))
+        return stepped
 
     def _sense(self, pool: ThreadPoolExecutor, frames: Sequence[_Stepped], motions: Sequence[Floats]) -> None:
         """Measure the ``motions`` in consecutive frames, each of shape (boxes, `FRAME`, 2), in every box that has not failed in them."""
