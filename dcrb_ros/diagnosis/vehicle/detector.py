@@ -277,8 +277,11 @@ class VehicleDetector:
         waves = corrugation(self.description, rolling, q)
         if waves is not None:
             indicators |= waves[1]
-        along = self._lasting("track", waves[0] if waves is not None and rails.verdict == "healthy" else rails, "corrugation")
-        statuses["track"] = along if rails.verdict == "healthy" else rails
+        if rails.verdict == "healthy" and waves is not None and waves[0].verdict == "waiting":
+            statuses["track"] = waves[0]
+        else:
+            along = self._lasting("track", waves[0] if waves is not None and rails.verdict == "healthy" else rails, "corrugation")
+            statuses["track"] = along if rails.verdict == "healthy" else rails
         indicators |= {f"{axle}/clock": difference for axle, difference in clock_differences(self.description, contacts).items()}
         for side, lag in sides.items():
             indicators |= {f"{side}/lag": lag.found, f"{side}/lag/correlation": lag.forward}

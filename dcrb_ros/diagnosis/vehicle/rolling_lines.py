@@ -63,15 +63,19 @@ def corrugation(
     """Return the status of the track by a corrugated rail, and its indicators; None without a corrugation.
 
     All boxes of one side have the line, at one frequency that is a whole order of no wheelset, and each has more of it than the other box
-    of its wheelset.
+    of its wheelset. Two wheelsets with both boxes are needed; if only some of their boxes are missing, the status is ``waiting``.
     """
     spectra = spectra_of(contacts)
+    both = [axle.name for axle in description.axles if all(f"{axle.name}/{side}" in spectra for side in SIDES)]
+    if len(both) < 2:
+        missing = [box.name for box in description.boxes if box.name not in spectra]
+        if len(description.axles) < 2 or len(missing) == len(description.boxes):
+            return None
+        return Status("waiting", f"a corrugated rail cannot be told without a spectrum of {', '.join(missing)}"), {}
     for side, other_side in itertools.permutations(SIDES):
-        pairs = [(f"{axle.name}/{side}", f"{axle.name}/{other_side}") for axle in description.axles]
-        if len(pairs) < 2 or not all(name in spectra for pair in pairs for name in pair):
-            continue
+        pairs = [(f"{axle}/{side}", f"{axle}/{other_side}") for axle in both]
         first = pairs[0][0]
-        turn, around = abs(contacts[first].shaft_frequency), 2.0 * math.pi * description.axles[0].wheel_radius
+        turn, around = abs(contacts[first].shaft_frequency), 2.0 * math.pi * description.axle(both[0]).wheel_radius
         for order in prominent(spectra[first], (around / WAVELENGTHS[1], around / WAVELENGTHS[0]), parameters.corrugation):
             frequency = order * turn
             if is_whole(frequency, (contacts[name] for name in spectra)):
