@@ -6,6 +6,7 @@ import ast
 import functools
 import hashlib
 import json
+import os
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -75,17 +76,18 @@ def families_of(folder: Path, kept: Path | None = None) -> tuple[list[Member], l
     in a process of its own, unless what it contains is read from the folder ``kept``.
 
     Raises:
-        Refusal: there is no such folder, it has no family, or the folder ``kept`` cannot be written.
+        Refusal: there is no such folder, it has no family or a file that cannot be read, or the folder ``kept`` cannot be written.
     """
     if not folder.is_dir():
         raise Refusal(f"there is no folder {folder}: give a folder of detectors, one family in each file")
     members: list[Member] = []
     broken: list[BrokenFamily] = []
+    data = _data_digest(folder)
     for file in sorted(folder.glob("*.py")):
         if not file.is_file():
             broken.append(BrokenFamily(file.stem, f"{file} is not a file that can be read: remove it, or give it another name"))
             continue
-        digest = _file_digest(file)
+        digest = _file_digest(file, data)
         try:
             about = _kept_about(file, digest, kept)
         except NoFamily as refusal:
@@ -147,18 +149,29 @@ def left_out(refusal: Refusal) -> str:
     return str(refusal).removeprefix("--python ")
 
 
-def _file_digest(file: Path) -> str:
-    """Return the digest of a file, of the files in its folder that it imports, and of all data in the folder."""
-    sources = sorted(_imported(file, {file}, file.parent))
-    data = sorted(path for path in file.parent.iterdir() if path.is_file() and path.suffix not in (".py", ".pyc"))
-    return _digest_of([*sources, *data])
+def _file_digest(file: Path, data: str) -> str:
+    """Return the digest of a file, of the files in its folder that it imports, and of the ``data`` in the folder, by their digest."""
+    return hashlib.sha256(f"{_digest_of(sorted(_imported(file, {file}, file.parent)), file.parent)} {data}".encode()).hexdigest()
+
+
+def _data_digest(folder: Path) -> str:
+    """Return the digest of all files in a folder and its subfolders but sources, and hidden files and folders.
+
+    Raises:
+        Refusal: a file cannot be read.
+    """
+    files = []
+    for at, folders, names in os.walk(folder):
+        folders[:] = sorted(name for name in folders if not name.startswith(".") and name != "__pycache__")
+        files += [Path(at, name) for name in sorted(names) if not name.startswith(".") and Path(name).suffix not in (".py", ".pyc")]
+    return _digest_of([file for file in files if file.is_file()], folder)
 
 
 def _imported(file: Path, known: set[Path], folder: Path) -> set[Path]:
     """Add the files of a folder that a file imports, directly or not, to the known ones; of a package in the folder, all of them."""
     try:
         tree = ast.parse(file.read_text(encoding="utf-8"))
-    except (SyntaxError, ValueError):
+    except (SyntaxError, ValueError, OSError):
         return known
     for node in ast.walk(tree):
         names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
@@ -178,11 +191,18 @@ def package_digest() -> str:
     package = Path(__file__).parents[1]
     files = [path for name in SOURCES for path in sorted((package / name).rglob("*.py"))]
     related = [path for path in files if path.parent.name != "exam" or not path.name.startswith(UNRELATED)]
-    return hashlib.sha256(f"{__version__} {_digest_of(related)} {json.dumps(software())}".encode()).hexdigest()
+    return hashlib.sha256(f"{__version__} {_digest_of(related, package)} {json.dumps(software())}".encode()).hexdigest()
 
 
-def _digest_of(files: Iterable[Path]) -> str:
+def _digest_of(files: Iterable[Path], folder: Path) -> str:
     digest = hashlib.sha256()
     for file in files:
-        digest.update(file.name.encode() + b"\0" + hashlib.sha256(file.read_bytes()).digest())
+        content = hashlib.sha256()
+        try:
+            with file.open("rb") as stream:
+                while part := stream.read(1 << 20):
+                    content.update(part)
+        except OSError as error:
+            raise Refusal(f"{file} cannot be read ({error.strerror}): make it readable, or move it out of {folder}") from None
+        digest.update(os.fsencode(file.relative_to(folder)) + b"\0" + content.digest())
     return digest.hexdigest()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import numbers
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol, TypeVar
@@ -163,24 +165,28 @@ def checked_statuses(output: Any, description: VehicleDescription) -> dict[str, 
     """Return verdict and score [dB] by status from the output of a detector of a vehicle; a mapping has no scores.
 
     Raises:
-        Refusal: it is neither a `VehicleDiagnosis` nor a mapping from statuses to verdicts nor None, or names a box that the vehicle lacks.
+        Refusal: it is neither a `VehicleDiagnosis` nor a mapping from statuses to verdicts nor None, names a box that the vehicle lacks, or
+            has an unknown verdict or a score that is no number.
     """
     if output is None:
         return None
     if isinstance(output, VehicleDiagnosis):
-        _check_boxes(output.statuses, description)
-        return {name: (status.verdict, status.score) for name, status in output.statuses.items()}
-    if not isinstance(output, Mapping):
+        returned: dict[Any, tuple[Any, Any]] = {name: (status.verdict, status.score) for name, status in output.statuses.items()}
+    elif isinstance(output, Mapping):
+        returned = {name: (verdict, None) for name, verdict in output.items()}
+    else:
         raise Refusal(f"add returned {output!r}: return a VehicleDiagnosis, or a mapping such as {{'axle_1/left/bearing': 'outer_ring'}}")
     statuses: dict[str, tuple[str, float | None]] = {}
-    for name, verdict in output.items():
+    for name, (verdict, score) in returned.items():
         kind = kind_of(str(name))
         if kind not in VEHICLE_VERDICTS:
             raise Refusal(f"add returned the status {name!r}: its last part must be one of {', '.join(VEHICLE_VERDICTS)}")
         known = (*QUIET_VERDICTS, *VEHICLE_VERDICTS[kind])
         if verdict not in known:
             raise Refusal(f"add returned {verdict!r} for {name}: return one of {', '.join(known)}{nearest(str(verdict), known)}")
-        statuses[str(name)] = str(verdict), None
+        if score is not None and not (isinstance(score, numbers.Real) and math.isfinite(score)):
+            raise Refusal(f"add returned the score {score!r} for {name}: return the evidence relative to its threshold [dB]")
+        statuses[str(name)] = str(verdict), score if score is None else float(score)
     _check_boxes(statuses, description)
     return statuses
 

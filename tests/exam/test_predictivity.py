@@ -6,6 +6,7 @@ import json
 import math
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -190,6 +191,32 @@ def test_families_are_files_with_a_complete_detector(tmp_path: Path) -> None:
     (tmp_path / "empty" / "alone.py").write_text("import helper_elsewhere\n")
     with pytest.raises(Refusal, match=r"no detector that can be used: \S*alone.py cannot be imported: .*'helper_elsewhere'"):
         families_of(tmp_path / "empty")
+
+
+def test_a_changed_file_in_a_subfolder_is_another_detector(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = tmp_path / "detectors"
+    (folder / "weights").mkdir(parents=True)
+    (folder / "one.py").write_text(FAMILY)
+    (folder / "weights" / "first.bin").write_bytes(b"1")
+    digests = {families_of(folder)[0][0].digest}
+    (folder / "weights" / "first.bin").write_bytes(b"2")
+    digests.add(families_of(folder)[0][0].digest)
+    (folder / "weights" / "first.bin").rename(folder / "weights" / "second.bin")
+    digests.add(families_of(folder)[0][0].digest)
+    assert len(digests) == 3
+    (folder / ".git").mkdir()
+    (folder / ".git" / "index").write_bytes(b"3")
+    assert families_of(folder)[0][0].digest in digests
+    usual = Path.open
+
+    def denied(path: Path, *given: Any) -> Any:
+        if path.name == "second.bin":
+            raise PermissionError(13, "Permission denied")
+        return usual(path, *given)
+
+    monkeypatch.setattr(Path, "open", denied)
+    with pytest.raises(Refusal, match=r"second.bin cannot be read \(Permission denied\): make it readable, or move it out of"):
+        families_of(folder)
 
 
 FAMILY = "class Detector:\n    def __init__(self, orders, rate): pass\n    def update(self, *block): return 'healthy'\n"

@@ -113,6 +113,8 @@ def test_undecided_is_no_verdict_and_a_faulty_sensor_counts_first() -> None:
         ({"axle_1/left/bearing": "outer"}, "did you mean 'outer_ring'"),
         ({"track": "flat"}, "return one of"),
         ({"axle_1.left/bearing": "healthy"}, "no box 'axle_1.left'; did you mean 'axle_1/left'?"),
+        (VehicleDiagnosis(0, 0.0, {"axle_1/left/bearing": Status("outer", "")}, {}), "did you mean 'outer_ring'"),
+        (VehicleDiagnosis(0, 0.0, {"track": Status("joint", "", score=float("nan"))}, {}), "the score nan for track"),
         (VehicleDiagnosis(0, 0.0, {"axle_3/left/sensor": Status("sensor", "")}, {}), "no box 'axle_3/left'"),
     ],
 )

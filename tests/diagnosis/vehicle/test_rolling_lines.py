@@ -59,7 +59,8 @@ def test_without_a_sound_sensor_the_track_waits_for_it() -> None:
     signals = with_line(36.13, {name: 2.0 if name.endswith("left") else 0.3 for name in BOXES})
     signals["axle_2/right"] = np.zeros_like(signals["axle_2/right"][0]), signals["axle_2/right"][1]
     track = last(signals).statuses["track"]
-    assert track.verdict == "waiting" and track.reason == "a corrugated rail cannot be told without a spectrum of axle_2/right"
+    assert track.verdict == "waiting"
+    assert track.reason == "a corrugated rail cannot be told without a spectrum of axle_2/right"
 
 
 def test_a_line_in_both_boxes_of_the_driven_wheelset_is_the_motors() -> None:
