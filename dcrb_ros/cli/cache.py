@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import errno
-import json
 import os
 import shutil
 from collections.abc import Iterator
@@ -15,6 +14,7 @@ import typer
 
 from dcrb_ros.cli.options import JsonOutput, size_text
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.json import json_text
 from dcrb_ros.text.temporary import in_use
 
 ATTEMPTS = 10
@@ -41,7 +41,7 @@ def cache(
             _remove(path)
     if as_json:
         kept = [{"path": str(path), "bytes": size} for path, size in sizes.items()]
-        print(json.dumps({"folders": kept, "cleared": clear}, indent=2))
+        print(json_text({"folders": kept, "cleared": clear}))
         return
     for path, size in sizes.items():
         print(f"{path}: {size_text(size)}{' deleted' if clear else ''}")

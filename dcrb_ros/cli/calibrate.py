@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,6 +14,7 @@ from dcrb_ros.cli.output_file import PICTURES, check_file, check_force, check_ou
 from dcrb_ros.runtime.terminal import console, steps, table
 from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.json import json_text
 from dcrb_ros.text.writing import whole_file
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ def calibrate(
         comparison_figure(comparison, title=title, calibration=calibration).savefig(drawn)
         beside = write_calibration(calibration, output)
     if as_json:
-        print(json.dumps(_described(calibration) | {"comparison": comparison.as_dict()}, indent=2))
+        print(json_text(_described(calibration) | {"comparison": comparison.as_dict()}))
         return
     _print(calibration, quiet=quiet)
     apart = ", ".join(f"{axis.axis} {axis.level_distance:.1f} dB" for axis in comparison.axes)
@@ -113,7 +113,7 @@ def compare(
         with whole_file(output) as drawn:
             comparison_figure(comparison).savefig(drawn)
     if as_json:
-        print(json.dumps(comparison.as_dict(), indent=2))
+        print(json_text(comparison.as_dict()))
         return
     for axis in comparison.axes:
         envelope = "unknown" if not len(axis.orders) else f"{axis.envelope_distance:.2f}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
@@ -15,6 +14,7 @@ from dcrb_ros.cli.options import DetectorFile, Force, JsonOutput, detector_param
 from dcrb_ros.cli.output_file import check_file, check_force
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.counts import counted
+from dcrb_ros.text.json import json_text
 from dcrb_ros.text.writing import write_whole
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ def detect(
         compared = [diagnosed_vehicle(bag, parameters) for bag in bags]
         if as_json:
             objects = [{"recording": str(bag), **vehicle_as_object(*vehicle)} for bag, vehicle in zip(bags, compared, strict=True)]
-            print(json.dumps(objects[0] if len(objects) == 1 else objects, indent=2))
+            print(json_text(objects[0] if len(objects) == 1 else objects))
         else:
             for bag, vehicle in zip(bags, compared, strict=True):
                 print_vehicle(bag, *vehicle)
@@ -92,7 +92,7 @@ def detect(
             _print_table(bag, recording, result, parameters, learned=known is not None or bool(parameters.baseline))
     if as_json:
         objects = [{"recording": str(bag), **_as_object(recording, result)} for bag, recording, result in diagnosed]
-        print(json.dumps(objects[0] if len(objects) == 1 else objects, indent=2))
+        print(json_text(objects[0] if len(objects) == 1 else objects))
     if report is not None:
         from dcrb_ros.plots.detection_report import DiagnosedRecording, detection_report
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shlex
 from functools import partial
 from pathlib import Path
@@ -15,6 +14,7 @@ from dcrb_ros.cli.options import Force, JsonOutput, Quiet, Workers, check_speed,
 from dcrb_ros.cli.output_file import PICTURES, check_file, check_outputs
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.counts import counted
+from dcrb_ros.text.json import json_text
 from dcrb_ros.text.writing import write_whole
 
 Table = Annotated[Path, typer.Argument(help="Table of measured recordings (recordings.csv); the files are in recordings/ beside it.")]
@@ -120,7 +120,7 @@ def predictivity(
                 partial(progress_of, quiet=quiet),
             )
     # First, so that no result is lost if a file cannot be written.
-    print(json.dumps(comparison_tree(comparison), indent=2) if as_json else markdown(comparison))
+    print(json_text(comparison_tree(comparison)) if as_json else markdown(comparison))
     if output is not None:
         write_whole(output, markdown(comparison))
     if figure is not None:

@@ -12,6 +12,7 @@ import typer
 
 from dcrb_ros.cli.options import Bag
 from dcrb_ros.text.counts import counted
+from dcrb_ros.text.json import json_text
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -62,7 +63,7 @@ def info(
             "recovered": recovered(recording.stored) or None,
             "damage": damage,
         }
-        print(json.dumps(about, indent=2))
+        print(json_text(about))
         return
     tables = [_table(str(bag), ("topic", "messages"), counts.items())]
     if commands:
@@ -106,7 +107,7 @@ def vehicle_info(bag: Path, *, as_json: bool) -> None:
             "recovered": recovered(recording.stored) or None,
             "damage": damage,
         }
-        print(json.dumps(about, indent=2))
+        print(json_text(about))
         return
     lines = [
         f"the recording of a vehicle with {counted(len(boxes), 'box', 'boxes')}, sampling rate: {recording.sampling_rate} Hz",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -16,6 +15,7 @@ from dcrb_ros.cli.options import DetectorFile, Force, JsonOutput, Quiet, Workers
 from dcrb_ros.cli.output_file import PICTURES, check_outputs
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.counts import counted
+from dcrb_ros.text.json import json_text
 
 if TYPE_CHECKING:
     from dcrb_ros.exam.expectation import Expectation
@@ -214,7 +214,7 @@ def output_report(report: Report, as_json: bool, junit: Path | None, figure: Pat
     A detector that failed in every scenario has no entry.
     """
     if as_json:
-        print(json.dumps(report.described(), indent=2, allow_nan=False), flush=True)
+        print(json_text(report.described()), flush=True)
     else:
         from dcrb_ros.exam.table import tables
         from dcrb_ros.runtime.terminal import console

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import json
 import shlex
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -30,6 +29,7 @@ from dcrb_ros.cli.output_file import check_force, replacing
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.simulated_time import checked_duration
 from dcrb_ros.text.counts import counted
+from dcrb_ros.text.json import json_text
 
 if TYPE_CHECKING:
     from dcrb_ros.recordings.digest import RecordedSamples
@@ -210,7 +210,7 @@ def _print_object(path: Path | None, progress: Progress, samples: Mapping[str, R
     """Print what was simulated as JSON, with number and digest of the samples of each box; a bench is the box named ""."""
     about = {"recording": None if path is None else str(path), "simulated": progress.simulated, "real_time_factor": progress.factor}
     boxes = {name: {"samples": recorded.count, "sha256": recorded.sha256} for name, recorded in samples.items()}
-    print(json.dumps({**about, **boxes.get("", {"boxes": boxes})}, indent=2))
+    print(json_text({**about, **boxes.get("", {"boxes": boxes})}))
 
 
 def _run(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from contextlib import ExitStack
 from typing import TYPE_CHECKING, Annotated, Any
@@ -15,6 +14,7 @@ from dcrb_ros.cli.options import JsonOutput, Quiet, refuse_given, size_text
 from dcrb_ros.runtime.optional import installed
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.counts import counted
+from dcrb_ros.text.json import json_text
 
 if TYPE_CHECKING:
     from dcrb_ros.sweep.data_set import DataSetWriter
@@ -187,7 +187,7 @@ def _print_summary(tally: Tally, store: Store, count: int, *, quiet: bool = Fals
     splits = {split: sum(count for (run_split, _), count in tally.classes.items() if run_split == split) for split in SPLITS}
     if as_json:
         about = {"address": address, "runs": tally.statuses, "splits": splits, "seconds": tally.seconds, "reasons": tally.reasons}
-        print(json.dumps(about, indent=2))
+        print(json_text(about))
     else:
         for reason, count in tally.reasons.most_common(3):
             typer.echo(f"{count} x {reason}", err=True)
@@ -222,7 +222,7 @@ def _estimate(plan: Plan, workers: int, *, as_json: bool) -> None:
             "bytes": cost.size,
             "refused": cost.refused,
         }
-        print(json.dumps(about, indent=2))
+        print(json_text(about))
         return
     print(f"{counted(cost.runs, 'run')} of {cost.duration:g} s in {counted(plan.conditions, plan.unit)}")
     print(table(heads, cases))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import json
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -13,6 +12,7 @@ import typer
 
 from dcrb_ros.cli.first_start import announce_compilation
 from dcrb_ros.cli.options import JsonOutput, Quiet, Workers, worker_count
+from dcrb_ros.text.json import json_text
 
 if TYPE_CHECKING:
     from dcrb_ros.validation.report_row import ReportRow
@@ -68,7 +68,7 @@ def _print(comparisons: Sequence[ReportRow], *, as_json: bool) -> None:
 
     if as_json:
         rows = [{**asdict(comparison), "verdict": comparison.verdict} for comparison in comparisons]
-        print(json.dumps({"holds": all(comparison.holds for comparison in comparisons), "comparisons": rows}, indent=2))
+        print(json_text({"holds": all(comparison.holds for comparison in comparisons), "comparisons": rows}))
         return
     for title, part in chapters(comparisons).items():
         table = Table(*HEADINGS, title=title, show_lines=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +17,7 @@ from dcrb_ros.recordings.manifest import model_fingerprint, software
 from dcrb_ros.runtime.frames import pandas
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.verdicts import FAULT_CLASSES, VERDICTS, is_alarm
+from dcrb_ros.text.json import with_nulls
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -302,19 +303,10 @@ class Report:
             "roc": curve._asdict() if curve else None,
             "scenarios": [result.described() for result in self.results],
         }
-        return {key: _finite(value) for key, value in tree.items()}
+        return {key: with_nulls(value) for key, value in tree.items()}
 
 
 def _grouped(results: Sequence[ScenarioResult]) -> dict[str, list[ScenarioResult]]:
     """Return results by correct verdict, in the order of `FAULT_CLASSES`."""
     groups = ((verdict, [r for r in results if r.expectation.verdict == verdict]) for verdict in FAULT_CLASSES)
     return {verdict: group for verdict, group in groups if group}
-
-
-def _finite(tree: Any) -> Any:
-    """Return a tree with NaN and infinity replaced by null, since JSON has neither."""
-    if isinstance(tree, Mapping):
-        return {key: _finite(value) for key, value in tree.items()}
-    if isinstance(tree, Sequence) and not isinstance(tree, str):
-        return [_finite(value) for value in tree]
-    return None if isinstance(tree, float) and not math.isfinite(tree) else tree

@@ -1,11 +1,11 @@
-"""JSON from outside: size, number of values and nesting are limited, and every number is finite."""
+"""JSON: from outside its size, number of values and nesting are limited; every number is finite."""
 
 from __future__ import annotations
 
 import hashlib
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from dcrb_ros.schema.refusal import Refusal
@@ -43,6 +43,20 @@ def parsed_json(text: str | bytes, source: str, largest: int = LARGEST, most: in
     except ValueError as error:
         raise Refusal(f"{source} is not valid JSON: {error}") from None
     return value
+
+
+def json_text(tree: Any) -> str:
+    """Return a tree as indented JSON, with null for a number that JSON does not have."""
+    return json.dumps(with_nulls(tree), indent=2, allow_nan=False)
+
+
+def with_nulls(tree: Any) -> Any:
+    """Return a tree with NaN and infinity replaced by null, since JSON has neither."""
+    if isinstance(tree, Mapping):
+        return {key: with_nulls(value) for key, value in tree.items()}
+    if isinstance(tree, Sequence) and not isinstance(tree, str):
+        return [with_nulls(value) for value in tree]
+    return None if isinstance(tree, float) and not math.isfinite(tree) else tree
 
 
 def digest_of(entries: Mapping[str, Any], key: str) -> str:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.text.json import DEEPEST, MOST_DIGITS, parsed_json
+from dcrb_ros.text.json import DEEPEST, MOST_DIGITS, json_text, parsed_json
 
 
 def test_the_size_of_a_text_is_limited() -> None:
@@ -38,3 +40,8 @@ def test_bytes_are_read_as_utf_8() -> None:
     assert parsed_json('"é"'.encode(), "it") == "é"
     with pytest.raises(Refusal, match="it is not valid JSON"):
         parsed_json(b'"\xff"', "it")
+
+
+def test_a_number_that_json_does_not_have_is_null() -> None:
+    tree = {"peak": math.inf, "levels": (1.5, math.nan), "name": "nan", "boxes": {"a": -math.inf}}
+    assert parsed_json(json_text(tree), "text") == {"peak": None, "levels": [1.5, None], "name": "nan", "boxes": {"a": None}}
