@@ -49,7 +49,7 @@ class AxisComparison:
     octaves: Floats
     """Middles of the octaves, shape (octaves,), empty below a sampling rate of 393 Hz [Hz]."""
     kurtosis: tuple[Floats, Floats]
-    """Kurtosis in each octave, 3 for noise [-]."""
+    """Kurtosis in each octave, 3 for noise, NaN without a signal [-]."""
     orders: Floats
     """Orders of the envelope spectra, empty without a speed [-]."""
     envelopes: tuple[Floats, Floats]
@@ -80,10 +80,13 @@ class AxisComparison:
 
     @property
     def kurtosis_distance(self) -> float:
-        """Root mean square over the octaves of the difference of the logarithms of the kurtosis; NaN without an octave [-]."""
-        if not len(self.octaves):
-            return math.nan
-        return float(np.sqrt(np.mean(np.log(self.kurtosis[1] / self.kurtosis[0]) ** 2)))
+        """Root mean square over the octaves of the difference of the logarithms of the kurtosis [-].
+
+        Octaves without a signal in either recording are left out; NaN if none is left.
+        """
+        ratio = self.kurtosis[1] / self.kurtosis[0]
+        ratio = ratio[np.isfinite(ratio)]
+        return float(np.sqrt(np.mean(np.log(ratio) ** 2))) if len(ratio) else math.nan
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -220,17 +223,18 @@ def _axis(waveforms: list[Waveform], axis: str) -> AxisComparison:
 
 
 def octave_kurtosis(signal: Floats, rate: int) -> tuple[Floats, Floats]:
-    """Return the middles of the octaves from 125 Hz [Hz] and the kurtosis in each, shapes (octaves,) [-]."""
+    """Return the middles of the octaves from 125 Hz [Hz] and the kurtosis in each, NaN without a signal, shapes (octaves,) [-]."""
     from scipy.signal import butter, sosfilt
 
     middles, values = [], []
-    middle = 125.0
+    middle, least = 125.0, np.finfo(np.float64).eps ** 2 * float(np.mean(signal**2))  # of rounding
     while middle * math.sqrt(2.0) <= NYQUIST_SHARE * rate:
         edges = [middle / math.sqrt(2.0), middle * math.sqrt(2.0)]
         filtered = sosfilt(butter(3, edges, "bandpass", fs=rate, output="sos"), signal)[rate // 20 :]
         power = filtered**2
         middles.append(middle)
-        values.append(float(np.mean(power**2) / max(float(np.mean(power)) ** 2, np.finfo(np.float64).tiny)))
+        mean = float(np.mean(power))
+        values.append(float(np.mean((power / mean) ** 2)) if mean > least else math.nan)
         middle *= 2.0
     return np.array(middles), np.array(values)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -117,7 +118,7 @@ def compare(
         return
     for axis in comparison.axes:
         envelope = "unknown" if not len(axis.orders) else f"{axis.envelope_distance:.2f}"
-        kurtosis = "unknown" if not len(axis.octaves) else f"{axis.kurtosis_distance:.2f}"
+        kurtosis = "unknown" if math.isnan(axis.kurtosis_distance) else f"{axis.kurtosis_distance:.2f}"
         print(
             f"{axis.axis}: third octaves {axis.level_distance:.1f} dB apart, {axis.shape_distance:.1f} dB without the mean; "
             f"envelope spectra {envelope}; kurtosis by octave {kurtosis}"

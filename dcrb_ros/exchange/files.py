@@ -41,6 +41,8 @@ MAT_HEADER, MAT_COMPRESSED, MAT_PIECE = 128, 15, 1 << 20
 """Size of the header of a MAT file [bytes], type of a compressed variable, and size of a part that is unpacked at a time [bytes]."""
 LARGEST_MAT_ARRAY = 2**32 - 1024
 """Largest array in a MAT file of version 5 [bytes]: with its name, it has a size of 32 bits."""
+LARGEST_WAV = 2**32 - 1024
+"""Most bytes of samples in a WAV file: with its header, it has a size of 32 bits."""
 LARGEST_ELEMENT = 8
 """Size in memory of a number that a MAT file stores in one byte [bytes]."""
 
@@ -331,7 +333,11 @@ def _write_wav(path: Path, columns: Columns, extra: Columns, rate: float, about:
         raise Refusal(
             f"a WAV file cannot represent gaps, of which the recording has {int(np.sum(steps != 1))}: export it as npz, mat, csv or parquet"
         )
-    wavfile.write(path, round(rate), np.column_stack([columns[name] for name in (*AXES, "shaft_angle") if name in columns]))
+    channels = [columns[name] for name in (*AXES, "shaft_angle") if name in columns]
+    size = np.result_type(*channels).itemsize * sum(map(len, channels))
+    if size > LARGEST_WAV:
+        raise Refusal(f"a WAV file cannot represent {size} bytes of samples, at most {LARGEST_WAV}: export it as npz or parquet")
+    wavfile.write(path, round(rate), np.column_stack(channels))
 
 
 def _write_parquet(path: Path, columns: Columns, extra: Columns, rate: float, about: Mapping[str, Any], show: Show) -> None:

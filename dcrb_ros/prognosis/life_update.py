@@ -61,6 +61,8 @@ def update_remaining_life(
         u_k given u_(k-1) ~ N(rho u_(k-1), 1 - rho^2 + NUGGET)
 
     The correlation, the nugget and the least deviation were chosen on simulated lives: their values are assumptions for other machines.
+    T is at most 20 times the longest known life, or twice the time since the start of the trend if this is longer. The upper end of an
+    interval near this bound comes from it.
 
     Parameters
     ----------

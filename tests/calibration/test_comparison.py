@@ -151,3 +151,17 @@ def test_a_figure_shows_any_name(name: str) -> None:
         extent = artist.get_window_extent()
         assert extent.x0 >= 0.0
         assert extent.x1 <= width
+
+
+@pytest.mark.filterwarnings("error")
+def test_octaves_without_a_signal_are_left_out_of_the_distance() -> None:
+    random = np.random.default_rng(2)
+    noise, impulse = random.standard_normal((51200, 2)), np.zeros((51200, 2))
+    impulse[0] = 1.0  # its response in the octaves above 1 kHz has decayed to 0 after 0.05 s
+    comparison = compare(Waveform.from_arrays(noise, 25600), Waveform.from_arrays(impulse, 25600))
+    axis = comparison.axes[0]
+    known = np.isfinite(axis.kurtosis[1])
+    assert known[:2].all()
+    assert not known[-2:].any()
+    assert axis.kurtosis_distance == pytest.approx(np.sqrt(np.mean(np.log(axis.kurtosis[1][known] / axis.kurtosis[0][known]) ** 2)))
+    comparison_figure(comparison)

@@ -66,6 +66,14 @@ def test_an_array_that_a_mat_file_cannot_represent_is_refused_before_it_is_writt
     assert not (tmp_path / "x.mat").exists()
 
 
+def test_samples_that_a_wav_file_cannot_represent_are_refused_before_they_are_written(tmp_path: Path) -> None:
+    samples = np.broadcast_to(np.float32(0.0), 2**29)  # 2.9 hours at 51.2 kHz, which take no memory
+    columns = {"index": np.arange(2), "ax": samples, "ay": samples}
+    with pytest.raises(Refusal, match="cannot represent 4294967296 bytes of samples, at most 4294966272: export it as npz or parquet"):
+        WRITERS[".wav"](tmp_path / "x.wav", columns, {}, 51200.0, {}, unseen)
+    assert not (tmp_path / "x.wav").exists()
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("command", list(MOST_PER_SAMPLE))
 def test_the_memory_of_a_conversion_is_bounded_by_that_of_its_samples(command: str, tmp_path: Path) -> None:
