@@ -105,10 +105,12 @@ class NodeProgram:
 
         Raises:
             CandidateRefusal: the program does not exist.
-            RuntimeError: other programs did so before the detector started, in `MOST_DOMAINS` domains.
         """
         with ExitStack() as stack:
-            node, spin, publisher, watch = self._in_quiet_domain(feed, stack)
+            try:
+                node, spin, publisher, watch = self._in_quiet_domain(feed, stack)
+            except _NoQuietDomain as error:
+                return f"{error}; the detector was not started"
             answers.rate = self._rate
             process, output = stack.enter_context(_process(self._command, self.domain))
             subscribe(node, feed.answer, answers.receive)
@@ -136,7 +138,10 @@ class NodeProgram:
         used = ""
         for attempt in range(MOST_DOMAINS):
             if attempt:
-                self._reservations.append(ReservedDomain())
+                try:
+                    self._reservations.append(ReservedDomain())
+                except Refusal as refusal:
+                    raise _NoQuietDomain(f"{used}, and {refusal}") from None
             with ExitStack() as trial:
                 node, spin = trial.enter_context(node_in("examiner", self.domain))
                 publisher, watch = Publisher(node, feed.topics), _DomainWatch(node, feed.topics, feed.answer, self.domain)
@@ -144,7 +149,7 @@ class NodeProgram:
                 if not used:
                     stack.enter_context(trial.pop_all())
                     return node, spin, publisher, watch
-        raise RuntimeError(f"{used}; so were {MOST_DOMAINS - 1} others")
+        raise _NoQuietDomain(f"{used}; so were {MOST_DOMAINS - 1} others")
 
     def _connect(self, feed: Feed, publisher: Publisher, node: Any, spin: Any, process: subprocess.Popen[bytes]) -> str:
         """Wait until the detector has subscribed and advertised its topic; return why it has not."""
@@ -204,6 +209,10 @@ class ExternalDetector(NodeProgram):
         diagnoses = Diagnoses()
         diagnoses.failure = self.play(_recording_feed(recording), diagnoses)
         return diagnoses
+
+
+class _NoQuietDomain(Exception):
+    """Other programs publish on the topics of the exam in every domain that was tried."""
 
 
 class _DomainWatch:
