@@ -36,15 +36,18 @@ def main() -> None:
     parser.add_argument("--longest", default="60", help="longest part of a measured recording [s]")
     parser.add_argument("--workers", default="0", help="number of parallel runs; 0 for one per core")
     given = parser.parse_args()
-    evaluate([given.exam, *(["--recordings", given.recordings] if given.recordings else [])], given.output, given.workers)
+    failed = evaluate([given.exam, *(["--recordings", given.recordings] if given.recordings else [])], given.output, given.workers)
     measured = given.output / "measured"
     if given.measured:
-        evaluate(["--measured", given.measured, "--longest", given.longest], measured, given.workers)
+        failed += evaluate(["--measured", given.measured, "--longest", given.longest], measured, given.workers)
     subprocess.run([*DCRB, "exam", "table", str(given.output), *(["--measured", str(measured)] if given.measured else [])], check=True)
+    if failed:
+        sys.exit(f"without an entry: {'; '.join(failed)}")
 
 
-def evaluate(what: list[str], output: Path, workers: str) -> None:
-    """Write an entry of every detector into a folder."""
+def evaluate(what: list[str], output: Path, workers: str) -> list[str]:
+    """Write an entry of every detector into a folder; return those that failed, and their exit status."""
+    failed = []
     output.mkdir(parents=True, exist_ok=True)
     for name, place in {**{name: str(HERE / file) for name, file in families().items()}, SHIPPED: SHIPPED_CLASS}.items():
         began = time.monotonic()
@@ -53,8 +56,9 @@ def evaluate(what: list[str], output: Path, workers: str) -> None:
         command = [*DCRB, "score", *what, "--python", place, "--name", name, "--entry", str(entry), "--quiet", "--workers", workers]
         done = subprocess.run(command, stdout=subprocess.DEVNULL, check=False)
         if done.returncode not in (0, 1) or not entry.is_file():
-            sys.exit(f"{name} ended with status {done.returncode}")
+            failed.append(f"{name} ended with status {done.returncode}")
         print(f"{name}: {time.monotonic() - began:.0f} s", flush=True)
+    return failed
 
 
 if __name__ == "__main__":
