@@ -5,7 +5,8 @@ from __future__ import annotations
 import csv
 import itertools
 import re
-from collections.abc import Callable, Iterator
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,8 @@ TWO_INTEGERS = re.compile(r"[-+]?[0-9]+,[0-9]+([eE][-+]?[0-9]+)?")
 NOT_A_NUMBER = re.compile(r"could not convert string (.*) to \w+ at row \d+, column (\d+)", re.DOTALL)
 COLUMNS_CHANGED = re.compile(r"the number of columns changed from \d+ to \d+")
 """Errors of `numpy.loadtxt`, which counts rows instead of lines."""
+COMPARED_LINES = 100
+"""Last lines in which the number of decimals is compared."""
 LONGEST_SHOWN = 40
 """Longest text of a file in an error message [characters]."""
 UNKNOWN = ("na", "n/a", "null", "none", "-", "?")
@@ -63,12 +66,13 @@ def _read(path: Path) -> tuple[tuple[str, ...], Callable[[str | int], Array]]:
             f"{path} begins with {first.strip()[:LONGEST_SHOWN]!r}, which has numbers or unknown values beside words: write the names of "
             "the columns in the first line, none of them a number, nan for an unknown value, and a # before other lines above them"
         )
-    number = 0
+    number, latest = 0, deque[str](maxlen=COMPARED_LINES)
 
     def filled(stream: Iterator[str]) -> Iterator[str]:
         nonlocal number
         for number, line in enumerate(stream, 1):  # noqa: B007
             if line.strip():
+                latest.append(line)
                 yield line
 
     with path.open(encoding="utf-8-sig") as stream:
@@ -87,6 +91,11 @@ def _read(path: Path) -> tuple[tuple[str, ...], Callable[[str | int], Array]]:
             table = np.loadtxt(itertools.chain([begin], lines), delimiter=delimiter, ndmin=2, comments=None)
         except ValueError as error:
             raise Refusal(f"{path} cannot be read as CSV: line {number}{_mistake_in_table(str(error))}") from None
+    if _is_cut_off(latest):
+        raise Refusal(
+            f"{path} may be cut off: it ends with {latest[-1][-LONGEST_SHOWN:]!r}, without a line end, and its last number has fewer "
+            "decimals than those before: copy it again, or end or delete the last line"
+        )
 
     def column(name: str | int) -> Array:
         if not isinstance(name, str) or not headed:
@@ -101,6 +110,12 @@ def _read(path: Path) -> tuple[tuple[str, ...], Callable[[str | int], Array]]:
         return np.asarray(table[:, names.index(name)])
 
     return names if headed else tuple(str(k + 1) for k in range(table.shape[1])), column
+
+
+def _is_cut_off(lines: Sequence[str]) -> bool:
+    """Return whether the last line has no end, and its last number fewer characters after the point than those of all lines before."""
+    *before, last = (line.rpartition(".")[2] if "." in line else "" for line in lines)
+    return len(before) == COMPARED_LINES - 1 and not last.endswith("\n") and len(last) < min(len(text.rstrip()) for text in before)
 
 
 def _fields(line: str, delimiter: str | None) -> tuple[str, ...]:

@@ -336,6 +336,17 @@ def test_a_csv_file_that_was_cut_off_is_refused_in_words_of_the_file(tmp_path: P
     assert "usecols" not in str(caught.value)
 
 
+def test_a_csv_file_that_was_cut_off_inside_its_last_number_is_refused(tmp_path: Path) -> None:
+    path, whole = tmp_path / "x.csv", "de\n" + "".join(f"{-(0.5 ** (k % 5)):.6f}\n" for k in range(150))
+    for text in (whole, whole[:-1], f"{whole}0.5\n", whole[:-20]):
+        path.write_text(text, encoding="utf-8")
+        assert len(channel(read_external(path), path, "de")) >= 147
+    for missing in range(2, 9):
+        path.write_text(whole[:-missing], encoding="utf-8")
+        with pytest.raises(Refusal, match=r"may be cut off: it ends with .* fewer decimals .* copy it again, or end or delete"):
+            read_external(path)
+
+
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [
