@@ -71,7 +71,7 @@ def corrugation(
         missing = [box.name for box in description.boxes if box.name not in spectra]
         if len(description.axles) < 2 or len(missing) == len(description.boxes):
             return None
-        return Status("waiting", f"a corrugated rail cannot be told without a spectrum of {', '.join(missing)}"), {}
+        return Status("waiting", f"a corrugated rail cannot be recognised without a spectrum of {', '.join(missing)}"), {}
     for side, other_side in itertools.permutations(SIDES):
         pairs = [(f"{axle}/{side}", f"{axle}/{other_side}") for axle in both]
         first = pairs[0][0]

@@ -60,7 +60,7 @@ def test_without_a_sound_sensor_the_track_waits_for_it() -> None:
     signals["axle_2/right"] = np.zeros_like(signals["axle_2/right"][0]), signals["axle_2/right"][1]
     track = last(signals).statuses["track"]
     assert track.verdict == "waiting"
-    assert track.reason == "a corrugated rail cannot be told without a spectrum of axle_2/right"
+    assert track.reason == "a corrugated rail cannot be recognised without a spectrum of axle_2/right"
 
 
 def test_a_line_in_both_boxes_of_the_driven_wheelset_is_the_motors() -> None:
